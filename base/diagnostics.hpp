@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe {
+
+/// The names of the files a world was read from, shared by what points into them.
+class SourceFiles {
+ public:
+  /// The number of a file; the same name gives the same number.
+  std::uint32_t add(std::string_view name);
+  const std::string& name(std::uint32_t file) const { return names_[file]; }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+/// A place in an input file. Line 0: the file as a whole; an invalid file: a world built by a program.
+struct Where {
+  static constexpr std::uint32_t k_no_file = ~0u;
+  std::uint32_t file = k_no_file;
+  std::uint32_t line = 0;
+};
+
+enum class Severity { note, warning, error };
+
+struct Finding {
+  Severity severity;
+  Where where;
+  std::string message;
+};
+
+/// Bad input: the message lists every finding, a line each, as `maze.world:41: error: ...`.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Collects what is wrong with an input, so that a load reports everything at once.
+/// Not thread-safe: a parallel loader gives each task its own and appends them in order.
+class Diagnostics {
+ public:
+  Diagnostics();
+
+  const std::shared_ptr<SourceFiles>& files() const { return files_; }
+
+  void error(Where where, std::string message);
+  void warning(Where where, std::string message);
+  /// Counts a warning that is reported once for all places: `(and 99 more)` follows the first.
+  void warning_once(Where where, std::string message);
+
+  bool has_errors() const { return errors_ > 0; }
+  std::span<const Finding> findings() const { return findings_; }
+  /// One finding as `file:line: severity: message`.
+  std::string text(const Finding& finding) const;
+  /// Every warning, a line each; the count stands behind those reported once for many places.
+  std::vector<std::string> warnings() const;
+  /// Throws InputError with every error found, if any was.
+  void throw_if_errors() const;
+
+ private:
+  std::shared_ptr<SourceFiles> files_;
+  std::vector<Finding> findings_;
+  std::vector<std::size_t> repeats_;  // beside findings_: how many more times a warning_once was met
+  std::size_t errors_ = 0;
+};
+
+/// ` (did you mean "omni"?)` when a known name is near, else empty.
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
+/// `a, b, c`.
+std::string comma_list(std::span<const std::string_view> names);
+
+}  // namespace troupe

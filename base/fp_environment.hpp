@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace troupe {
+
+/// Empty when the calling thread computes as IEEE 754 asks (round to nearest, denormals kept); otherwise what
+/// is wrong. A library linked with -ffast-math by gcc switches flush-to-zero on for the thread that loads it.
+std::string fp_environment_fault();
+
+/// Restores round-to-nearest and denormals for the calling thread.
+void restore_fp_environment();
+
+}  // namespace troupe

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace troupe {
+
+/// XXH3, 64 bits: the same value on every platform.
+std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
+std::uint64_t hash_text(std::string_view text);
+
+/// 16 lower-case hex digits.
+std::string hex(std::uint64_t value);
+
+}  // namespace troupe

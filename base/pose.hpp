@@ -1,0 +1,54 @@
+#pragma once
+
+#include "base/math.hpp"
+
+#include <Eigen/Core>
+
+namespace troupe {
+
+using Vec2 = Eigen::Vector2d;
+
+/// Position and heading in 2.5 dimensions: z is a height, rotation is about z only.
+/// Metres and radians; +x forward, +y left, counter-clockwise positive. A variable of this type names both
+/// frames: pose_world_body places the body's frame in the world's.
+struct Pose {
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  double heading = 0;
+
+  Vec2 position() const { return {x, y}; }
+  friend bool operator==(const Pose&, const Pose&) = default;
+};
+
+/// A rotation kept as its sine and cosine, for use on many points.
+struct Rotation {
+  double cos = 1;
+  double sin = 0;
+
+  Rotation() = default;
+  explicit Rotation(double heading) {
+    const SinCos s = sincos(heading);
+    cos = s.cos;
+    sin = s.sin;
+  }
+  Vec2 operator*(const Vec2& v) const { return {v.x() * cos - v.y() * sin, v.x() * sin + v.y() * cos}; }
+};
+
+/// A pose whose rotation is worked out, for use on many points.
+struct Transform {
+  Vec2 position = Vec2::Zero();
+  Rotation rotation;
+
+  Transform() = default;
+  explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
+  Vec2 operator*(const Vec2& point) const { return position + rotation * point; }
+};
+
+/// pose_a_c from pose_a_b and pose_b_c; the heading is wrapped into [-pi, pi].
+inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
+  const Vec2 p = Transform(pose_a_b) * pose_b_c.position();
+  return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};
+}
+
+}  // namespace troupe

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace troupe {
+
+/// Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC 2011).
+/// A pure function: the same counter and key give the same four words on every machine.
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+
+/// The stream number of a kind of noise: the hash of its kind's name and its instance's name, so that adding
+/// one noisy sensor changes the numbers of no other.
+std::uint32_t stream_id(std::string_view kind, std::string_view instance);
+
+/// The random numbers of one entity, in one stream, at one tick: draw k is a pure function of
+/// (seed, stream, entity, tick, k). Nothing holds generator state between ticks.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
+
+  /// 32 uniform bits.
+  std::uint32_t bits();
+  /// Uniform in [0, 1), 53 bits; uses two draws.
+  double uniform();
+  /// Uniform in [low, high).
+  double uniform(double low, double high);
+  /// Uniform in 0 .. n-1, without bias; n must be positive.
+  std::uint32_t below(std::uint32_t n);
+  /// Normal with mean 0 and standard deviation 1 (Box-Muller; uses four draws).
+  double normal();
+  /// Exponential with mean 1.
+  double exponential();
+  /// Fisher-Yates.
+  template <class Sequence>
+  void shuffle(Sequence& items) {
+    for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {
+      using std::swap;
+      swap(items[n - 1], items[below(n)]);
+    }
+  }
+
+ private:
+  std::array<std::uint32_t, 2> key_;
+  std::array<std::uint32_t, 4> counter_;  // {k, stream, entity, tick}
+  std::array<std::uint32_t, 4> block_{};
+  unsigned left_ = 0;
+};
+
+/// A 64-bit mixture of its arguments, for priorities: every bit depends on every input bit.
+std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id);
+
+}  // namespace troupe

@@ -1,0 +1,58 @@
+#include "engine/fields.hpp"
+
+#include "base/math.hpp"
+
+#include <array>
+
+namespace troupe::engine {
+
+int FieldTable::find(std::string_view name) const {
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (fields[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+Record FieldTable::defaults() const {
+  Record record;
+  record.reserve(fields.size());
+  for (const Field& field : fields) {
+    if (field.type == FieldType::record && !field.fallback.given())
+      record.emplace_back(std::vector<Record>{field.record->defaults()});
+    else
+      record.push_back(field.fallback);
+  }
+  return record;
+}
+
+std::span<const UnitSuffix> unit_suffixes(Unit unit) {
+  constexpr double k_deg = k_pi / 180.0;
+  static constexpr std::array<UnitSuffix, 3> meters{{{"_m", "m", 1}, {"_cm", "cm", 0.01}, {"_mm", "mm", 0.001}}};
+  static constexpr std::array<UnitSuffix, 2> angle{{{"_rad", "rad", 1}, {"_deg", "deg", k_deg}}};
+  static constexpr std::array<UnitSuffix, 2> seconds{{{"_s", "s", 1}, {"_ms", "ms", 0.001}}};
+  static constexpr std::array<UnitSuffix, 1> speed{{{"_mps", "m/s", 1}}};
+  static constexpr std::array<UnitSuffix, 2> turn{{{"_radps", "rad/s", 1}, {"_degps", "deg/s", k_deg}}};
+  static constexpr std::array<UnitSuffix, 1> rate{{{"_per_s", "1/s", 1}}};
+  static constexpr std::array<UnitSuffix, 1> bare{{{"", "", 1}}};
+  switch (unit) {
+    case Unit::meters: return meters;
+    case Unit::radians: return angle;
+    case Unit::seconds: return seconds;
+    case Unit::meters_per_second: return speed;
+    case Unit::radians_per_second: return turn;
+    case Unit::per_second: return rate;
+    case Unit::none: break;
+  }
+  return bare;
+}
+
+const FieldTable& pose_fields() {
+  static const FieldTable table{{
+      {.name = "x", .unit = Unit::meters, .fallback = 0.0, .text = "forward"},
+      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .text = "left"},
+      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .text = "up"},
+      {.name = "heading", .unit = Unit::radians, .fallback = 0.0, .text = "counter-clockwise from +x"},
+  }};
+  return table;
+}
+
+}  // namespace troupe::engine

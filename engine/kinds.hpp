@@ -1,0 +1,141 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/pose.hpp"
+#include "base/random.hpp"
+#include "engine/fields.hpp"
+#include "engine/state_table.hpp"
+
+#include <any>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+struct TypeSpec;
+class World;
+
+/// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
+/// A kind turns its parameters once, when the world is built, into whatever it likes to run with
+/// (`prepare`), and is then called for batches of rows, never for one robot.
+
+/// A half-open range of positions in World::order(): rows that lie near one another.
+struct Batch {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+/// A model kind: what a Stage world file may create. Part of the registry so that loaders share the defaults.
+struct ModelKind {
+  std::string_view name;
+  std::string_view text;
+  Eigen::Vector3d size{0.4, 0.4, 1.0};
+  Color color{1, 0, 0, 1};
+  bool has_default_body = true;
+  FieldTable params;
+};
+
+struct SensorKind {
+  std::string_view name;
+  std::string_view text;
+  FieldTable params;
+  /// Parameters -> what `sense` needs; also says how many float32 readings a row has.
+  struct Prepared {
+    std::any data;
+    std::vector<StateField> percepts;  ///< element fields of the sensor's state table
+    double reach_m = 0;                ///< radius of the declared query about the body's origin
+    std::size_t beams = 0;             ///< rays cast each time it runs
+  };
+  Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
+  /// Writes the percepts of every row it is given; reads S(k) only.
+  void (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
+};
+
+/// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
+struct Command {
+  double x = 0;
+  double y = 0;
+  double turn = 0;
+};
+
+struct Velocity {
+  double x = 0;     ///< m/s, body frame, forward
+  double y = 0;     ///< m/s, body frame, left
+  double turn = 0;  ///< rad/s
+};
+
+struct DriveKind {
+  std::string_view name;
+  std::string_view text;
+  FieldTable params;
+  std::any (*prepare)(const Record& params);
+  /// Velocities of a batch from their commands, bounds applied. Sizes are equal.
+  void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
+};
+
+/// What one robot's controller sees in a tick.
+struct Percept {
+  std::uint64_t tick = 0;  ///< the tick being decided; 1 is the first
+  double time_s = 0;       ///< world time at its end
+  double tick_s = 0;
+  std::uint32_t body = 0;
+  /// Readings of the sensors it asked for in `prepare`, in that order (ranges, m).
+  std::span<const std::span<const float>> ranges;
+};
+
+/// What it may do: slots of its own body, already holding the last values.
+struct Actions {
+  Command& command;
+};
+
+struct ControllerKind {
+  std::string_view name;
+  std::string_view text;
+  FieldTable params;
+  /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
+  std::vector<StateField> memory;
+  std::size_t memory_bytes = 0;
+  /// Starts a memory (placement-constructs the struct in zeroed bytes).
+  void (*start)(std::byte* memory);
+
+  struct Prepared {
+    std::any data;
+    std::vector<std::size_t> sensors;  ///< indices into TypeSpec::sensors; the first is the trigger
+  };
+  /// Chooses among the sensors of the type those that no controller before it has `claimed`, and marks its own.
+  /// Returns an error text in `fault` where the type lacks what the controller needs.
+  Prepared (*prepare)(const Record& params, const TypeSpec& type, std::vector<bool>& claimed,
+                      std::string& fault);
+  void (*decide)(const std::any& data, const Percept& percept, std::byte* memory, Random& random,
+                 Actions& actions);
+};
+
+/// Everything a world can be made of. Passed in, never global; assembled in troupe/registry.cpp.
+struct Registry {
+  std::vector<ModelKind> models;
+  std::vector<SensorKind> sensors;
+  std::vector<DriveKind> drives;
+  std::vector<ControllerKind> controllers;
+
+  /// A controller with its parameters already chosen, under a name of its own (Stage's expand_swarm).
+  struct Preset {
+    std::string_view name;
+    std::string_view kind;
+    std::string_view text;
+    std::vector<std::pair<std::string_view, Value>> params;
+  };
+  std::vector<Preset> presets;
+
+  const ModelKind* model(std::string_view name) const;
+  const SensorKind* sensor(std::string_view name) const;
+  const DriveKind* drive(std::string_view name) const;
+  const ControllerKind* controller(std::string_view name) const;
+  const Preset* preset(std::string_view name) const;
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,102 @@
+#include "engine/state_table.hpp"
+
+#include "base/assert.hpp"
+#include "base/hash.hpp"
+
+#include <cstring>
+
+namespace troupe::engine {
+
+std::size_t element_size(Element element) {
+  switch (element) {
+    case Element::f64:
+    case Element::i64:
+    case Element::u64: return 8;
+    case Element::f32:
+    case Element::i32:
+    case Element::u32: return 4;
+    case Element::u8: break;
+  }
+  return 1;
+}
+
+std::string_view element_name(Element element) {
+  switch (element) {
+    case Element::f64: return "float64";
+    case Element::f32: return "float32";
+    case Element::i64: return "int64";
+    case Element::i32: return "int32";
+    case Element::u64: return "uint64";
+    case Element::u32: return "uint32";
+    case Element::u8: break;
+  }
+  return "uint8";
+}
+
+std::string_view hash_group_name(HashGroup group) {
+  switch (group) {
+    case HashGroup::pose: return "pose";
+    case HashGroup::velocity: return "velocity";
+    case HashGroup::sensor: return "sensor";
+    case HashGroup::memory: break;
+  }
+  return "memory";
+}
+
+StateTable::StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
+                       std::vector<BodyId> ids, std::size_t row_bytes)
+    : component_(std::move(component)),
+      group_(group),
+      layout_(layout),
+      fields_(std::move(fields)),
+      ids_(std::move(ids)),
+      component_hash_(hash_text(component_)) {
+  constexpr std::size_t k_align = 64;  // a cache line: columns of different fields never share one
+  const bool packed = row_bytes > 0;
+  std::size_t end = 0;
+  for (StateField& field : fields_) {
+    const std::size_t width = element_size(field.element) * field.columns;
+    hashed_bytes_ += width;
+    if (layout_ == Layout::columns) {
+      starts_.push_back(end);
+      strides_.push_back(width);
+      end = (end + width * ids_.size() + k_align - 1) / k_align * k_align;
+    } else {
+      if (!packed) {
+        const std::size_t align = element_size(field.element);
+        field.offset = static_cast<std::uint32_t>((row_bytes + align - 1) / align * align);
+        row_bytes = field.offset + width;
+      }
+      starts_.push_back(field.offset);
+    }
+  }
+  if (layout_ == Layout::rows) {
+    row_bytes_ = packed ? row_bytes : (row_bytes + 7) / 8 * 8;
+    strides_.assign(fields_.size(), row_bytes_);
+    end = row_bytes_ * ids_.size();
+  }
+  data_.assign(end, std::byte{0});
+}
+
+std::uint64_t StateTable::hash_row(std::size_t row) const {
+  // Rows are gathered field by field, so that padding and layout never reach the hash.
+  constexpr std::size_t k_small = 1024;
+  std::byte small[k_small];
+  std::vector<std::byte> large;
+  std::byte* out = small;
+  if (hashed_bytes_ + 4 > k_small) {
+    large.resize(hashed_bytes_ + 4);
+    out = large.data();
+  }
+  std::byte* p = out;
+  std::memcpy(p, &ids_[row].value, 4);
+  p += 4;
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
+    std::memcpy(p, data_.data() + starts_[f] + row * strides_[f], width);
+    p += width;
+  }
+  return hash_bytes({out, hashed_bytes_ + 4}, component_hash_);
+}
+
+}  // namespace troupe::engine

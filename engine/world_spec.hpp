@@ -1,0 +1,102 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/diagnostics.hpp"
+#include "base/geometry.hpp"
+#include "base/ids.hpp"
+#include "engine/fields.hpp"
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace troupe::engine {
+
+/// What a world file says, expanded: plain data that a loader makes from any format, that a program can fill
+/// by hand, and that engine::World is built from. Lengths in metres, angles in radians, times in seconds.
+
+/// How a model shows itself to others.
+struct Returns {
+  bool obstacle = true;       ///< takes part in collisions
+  float ranger = 1;           ///< below 0: rays pass; else the intensity a ranger reads
+  friend bool operator==(const Returns&, const Returns&) = default;
+};
+
+/// One model of a type's tree, rigidly attached to the root.
+struct PartSpec {
+  std::string name;  ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string kind;  ///< model kind: "position", "ranger", ...
+  Pose pose_body_part;
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
+  std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
+  Returns returns;
+  std::optional<Color> color;  ///< not given: the body's own
+  Where where;
+};
+
+struct SensorSpec {
+  std::string name;  ///< of the part that carries it, or as the type names it
+  std::string kind;
+  Record params;          ///< by the kind's field table
+  Pose pose_body_sensor;  ///< frame in which the kind's parameters are given
+  double period_s = 0;    ///< 0: every tick
+  bool active = true;     ///< runs without a subscriber
+  Where where;
+};
+
+struct DriveSpec {
+  std::string kind = "diff";
+  Record params;
+  double period_s = 0;  ///< 0: every tick
+  Where where;
+};
+
+struct ControllerSpec {
+  std::string kind;
+  Record params;
+  Where where;
+};
+
+/// What identical bodies share.
+struct TypeSpec {
+  std::string name;
+  std::vector<PartSpec> parts;  ///< depth first; part 0 is the root
+  std::optional<DriveSpec> drive;
+  std::vector<SensorSpec> sensors;
+  std::vector<ControllerSpec> controllers;
+};
+
+struct BodySpec {
+  std::string name;
+  TypeId type;
+  Pose pose_world_body;
+  Color color;
+  Where where;
+};
+
+enum class RangingEngine { exact };
+
+struct WorldSpec {
+  std::string title;
+  std::shared_ptr<SourceFiles> files;  ///< what the Where of each value points into; may be null
+  std::uint64_t seed = 1;
+  double tick_s = 0.1;
+  std::optional<double> quit_time_s;
+  RangingEngine ranging = RangingEngine::exact;
+  /// Where robots may go; one that would leave is held. Not given: +-100 km.
+  std::optional<Box> bounds;
+  std::vector<TypeSpec> types;
+  /// BodyId is the position in this list. Body 0 is the ground: make_ground().
+  std::vector<BodySpec> bodies;
+  /// Other names of bodies (Stage keeps generated names as aliases): name -> body.
+  std::unordered_map<std::string, BodyId> aliases;
+};
+
+/// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.
+void add_ground(WorldSpec& spec);
+
+/// The reader of a world format sees only the parts it needs of a type: true when anything of it can move.
+inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
+
+}  // namespace troupe::engine

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "base/geometry.hpp"
+
+#include <span>
+#include <vector>
+
+namespace troupe::partition {
+
+/// A body as the overlap predicate sees it: convex prisms in the body's frame.
+struct ObstacleShape {
+  std::vector<ConvexPrism> pieces;
+  double radius = 0;    ///< of the circle about the body's origin that encloses every piece, m
+  double thinnest = 0;  ///< smallest width of any piece, m
+  ZInterval z;          ///< of all pieces
+
+  bool empty() const { return pieces.empty(); }
+};
+
+/// Prepares a shape from the obstacle solids of a body.
+ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
+
+/// True when the two bodies share area at a common height; touching is not overlap.
+/// Exact polygon against polygon (separating axes), in double. The caller passes the body with the lower id
+/// first, so that the bits of the answer do not depend on who asks.
+bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,
+             const Pose& pose_world_b);
+
+}  // namespace troupe::partition

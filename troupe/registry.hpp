@@ -1,0 +1,10 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+namespace troupe {
+
+/// Every model, sensor, drive and controller that Troupe ships: the explicit list.
+engine::Registry make_registry();
+
+}  // namespace troupe

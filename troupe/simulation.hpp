@@ -1,0 +1,156 @@
+#pragma once
+
+#include "base/pose.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+
+/// How a world is loaded and run. Nothing here but `seed`, `robots` and `set` changes a result.
+struct SimulationOptions {
+  /// Worker threads; 0: one for each core.
+  unsigned threads = 0;
+  /// Edge of the tiles that are the unit of parallel work, m; 0: chosen from body sizes and sensor ranges.
+  double tile_size_m = 0;
+  /// Replaces the world's seed.
+  std::optional<std::uint64_t> seed;
+  /// Population sizes: name -> count; an empty name means the world's only population.
+  std::vector<std::pair<std::string, std::size_t>> robots;
+  /// JSON pointer -> value ("/populations/0/count" -> "500").
+  std::vector<std::pair<std::string, std::string>> set;
+};
+
+/// The phases of a tick, in their order.
+enum class Phase : std::uint8_t { sense, decide, move, index };
+inline constexpr std::size_t k_phases = 4;
+std::string_view phase_name(Phase phase);
+
+/// Counters of a run, since tick 0.
+struct Statistics {
+  std::size_t robots = 0;
+  std::uint64_t ticks = 0;
+  double time_s = 0;
+  std::uint64_t beams = 0;          ///< rays cast, counted where they are cast
+  std::size_t stalled = 0;          ///< robots whose last motion was refused
+  std::size_t held_at_bounds = 0;   ///< robots whose last motion would have left the world
+  double mean_displacement_m = 0;   ///< of robots, straight from where they started
+  std::uint64_t conflict_rounds = 0;
+};
+
+class Simulation;
+
+/// A model of a simulation, found by its name. A light handle: valid while its simulation lives.
+class Model {
+ public:
+  const std::string& name() const;
+  /// Global pose, m and rad.
+  Pose pose() const;
+  /// Extent as declared in the world, m.
+  Eigen::Vector3d size() const;
+  /// Commanded speeds: forward and left in m/s, turn in rad/s (the steering angle in rad for a car). They act
+  /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides them.
+  void set_speed(double forward, double left, double turn);
+  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
+  /// Velocity of the last tick, body frame.
+  struct Speed {
+    double forward = 0, left = 0, turn = 0;
+  };
+  Speed speed() const;
+  /// True when the last motion was refused.
+  bool stalled() const;
+
+  /// Names of its sensors, in the order of the world.
+  std::vector<std::string> sensors() const;
+  /// Readings of a ranger, m, one a beam: the whole sensor, counter-clockwise within each transducer.
+  /// Empty `sensor`: the first. The span stays valid, and shows new readings after each step.
+  /// Throws std::out_of_range with the known names when there is no such sensor, and std::logic_error when it
+  /// is not running (subscribe first).
+  std::span<const float> ranges(std::string_view sensor = {}) const;
+  /// Intensities beside ranges(); empty unless the ranger has `intensity` switched on.
+  std::span<const float> intensities(std::string_view sensor = {}) const;
+
+ private:
+  friend class Simulation;
+  Model(Simulation* simulation, std::uint32_t body, std::string part);
+  Simulation* simulation_;
+  std::uint32_t body_;
+  std::string part_;
+};
+
+/// A world and its state. Not thread-safe: one thread calls it; it runs on `threads` workers of its own.
+/// Several may live in one process.
+class Simulation {
+ public:
+  /// Loads a world file (Stage `.world` or Troupe JSON).
+  /// Throws InputError that lists everything wrong with it, each finding as `file:line: error: ...`.
+  explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// What the loader warned of, as `file:line: warning: ...`.
+  const std::vector<std::string>& warnings() const;
+  /// Options as they took effect, `key=value` each, for logs.
+  std::vector<std::pair<std::string, std::string>> effective_options() const;
+
+  /// One tick: sense, decide, move, index.
+  void step();
+  /// Steps until `seconds` more of world time have passed.
+  void run_for(double seconds);
+
+  double time_s() const;
+  std::uint64_t tick() const;
+  double tick_s() const;
+  std::size_t robots() const;
+  std::string title() const;
+  /// Where the world itself asks to end.
+  std::optional<double> quit_time_s() const;
+
+  /// The model of this name. Throws std::out_of_range with near names when there is none.
+  Model find(std::string_view name);
+  /// Names of all robots, in id order.
+  std::vector<std::string> robot_names() const;
+  /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.
+  void subscribe(std::string_view model);
+
+  /// Hash of the whole state, docs/determinism.md.
+  std::uint64_t state_hash() const;
+  /// The same by group: pose, velocity, sensor, memory.
+  struct Hashes {
+    std::uint64_t state = 0, pose = 0, velocity = 0, sensor = 0, memory = 0;
+  };
+  Hashes hashes() const;
+  /// First lines of a hash log: `# key: value` each, free to differ between runs that agree.
+  std::string hash_log_header() const;
+  /// One line of a hash log: `tick state pose=... velocity=... sensor=... memory=...`.
+  std::string hash_log_line() const;
+
+  Statistics statistics() const;
+  unsigned threads() const;
+  /// Called as each phase begins, and once more with no phase as the tick ends; for timing.
+  void on_phase(std::function<void(std::optional<Phase>)> callback);
+
+  /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
+  /// no render, or the file cannot be written.
+  void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
+
+ private:
+  friend class Model;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Version, compiler, flags, instruction set and assertion state, on one line.
+std::string version_line();
+
+}  // namespace troupe

@@ -1,0 +1,5 @@
+#pragma once
+
+/// The public face of Troupe: one include for programs that use the library.
+#include "base/diagnostics.hpp"
+#include "troupe/simulation.hpp"

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "base/diagnostics.hpp"
+#include "base/geometry.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+
+/// Which pixels of an image are solid: first channel <= 127. Row 0 is the top.
+struct Bitmap {
+  int width = 0;
+  int height = 0;
+  std::vector<bool> solid;  // row-major
+
+  bool at(int x, int y) const {
+    return x >= 0 && y >= 0 && x < width && y < height && solid[static_cast<std::size_t>(y) * width + x];
+  }
+};
+
+/// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, when the file is missing or no image.
+std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
+
+/// The outlines of the solid pixels as closed rings, holes included, collinear runs merged; pixel units, +y up
+/// (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.
+std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
+
+/// Scales the contours of several solids together so that their common bounding box fills `size` and is
+/// centred; z is multiplied by size.z / (z_max - z_min) and not shifted.
+void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size);
+
+}  // namespace troupe::worldio

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "base/diagnostics.hpp"
+#include "engine/kinds.hpp"
+#include "engine/world_spec.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+
+/// What the command line changes in a world while it is read.
+struct LoadOptions {
+  std::optional<std::uint64_t> seed;
+  /// Sizes of populations: name -> count; an empty name means the world's only population.
+  std::vector<std::pair<std::string, std::size_t>> robots;
+  /// JSON pointer -> value as text ("/populations/0/count" -> "500"); a text that is not JSON is a string.
+  std::vector<std::pair<std::string, std::string>> set;
+  /// Directories searched by base name for a world or include that is not where it was said to be.
+  std::vector<std::filesystem::path> search_path;
+};
+
+/// Reads a world: Stage syntax for `.world`, ours for `.json`; another ending is an error that says so.
+/// Everything that is wrong is collected in `diagnostics`; the result is meaningless when it has errors.
+engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
+                             const LoadOptions& options, Diagnostics& diagnostics);
+
+/// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative paths.
+engine::WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+                                   const engine::Registry& registry, const LoadOptions& options,
+                                   Diagnostics& diagnostics);
+engine::WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
+                                  const engine::Registry& registry, const LoadOptions& options,
+                                  Diagnostics& diagnostics);
+
+}  // namespace troupe::worldio
