@@ -16,20 +16,23 @@
 namespace troupe::render {
 namespace {
 
-/// Pictures are drawn in tiles of at most this side: 2048^2 pixels of 4 samples, colour and depth, take 134 MB,
-/// so a poster of 16384^2 needs no more than that beside its own pixels.
+/// Pictures are drawn in tiles of at most this side: 2048^2 pixels of 4 samples, colour and depth, take 134
+/// MB, so a poster of 16384^2 needs no more than that beside its own pixels.
 constexpr int k_tile = 2048;
 constexpr int k_samples = 4;
 
-#define TROUPE_GL_FUNCTIONS(X)                                                                              \
-  X(glAttachShader) X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray)         \
-  X(glBlendFuncSeparate) X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) X(glClear) X(glClearColor)\
-  X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDepthFunc) X(glDrawArraysInstanced)           \
-  X(glEnable) X(glEnableVertexAttribArray) X(glFramebufferRenderbuffer) X(glGenBuffers)                     \
-  X(glGenFramebuffers) X(glGenRenderbuffers) X(glGenVertexArrays) X(glGetError) X(glGetIntegerv)            \
-  X(glGetProgramInfoLog) X(glGetProgramiv) X(glGetUniformLocation) X(glLinkProgram) X(glPixelStorei)        \
-  X(glReadPixels) X(glRenderbufferStorageMultisample) X(glShaderSource) X(glUniform2f) X(glUseProgram)      \
-  X(glVertexAttribDivisor) X(glVertexAttribIPointer) X(glVertexAttribPointer) X(glViewport)
+#define TROUPE_GL_FUNCTIONS(X)                                                                            \
+  X(glAttachShader)                                                                                       \
+  X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray) X(glBlendFuncSeparate)  \
+      X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) X(glClear) X(glClearColor)         \
+          X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDepthFunc) X(glDrawArraysInstanced) \
+              X(glEnable) X(glEnableVertexAttribArray) X(glFramebufferRenderbuffer) X(glGenBuffers)       \
+                  X(glGenFramebuffers) X(glGenRenderbuffers) X(glGenVertexArrays) X(glGetError)           \
+                      X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) X(glGetUniformLocation)   \
+                          X(glLinkProgram) X(glPixelStorei) X(glReadPixels)                               \
+                              X(glRenderbufferStorageMultisample) X(glShaderSource) X(glUniform2f)        \
+                                  X(glUseProgram) X(glVertexAttribDivisor) X(glVertexAttribIPointer)      \
+                                      X(glVertexAttribPointer) X(glViewport)
 
 struct Gl {
 #define TROUPE_GL_MEMBER(name) decltype(&::name) name;
@@ -74,8 +77,8 @@ void main() { pixel = color; }
 
 GLuint link_program(const Gl& gl) {
   const GLuint program = gl.glCreateProgram();
-  for (const auto& [kind, source] : {std::pair{GL_VERTEX_SHADER, k_vertex_shader},
-                                     std::pair{GL_FRAGMENT_SHADER, k_fragment_shader}}) {
+  for (const auto& [kind, source] :
+       {std::pair{GL_VERTEX_SHADER, k_vertex_shader}, std::pair{GL_FRAGMENT_SHADER, k_fragment_shader}}) {
     const GLuint shader = gl.glCreateShader(static_cast<GLenum>(kind));
     gl.glShaderSource(shader, 1, &source, nullptr);
     gl.glCompileShader(shader);
@@ -97,22 +100,25 @@ GLuint make_framebuffer(const Gl& gl, int width, int height, int samples) {
   GLuint framebuffer = 0;
   gl.glGenFramebuffers(1, &framebuffer);
   gl.glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  for (const auto& [attachment, format] : {std::pair{GL_COLOR_ATTACHMENT0, GL_RGBA8},
-                                           std::pair{GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24}}) {
+  for (const auto& [attachment, format] :
+       {std::pair{GL_COLOR_ATTACHMENT0, GL_RGBA8}, std::pair{GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24}}) {
     GLuint buffer = 0;
     gl.glGenRenderbuffers(1, &buffer);
     gl.glBindRenderbuffer(GL_RENDERBUFFER, buffer);
     gl.glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, static_cast<GLenum>(format), width, height);
     gl.glFramebufferRenderbuffer(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_RENDERBUFFER, buffer);
   }
-  if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.glGetError() != GL_NO_ERROR) {
+  if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
+      gl.glGetError() != GL_NO_ERROR) {
     throw std::runtime_error(
         fmt::format("cannot draw: the driver gives no framebuffer of {} x {} pixels", width, height));
   }
   return framebuffer;
 }
 
-void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
+void* byte_offset(std::size_t bytes) {
+  return reinterpret_cast<void*>(bytes);
+}
 
 /// The buffers of a layer, behind one vertex array object.
 GLuint upload(const Gl& gl, const Layer& layer) {
@@ -132,8 +138,8 @@ GLuint upload(const Gl& gl, const Layer& layer) {
   };
 
   gl.glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-  gl.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.mesh.size() * sizeof(Vertex)), layer.mesh.data(),
-                  GL_STATIC_DRAW);
+  gl.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.mesh.size() * sizeof(Vertex)),
+                  layer.mesh.data(), GL_STATIC_DRAW);
   floats(0, 3, sizeof(Vertex), offsetof(Vertex, x));
   floats(1, 2, sizeof(Vertex), offsetof(Vertex, offset_x));
   color(2, sizeof(Vertex), offsetof(Vertex, own));
@@ -169,17 +175,18 @@ void check_size(const Gl& gl, int width, int height) {
   std::array<GLint, 2> limit{};
   gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
   if (width < 1 || height < 1 || width > limit[0] || height > limit[1]) {
-    throw std::runtime_error(fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
-                                         "and this driver draws at most {} x {}",
-                                         width, height, limit[0], limit[1]));
+    throw std::runtime_error(
+        fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
+                    "and this driver draws at most {} x {}",
+                    width, height, limit[0], limit[1]));
   }
 }
 
 }  // namespace
 
 Picture paint(int width, int height, Rgba ground, std::span<const Layer> layers) {
-  // Everything made in the context goes with it. It is not kept for the next picture: a context belongs to the
-  // thread that made it, and making one costs milliseconds.
+  // Everything made in the context goes with it. It is not kept for the next picture: a context belongs to
+  // the thread that made it, and making one costs milliseconds.
   const OsmesaContext context;
   const Gl gl(context);
   check_size(gl, width, height);
@@ -187,7 +194,8 @@ Picture paint(int width, int height, Rgba ground, std::span<const Layer> layers)
   const GLuint program = link_program(gl);
   const ZInterval heights = heights_of(layers);
   gl.glUseProgram(program);
-  gl.glUniform2f(gl.glGetUniformLocation(program, "picture"), static_cast<float>(width), static_cast<float>(height));
+  gl.glUniform2f(gl.glGetUniformLocation(program, "picture"), static_cast<float>(width),
+                 static_cast<float>(height));
   gl.glUniform2f(gl.glGetUniformLocation(program, "heights"), static_cast<float>(heights.min),
                  static_cast<float>(heights.max - heights.min));
   std::vector<GLuint> arrays;

@@ -15,9 +15,10 @@ using Rgba = std::array<std::uint8_t, 4>;
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 struct Vertex {
-  float x, y, z;             ///< body frame, in the units that Instance::size scales
-  float offset_x, offset_y;  ///< added after scaling, pixels, body frame: strokes keep their width at any scale
-  Rgba own;                  ///< the colour of Paint::own
+  float x, y, z;  ///< body frame, in the units that Instance::size scales
+  float offset_x,
+      offset_y;  ///< added after scaling, pixels, body frame: strokes keep their width at any scale
+  Rgba own;      ///< the colour of Paint::own
   Paint paint;
 };
 
@@ -32,7 +33,8 @@ struct Instance {
   Rgba body, edge, mark;
 };
 
-/// One mesh at many places. What is higher covers what is lower; at the same height the later covers the earlier.
+/// One mesh at many places. What is higher covers what is lower; at the same height the later covers the
+/// earlier.
 struct Layer {
   Mesh mesh;
   std::vector<Instance> instances;

@@ -10,8 +10,9 @@
 
 #include <algorithm>
 #include <cfenv>
-#include <cmath>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
 
 namespace troupe::render {
 namespace {
@@ -30,7 +31,7 @@ constexpr double k_margin = 0.03;             // around the scene's bounds, of t
 constexpr double k_furniture_band = 40;       // below the scene's bounds, strokes
 
 /// A robot is drawn at least this wide, strokes: a swarm stays visible in a large world.
-constexpr double k_smallest_robot = 3;
+constexpr double k_smallest_robot = 3.5;
 /// Robots narrower than this, strokes, are plain dots: an outline would hide their colour.
 constexpr double k_smallest_outlined = 7;
 /// Robots narrower than this, strokes, have no heading mark: it would be a speck.
@@ -74,7 +75,8 @@ Framing frame_view(const FrameScene& scene, const View& view) {
 }
 
 /// Bodies by type, without those that lie outside the picture.
-std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene, const std::vector<FrameBody>& bodies,
+std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
+                                                     const std::vector<FrameBody>& bodies,
                                                      const Framing& framing, double smallest) {
   std::vector<double> scales;  // of each type: how much its bodies are enlarged
   for (const FrameType& type : scene.types) {
@@ -87,7 +89,8 @@ std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene, co
     TROUPE_ASSERT(body.type < scene.types.size());
     const double scale = scales[body.type];
     const Vec2 position = body.pose_world_body.position();
-    const double reach = scene.types[body.type].radius * scale + 2 * framing.stroke / framing.pixels_per_metre;
+    const double reach =
+        scene.types[body.type].radius * scale + 2 * framing.stroke / framing.pixels_per_metre;
     if (!Box::around(position, reach).touches(world)) continue;
     const Vec2 place = framing.to_pixels(position);
     const SinCos heading = sincos(body.pose_world_body.heading);
@@ -102,31 +105,32 @@ std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene, co
 }
 
 /// What lies flat on the picture rather than in the world.
-Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
+Layer flat(Mesh mesh, bool on_top) {
+  return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top};
+}
 
+/// The floor plan and whatever else never moves, with a shadow on the floor that lifts it off the paper.
 void add_fixed(std::vector<Layer>& layers, const FrameScene& scene, const Framing& framing) {
   const auto by_type = instances_by_type(scene, scene.fixed, framing, 0);
-  const auto shift = static_cast<float>(2 * framing.stroke);
-  bool first = true;
-  for (std::size_t type = 0; type < by_type.size(); ++type) {
-    if (by_type[type].empty()) continue;
-    Layer shadow{silhouette_mesh(scene.types[type]), by_type[type], std::exchange(first, false)};
-    for (Instance& instance : shadow.instances) {
-      instance.x += shift;
-      instance.y -= shift;
-      instance.body = k_shadow;
-    }
-    layers.push_back(std::move(shadow));
-  }
-  first = true;
+  std::vector<Layer> shadows;
+  std::vector<Layer> bodies;
   for (std::size_t type = 0; type < by_type.size(); ++type) {
     if (by_type[type].empty()) continue;
     const MeshStyle style{static_cast<float>(framing.stroke), false};
-    layers.push_back({body_mesh(scene.types[type], style), by_type[type], std::exchange(first, false)});
+    bodies.push_back({body_mesh(scene.types[type], style), by_type[type], bodies.empty()});
+    shadows.push_back({silhouette(bodies.back().mesh), by_type[type], shadows.empty()});
+    for (Instance& instance : shadows.back().instances) {
+      instance.x += static_cast<float>(2 * framing.stroke);
+      instance.y -= static_cast<float>(2 * framing.stroke);
+      instance.body = k_shadow;
+    }
   }
+  std::ranges::move(shadows, std::back_inserter(layers));
+  std::ranges::move(bodies, std::back_inserter(layers));
 }
 
-void add_mobile(std::vector<Layer>& layers, const FrameScene& scene, const Frame& frame, const Framing& framing) {
+void add_mobile(std::vector<Layer>& layers, const FrameScene& scene, const Frame& frame,
+                const Framing& framing) {
   const auto by_type = instances_by_type(scene, frame.mobile, framing, k_smallest_robot * framing.stroke);
   bool first = true;
   for (std::size_t type = 0; type < by_type.size(); ++type) {

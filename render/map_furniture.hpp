@@ -19,7 +19,8 @@ struct RoundLength {
 
 /// The lines of a floor grid, one pixel wide where strokes are, in pixels about the picture's middle.
 Mesh floor_grid(const Framing& framing);
-/// The scale bar with its length on the left, the simulated time on the right, in the picture's lower corners.
+/// The scale bar with its length on the left, the simulated time on the right, in the picture's lower
+/// corners.
 Mesh scale_and_time(const Framing& framing, double time_s);
 
 }  // namespace troupe::render

@@ -13,8 +13,12 @@ constexpr Rgba k_white = {255, 255, 255, 255};
 constexpr Rgba k_ink = {38, 36, 33, 255};
 
 Vertex corner(const Vec2& p, double z, const Vec2& offset, Paint paint, Rgba own) {
-  return {static_cast<float>(p.x()),      static_cast<float>(p.y()),      static_cast<float>(z),
-          static_cast<float>(offset.x()), static_cast<float>(offset.y()), own,
+  return {static_cast<float>(p.x()),
+          static_cast<float>(p.y()),
+          static_cast<float>(z),
+          static_cast<float>(offset.x()),
+          static_cast<float>(offset.y()),
+          own,
           paint};
 }
 
@@ -35,13 +39,20 @@ void add_outlines(Mesh& mesh, const Solid& solid, double width, Paint paint, Rgb
   }
 }
 
-/// A triangle in the front half of the body's extent, on top of it.
-void add_mark(Mesh& mesh, const FrameType& type) {
+/// Shapes by the height of their tops: blending and equal heights go by the order of drawing.
+std::vector<const FrameShape*> upwards(const FrameType& type) {
+  std::vector<const FrameShape*> shapes;
+  for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);
+  std::ranges::stable_sort(shapes, {}, [](const FrameShape* shape) { return shape->solid.z.max; });
+  return shapes;
+}
+
+/// A triangle at the front of the body's extent, on top of everything, in a colour that shows on what is
+/// under it.
+void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   Box extent;
-  double top = type.shapes.front().solid.z.max;
-  for (const FrameShape& shape : type.shapes) {
-    top = std::max(top, shape.solid.z.max);
-    for (const Ring& ring : shape.solid.contours) {
+  for (const FrameShape* shape : upwards) {
+    for (const Ring& ring : shape->solid.contours) {
       for (const Vec2& p : ring) extent.extend(p);
     }
   }
@@ -51,26 +62,30 @@ void add_mark(Mesh& mesh, const FrameType& type) {
   const double y = extent.center().y();
   const double tip = extent.max.x() - 0.10 * length;
   const double base = tip - 1.3 * half_width;
-  add_convex(mesh, {{tip, y}, {base, y + half_width}, {base, y - half_width}}, top, Paint::mark, {});
-}
 
-/// Shapes by the height of their tops: blending and equal heights go by the order of drawing.
-std::vector<const FrameShape*> upwards(const FrameType& type) {
-  std::vector<const FrameShape*> shapes;
-  for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);
-  std::ranges::stable_sort(shapes, {}, [](const FrameShape* shape) { return shape->solid.z.max; });
-  return shapes;
+  Paint paint = Paint::edge;  // where it sticks out over the floor
+  Rgba own{};
+  const Vec2 middle((tip + 2 * base) / 3, y);
+  for (const FrameShape* shape : upwards) {
+    if (!contains(shape->solid, middle)) continue;
+    paint = shape->color ? Paint::own : Paint::mark;
+    if (shape->color) own = contrasting(to_rgba(*shape->color));
+  }
+  add_convex(mesh, {{tip, y}, {base, y + half_width}, {base, y - half_width}}, upwards.back()->solid.z.max,
+             paint, own);
 }
 
 }  // namespace
 
 Rgba to_rgba(const Color& color) {
-  const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F))); };
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F)));
+  };
   return {byte(color.r), byte(color.g), byte(color.b), byte(color.a)};
 }
 
 Rgba darker(Rgba fill) {
-  const auto shade = [](std::uint8_t v) { return static_cast<std::uint8_t>(v * 55 / 100); };
+  const auto shade = [](std::uint8_t v) { return static_cast<std::uint8_t>(v * 65 / 100); };
   return {shade(fill[0]), shade(fill[1]), shade(fill[2]), fill[3]};
 }
 
@@ -82,7 +97,8 @@ Rgba contrasting(Rgba fill) {
 
 Mesh body_mesh(const FrameType& type, const MeshStyle& style) {
   Mesh mesh;
-  for (const FrameShape* shape : upwards(type)) {
+  const std::vector<const FrameShape*> shapes = upwards(type);
+  for (const FrameShape* shape : shapes) {
     const Rgba own = shape->color ? to_rgba(*shape->color) : Rgba{};
     const Paint fill = shape->color ? Paint::own : Paint::body;
     const Paint edge = shape->color ? Paint::own : Paint::edge;
@@ -91,17 +107,13 @@ Mesh body_mesh(const FrameType& type, const MeshStyle& style) {
     }
     if (style.edge > 0) add_outlines(mesh, shape->solid, style.edge, edge, darker(own));
   }
-  if (style.mark && !type.shapes.empty()) add_mark(mesh, type);
+  if (style.mark) add_mark(mesh, shapes);
   return mesh;
 }
 
-Mesh silhouette_mesh(const FrameType& type) {
-  Mesh mesh;
-  for (const FrameShape* shape : upwards(type)) {
-    for (const ConvexPrism& piece : convex_pieces(shape->solid)) {
-      add_convex(mesh, piece.outline, shape->solid.z.max, Paint::body, {});
-    }
-  }
+Mesh silhouette(Mesh mesh) {
+  std::erase_if(mesh, [](const Vertex& v) { return v.offset_x != 0 || v.offset_y != 0; });
+  for (Vertex& v : mesh) v.paint = Paint::body;
   return mesh;
 }
 
@@ -109,8 +121,9 @@ void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width
   const double length = (b - a).norm();
   const Vec2 along = length > 0 ? Vec2((b - a) * (0.5 * width / length)) : Vec2(0.5 * width, 0);
   const Vec2 across(-along.y(), along.x());
-  const std::array corners = {corner(a, z, -along - across, paint, own), corner(b, z, along - across, paint, own),
-                              corner(b, z, along + across, paint, own), corner(a, z, across - along, paint, own)};
+  const std::array corners = {
+      corner(a, z, -along - across, paint, own), corner(b, z, along - across, paint, own),
+      corner(b, z, along + across, paint, own), corner(a, z, across - along, paint, own)};
   for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.push_back(corners[k]);
 }
 

@@ -6,7 +6,7 @@ namespace troupe::render {
 
 struct MeshStyle {
   float edge = 0;     ///< width of the outline of each contour, pixels; 0: none
-  bool mark = false;  ///< a triangle that points forward
+  bool mark = false;  ///< a triangle that points forward, at the front
 };
 
 Rgba to_rgba(const Color& color);
@@ -17,8 +17,8 @@ Rgba contrasting(Rgba fill);
 
 /// The top faces of a type in its body frame, metres; the lower shapes come first.
 Mesh body_mesh(const engine::FrameType& type, const MeshStyle& style);
-/// The same without outlines and mark, all in the body's colour.
-Mesh silhouette_mesh(const engine::FrameType& type);
+/// The same without its strokes, all in the body's colour.
+Mesh silhouette(Mesh mesh);
 
 /// A line from a to b with square ends that reach half its width beyond them, so that corners close.
 /// The ends are in mesh units, the width in pixels.

@@ -51,8 +51,8 @@ void* open_osmesa(std::span<const char* const> library_names) {
     const char* const reason = dlerror();
     reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
   }
-  throw std::runtime_error(
-      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}", reasons));
+  throw std::runtime_error(fmt::format(
+      "cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}", reasons));
 }
 
 OsmesaContext::OsmesaContext() {

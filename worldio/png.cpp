@@ -37,7 +37,8 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 bool encode_rows(png_structp png, png_infop info, const Image& image, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-               PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
   if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(png, info);
   const std::size_t stride = 4 * static_cast<std::size_t>(image.width);
@@ -49,8 +50,8 @@ bool encode_rows(png_structp png, png_infop info, const Image& image, std::vecto
 std::string encode(const Image& image, const std::vector<std::pair<std::string, std::string>>& text) {
   if (image.width < 1 || image.height < 1 ||
       image.rgba.size() != 4 * static_cast<std::size_t>(image.width) * image.height) {
-    throw std::runtime_error(
-        fmt::format("an image of {} x {} pixels with {} bytes", image.width, image.height, image.rgba.size()));
+    throw std::runtime_error(fmt::format("an image of {} x {} pixels with {} bytes", image.width,
+                                         image.height, image.rgba.size()));
   }
   std::vector<png_text> texts;
   for (const auto& [key, value] : text) {
@@ -83,7 +84,8 @@ void write_whole(const std::filesystem::path& file, const std::string& bytes) {
 
   std::FILE* const out = std::fopen(partial.c_str(), "wb");
   if (!out) throw failed();
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
+  const bool written =
+      std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
   const int write_error = errno;
   const bool closed = std::fclose(out) == 0;
   if (!written) errno = write_error;
