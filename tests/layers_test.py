@@ -15,8 +15,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# What each folder may include, besides itself. `sensors` and `models` are siblings, so are `worldio` and `render`:
-# the engine and the registry bring them together.
+# What each folder may include, besides itself. `sensors`, `models`, `worldio` and `render` are siblings: the engine and
+# the registry bring them together.
 BELOW = {
     "base": [],
     "partition": ["base"],
