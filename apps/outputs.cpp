@@ -16,7 +16,9 @@ namespace {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  // Made absolute first: weakly_canonical leaves a relative name that does not exist yet as it is.
+  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }
 
 void check_output(const fs::path& file) {
