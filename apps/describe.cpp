@@ -85,13 +85,17 @@ std::string range_text(const Field& field) {
   return unit.empty() ? range : range + " " + unit;
 }
 
-/// How the field is written in JSON: "fov_rad, fov_deg".
+/// How the field is written in JSON: "fov_rad (_deg)".
 std::string key_text(const Field& field) {
-  std::string text;
-  for (const engine::UnitSuffix& unit : engine::unit_suffixes(field.unit))
-    text += fmt::format("{}{}{}", text.empty() ? "" : ", ", field.name, unit.suffix);
-  return text;
+  const auto units = engine::unit_suffixes(field.unit);
+  std::string others;
+  for (const engine::UnitSuffix& unit : units.subspan(1))
+    others += fmt::format("{}{}", others.empty() ? "" : ", ", unit.suffix);
+  return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
 }
+
+/// A longer entry pushes the rest of its own line to the right, not everybody's.
+constexpr std::size_t k_max_column = 36;
 
 using Line = std::array<std::string, 4>;
 
@@ -112,7 +116,8 @@ std::string fields_text(const FieldTable& table) {
   add_lines(table, "", lines);
   std::array<std::size_t, 3> widths{};
   for (const Line& line : lines)
-    for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+    for (std::size_t i = 0; i < widths.size(); ++i)
+      if (line[i].size() <= k_max_column) widths[i] = std::max(widths[i], line[i].size());
   std::string text;
   for (const Line& line : lines) {
     std::string row = fmt::format("  {:<{}}  {:<{}}  {:<{}}  {}", line[0], widths[0], line[1], widths[1],
@@ -180,8 +185,9 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
     throw InputError(fmt::format("troupe describe: error: unknown kind \"{}\"; known: {}{}", name,
                                  comma_list(known), did_you_mean(name, known)));
   }
-  text.pop_back();  // the blank line that would stand last
-  return text;
+  return text +
+         "Defaults and ranges are in the first unit of a key; those in brackets may take its place in "
+         "JSON.\n";
 }
 
 }  // namespace troupe::apps
