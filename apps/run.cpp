@@ -73,9 +73,10 @@ std::uint64_t peak_rss_bytes() {
 double end_of(const RunOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
+  const bool json = options.world.extension() == ".json";
   throw InputError(
-      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set quit_time in the world",
-                  options.world.string()));
+      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set {} in the world",
+                  options.world.string(), json ? "quit_time_s" : "quit_time"));
 }
 
 void print_options(const RunOptions& options, const Simulation& simulation, double end_s) {
