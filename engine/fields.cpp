@@ -46,11 +46,18 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
 }
 
 const FieldTable& pose_fields() {
+  constexpr double k_reach = 100000;    // m: how far a world reaches
+  constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
   static const FieldTable table{{
-      {.name = "x", .unit = Unit::meters, .fallback = 0.0, .text = "forward"},
-      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .text = "left"},
-      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .text = "up"},
-      {.name = "heading", .unit = Unit::radians, .fallback = 0.0, .text = "counter-clockwise from +x"},
+      {.name = "x", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "forward"},
+      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "left"},
+      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "up"},
+      {.name = "heading",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = -k_turns,
+       .max = k_turns,
+       .text = "counter-clockwise from +x"},
   }};
   return table;
 }
