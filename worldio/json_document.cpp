@@ -234,7 +234,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
     const std::string& token = (*tokens)[i];
     const bool last = i + 1 == tokens->size();
     const std::string parent = path.empty() ? "the world" : path;
-    path += "/" + escape_pointer_token(token);
+    path += '/';
+    path += escape_pointer_token(token);
     if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
       const auto index = list_index(token, list->size());
       if (!index) {

@@ -258,7 +258,8 @@ void WorldReader::read_types(JsonObject& object) {
 
 void WorldReader::read_model(const JsonCursor& at) {
   JsonObject object(at);
-  Model model{.pointer = at.pointer()};
+  Model model;
+  model.pointer = at.pointer();
   model.body.where = at.where();
   model.body.name = read_name(object, "model");
   model.body.type = read_type_name(object);
