@@ -21,10 +21,13 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
   return dx * dx + dy * dy <= reach * reach;
 }
 
-std::int64_t cell_of(double x, double cell_m) { return static_cast<std::int64_t>(std::floor(x / cell_m)); }
+std::int64_t cell_of(double x, double cell_m) {
+  return static_cast<std::int64_t>(std::floor(x / cell_m));
+}
 
 double cells_along(double length, double pitch) {
-  return std::floor(length / pitch + 1e-9) + 1;  // 3 m at a pitch of 0.1 m are 31 cells, whatever rounding says
+  return std::floor(length / pitch + 1e-9) +
+         1;  // 3 m at a pitch of 0.1 m are 31 cells, whatever rounding says
 }
 
 }  // namespace
@@ -41,7 +44,8 @@ partition::ObstacleShape obstacle_shape(const TypeSpec& type) {
 
 std::size_t Crowd::slot_of(const std::vector<Slot>& slots, std::int64_t x, std::int64_t y) {
   const std::size_t mask = slots.size() - 1;
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
+  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
+                    static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
   h ^= h >> 29;
   h *= 0xbf58476d1ce4e5b9u;
   std::size_t i = static_cast<std::size_t>(h ^ (h >> 32)) & mask;
@@ -59,7 +63,8 @@ void Crowd::add(const partition::ObstacleShape& shape, const Pose& pose) {
   exponent = std::max(exponent, k_finest);
   auto level = std::ranges::find(levels_, exponent, &Level::exponent);
   if (level == levels_.end()) {
-    levels_.push_back({.exponent = exponent, .cell_m = std::ldexp(1.0, exponent), .slots = std::vector<Slot>(64)});
+    levels_.push_back(
+        {.exponent = exponent, .cell_m = std::ldexp(1.0, exponent), .slots = std::vector<Slot>(64)});
     level = levels_.end() - 1;
   }
 
@@ -81,7 +86,8 @@ void Crowd::add(const partition::ObstacleShape& shape, const Pose& pose) {
 template <class Visit>
 bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
   for (const Level& level : levels_) {
-    const double reach = radius + 0.5 * level.cell_m + 1e-6;  // margin as in circles_meet, for metres up to 100 km
+    const double reach =
+        radius + 0.5 * level.cell_m + 1e-6;  // margin as in circles_meet, for metres up to 100 km
     const std::int64_t x0 = cell_of(pose.x - reach, level.cell_m), x1 = cell_of(pose.x + reach, level.cell_m);
     const std::int64_t y0 = cell_of(pose.y - reach, level.cell_m), y1 = cell_of(pose.y + reach, level.cell_m);
     const double cells = static_cast<double>(x1 - x0 + 1) * static_cast<double>(y1 - y0 + 1);
@@ -92,7 +98,8 @@ bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
     }
     for (std::int64_t x = x0; x <= x1; ++x)
       for (std::int64_t y = y0; y <= y1; ++y)
-        for (std::uint32_t body = level.slots[slot_of(level.slots, x, y)].first; body != k_none; body = bodies_[body].next)
+        for (std::uint32_t body = level.slots[slot_of(level.slots, x, y)].first; body != k_none;
+             body = bodies_[body].next)
           if (!visit(body)) return false;
   }
   return true;

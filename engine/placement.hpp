@@ -17,7 +17,8 @@ namespace troupe::engine {
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
 
 /// Bodies that stand somewhere, found by where they are. A body lies in the cell of its centre, at the level
-/// whose cells are as wide as the body, so that one truck does not widen every query; the cells change no answer.
+/// whose cells are as wide as the body, so that one truck does not widen every query; the cells change no
+/// answer.
 class Crowd {
  public:
   /// Adds body number size(). The shape is referred to and must outlive the crowd. A shape without pieces is
@@ -28,7 +29,8 @@ class Crowd {
   /// True when no body of the crowd overlaps a later one of this shape at this pose.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
   /// The numbers of those that do, ascending.
-  std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
+  std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
+                                       const Pose& pose_world_body) const;
 
  private:
   static constexpr std::uint32_t k_none = ~0u;
@@ -80,8 +82,8 @@ struct PlacementRule {
 double grid_cells(const PlacementRule& rule);
 
 /// Poses for bodies 0, 1, ... of a population, one after another, each free of the static scene, of the crowd
-/// and of those before it; they join the crowd. Stops where one finds no place: the result is then shorter than
-/// `count`. The pose of body k does not depend on `count`, nor on any cell size: its draws are those of
+/// and of those before it; they join the crowd. Stops where one finds no place: the result is then shorter
+/// than `count`. The pose of body k does not depend on `count`, nor on any cell size: its draws are those of
 /// (seed, population, k, trial).
 /// Time is linear in the count plus the grid cells passed over. Poses outside of `bounds` are not free.
 /// The caller keeps grid_cells() below 2^32.

@@ -24,10 +24,17 @@ std::optional<double> as_number(const JsonNode& node) {
   return std::nullopt;
 }
 
-std::string limit(double si, const UnitSuffix& suffix) { return fmt::format("{:.10g}", si / suffix.to_si); }
+std::string limit(double si, const UnitSuffix& suffix) {
+  return fmt::format("{:.10g}", si / suffix.to_si);
+}
 
 std::string with_symbol(std::string text, const UnitSuffix& suffix) {
   if (!suffix.symbol.empty()) text += fmt::format(" {}", suffix.symbol);
+  return text;
+}
+
+std::string in_unit(std::string text, const UnitSuffix& suffix) {
+  if (!suffix.symbol.empty()) text += fmt::format(" in {}", suffix.symbol);
   return text;
 }
 
@@ -35,7 +42,7 @@ std::string with_symbol(std::string text, const UnitSuffix& suffix) {
 std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
   const std::optional<double> given = as_number(at.node());
   if (!given) {
-    at.expected(with_symbol("a number", suffix));
+    at.expected(in_unit("a number", suffix));
     return std::nullopt;
   }
   double si = *given * suffix.to_si;
@@ -43,7 +50,8 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
   constexpr double k_rounding = 1e-14;
   if (si > field.max && si <= field.max + k_rounding * std::abs(field.max)) si = field.max;
   if (si < field.min && si >= field.min - k_rounding * std::abs(field.min)) si = field.min;
-  if (std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min)) return si;
+  if (std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min))
+    return si;
   const std::string limits = limits_text(field, suffix);
   at.error(fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, *given));
   return std::nullopt;
@@ -77,7 +85,8 @@ Value read_text_field(const JsonCursor& at, const Field& field) {
     at.expected(field.choices.empty() ? "a text" : fmt::format("one of {}", comma_list(field.choices)));
     return {};
   }
-  if (!field.choices.empty() && std::find(field.choices.begin(), field.choices.end(), *text) == field.choices.end()) {
+  if (!field.choices.empty() &&
+      std::find(field.choices.begin(), field.choices.end(), *text) == field.choices.end()) {
     at.error(unknown_name(field.name, *text, field.choices));
     return {};
   }
@@ -87,8 +96,9 @@ Value read_text_field(const JsonCursor& at, const Field& field) {
 Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
   const JsonNode::List* list = at.node().list();
   if (!list || (field.columns > 0 && list->size() != field.columns)) {
-    at.expected(with_symbol(field.columns > 0 ? fmt::format("a list of {} numbers", field.columns) : "a list of numbers",
-                            suffix));
+    at.expected(
+        in_unit(field.columns > 0 ? fmt::format("a list of {} numbers", field.columns) : "a list of numbers",
+                suffix));
     return {};
   }
   std::vector<double> numbers;
@@ -111,13 +121,17 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       if (const bool* x = std::get_if<bool>(&at.node().value)) return *x;
       at.expected("true or false");
       return {};
-    case FieldType::integer: return read_integer(at, field);
+    case FieldType::integer:
+      return read_integer(at, field);
     case FieldType::number:
       if (const auto x = read_number(at, field, suffix)) return *x;
       return {};
-    case FieldType::text: return read_text_field(at, field);
-    case FieldType::numbers: return read_numbers(at, field, suffix);
-    case FieldType::record: return std::vector<Record>{read_record(at, *field.record)};
+    case FieldType::text:
+      return read_text_field(at, field);
+    case FieldType::numbers:
+      return read_numbers(at, field, suffix);
+    case FieldType::record:
+      return std::vector<Record>{read_record(at, *field.record)};
     case FieldType::records: {
       const JsonNode::List* list = read_list(at);
       if (!list) return {};
@@ -140,8 +154,10 @@ Value read_under_its_keys(JsonObject& object, const Field& field, bool& present)
     const JsonNode* node = object.find(key);
     if (!node) continue;
     const JsonCursor at(object.at(), key, *node);
-    if (present) at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
-    else value = read_in_unit(at, field, suffix);
+    if (present)
+      at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
+    else
+      value = read_in_unit(at, field, suffix);
     present = true;
   }
   if (field.unit != Unit::none) {
@@ -149,7 +165,8 @@ Value read_under_its_keys(JsonObject& object, const Field& field, bool& present)
     for (const JsonMember& member : *members) {
       if (member.key != field.name) continue;
       object.find(field.name);
-      object.at().error_at(member.where, fmt::format("\"{}\" needs its unit: write {}", field.name, quoted_keys(field)));
+      object.at().error_at(member.where,
+                           fmt::format("\"{}\" needs its unit: write {}", field.name, quoted_keys(field)));
       present = true;
     }
   }
@@ -177,7 +194,8 @@ Record read_fields(JsonObject& object, const FieldTable& table,
     const Field& field = table.fields[i];
     bool present = false;
     Value value = read_under_its_keys(object, field, present);
-    if (value.given()) record[i] = std::move(value);
+    if (value.given())
+      record[i] = std::move(value);
     else if (!present && !record[i].given())
       object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
   }
@@ -198,12 +216,14 @@ std::string limits_text(const Field& field, const UnitSuffix& suffix) {
   const bool low = std::isfinite(field.min);
   const bool high = std::isfinite(field.max);
   if (low && high && field.above_min)
-    return with_symbol(fmt::format("above {} and at most {}", limit(field.min, suffix), limit(field.max, suffix)),
-                       suffix);
+    return with_symbol(
+        fmt::format("above {} and at most {}", limit(field.min, suffix), limit(field.max, suffix)), suffix);
   if (low && high)
-    return with_symbol(fmt::format("from {} to {}", limit(field.min, suffix), limit(field.max, suffix)), suffix);
+    return with_symbol(fmt::format("from {} to {}", limit(field.min, suffix), limit(field.max, suffix)),
+                       suffix);
   if (low)
-    return with_symbol(fmt::format("{} {}", field.above_min ? "above" : "at least", limit(field.min, suffix)), suffix);
+    return with_symbol(fmt::format("{} {}", field.above_min ? "above" : "at least", limit(field.min, suffix)),
+                       suffix);
   if (high) return with_symbol(fmt::format("at most {}", limit(field.max, suffix)), suffix);
   return {};
 }

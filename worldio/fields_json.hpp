@@ -18,8 +18,8 @@ engine::Value read_field(JsonObject& object, const engine::Field& field);
 /// and reported, where it is wrong.
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
-/// Every field of a table. What is absent takes its value from `presets` if it stands there, else its default;
-/// a required field that is absent is an error. The record is complete unless errors were reported.
+/// Every field of a table. What is absent takes its value from `presets` if it stands there, else its
+/// default; a required field that is absent is an error. The record is complete unless errors were reported.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 

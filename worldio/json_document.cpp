@@ -49,7 +49,11 @@ class TreeBuilder {
  public:
   TreeBuilder(std::string_view text, const Progress& progress, Where start, bool fixed_place,
               Diagnostics& diagnostics)
-      : text_(text), progress_(progress), start_(start), fixed_place_(fixed_place), diagnostics_(diagnostics) {}
+      : text_(text),
+        progress_(progress),
+        start_(start),
+        fixed_place_(fixed_place),
+        diagnostics_(diagnostics) {}
 
   bool null() { return add(std::monostate{}); }
   bool boolean(bool x) { return add(x); }
@@ -76,9 +80,11 @@ class TreeBuilder {
   }
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& fault) {
-    // The reader's message: "[json.exception...] parse error at line 2, column 3: what"; the line is ours to say.
+    // The reader's message: "[json.exception...] parse error at line 2, column 3: what"; the line is ours to
+    // say.
     std::string_view message = fault.what();
-    if (const std::size_t end = message.find("] "); end != std::string_view::npos) message.remove_prefix(end + 2);
+    if (const std::size_t end = message.find("] "); end != std::string_view::npos)
+      message.remove_prefix(end + 2);
     if (message.starts_with("parse error at line "))
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
@@ -134,9 +140,10 @@ class TreeBuilder {
     for (const JsonMember& member : members) {
       const auto [first, fresh] = seen.emplace(member.key, member.where);
       if (fresh) continue;
-      diagnostics_.error(member.where, fixed_place_ ? fmt::format("the key \"{}\" stands here twice", member.key)
-                                                    : fmt::format("the key \"{}\" already stands on line {}",
-                                                                  member.key, first->second.line));
+      diagnostics_.error(member.where, fixed_place_
+                                           ? fmt::format("the key \"{}\" stands here twice", member.key)
+                                           : fmt::format("the key \"{}\" already stands on line {}",
+                                                         member.key, first->second.line));
     }
   }
 
@@ -204,8 +211,9 @@ std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixe
   const std::size_t before = diagnostics.findings().size();
   Progress progress;
   TreeBuilder builder(text, progress, start, fixed_place, diagnostics);
-  const bool whole = nlohmann::json::sax_parse(CountingIterator(text.data(), &progress),
-                                               CountingIterator(text.data() + text.size(), &progress), &builder);
+  const bool whole =
+      nlohmann::json::sax_parse(CountingIterator(text.data(), &progress),
+                                CountingIterator(text.data() + text.size(), &progress), &builder);
   if (!whole || diagnostics.findings().size() > before) return std::nullopt;
   return builder.take();
 }
@@ -243,7 +251,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {
-        diagnostics.error(where, fmt::format("{} has {} entries, there is no {}", parent, list->size(), path));
+        diagnostics.error(where,
+                          fmt::format("{} has {} entries, there is no {}", parent, list->size(), path));
         return;
       }
       if (*index == list->size()) list->emplace_back();
@@ -253,7 +262,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
       if (!member && !last) {
         std::vector<std::string_view> known;
         for (const JsonMember& m : *members) known.push_back(m.key);
-        diagnostics.error(where, fmt::format("{} has no \"{}\"{}", parent, token, did_you_mean(token, known)));
+        diagnostics.error(where,
+                          fmt::format("{} has no \"{}\"{}", parent, token, did_you_mean(token, known)));
         return;
       }
       at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
@@ -268,9 +278,12 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
 std::string escape_pointer_token(std::string_view token) {
   std::string escaped;
   for (const char c : token) {
-    if (c == '~') escaped += "~0";
-    else if (c == '/') escaped += "~1";
-    else escaped += c;
+    if (c == '~')
+      escaped += "~0";
+    else if (c == '/')
+      escaped += "~1";
+    else
+      escaped += c;
   }
   return escaped;
 }

@@ -28,9 +28,7 @@ struct JsonNode {
   const std::string* text() const { return std::get_if<std::string>(&value); }
   /// The member of this key, or null; null too where this is no object.
   const JsonNode* find(std::string_view key) const;
-  JsonNode* find(std::string_view key) {
-    return const_cast<JsonNode*>(std::as_const(*this).find(key));
-  }
+  JsonNode* find(std::string_view key) { return const_cast<JsonNode*>(std::as_const(*this).find(key)); }
   /// For messages: `a number`, `the text "abc"`, `a list`, ...
   std::string describe() const;
 };

@@ -44,8 +44,8 @@ void JsonObject::finish() const {
   if (!members_) return;
   for (const JsonMember& member : *members_)
     if (std::ranges::find(known_, member.key) == known_.end())
-      at_.error_at(member.where,
-                   unknown_name("key", member.key, std::vector<std::string_view>(known_.begin(), known_.end())));
+      at_.error_at(member.where, unknown_name("key", member.key,
+                                              std::vector<std::string_view>(known_.begin(), known_.end())));
 }
 
 const JsonNode::List* read_list(const JsonCursor& at) {
@@ -64,7 +64,8 @@ const std::string* read_text(const JsonCursor& at, std::string_view what) {
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
   std::ranges::sort(known);
   if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
-  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(known), did_you_mean(name, known));
+  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(known),
+                     did_you_mean(name, known));
 }
 
 }  // namespace troupe::worldio

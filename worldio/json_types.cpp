@@ -27,7 +27,9 @@ const Field k_size{.name = "size",
                    .columns = 3,
                    .above_min = true};
 
-Ring rectangle(double x, double y) { return {{-x / 2, -y / 2}, {x / 2, -y / 2}, {x / 2, y / 2}, {-x / 2, y / 2}}; }
+Ring rectangle(double x, double y) {
+  return {{-x / 2, -y / 2}, {x / 2, -y / 2}, {x / 2, y / 2}, {-x / 2, y / 2}};
+}
 
 /// Sign of the turn a -> b -> c.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -36,8 +38,8 @@ int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
 }
 
 bool within_box(const Vec2& a, const Vec2& b, const Vec2& p) {
-  return p.x() >= std::min(a.x(), b.x()) && p.x() <= std::max(a.x(), b.x()) && p.y() >= std::min(a.y(), b.y()) &&
-         p.y() <= std::max(a.y(), b.y());
+  return p.x() >= std::min(a.x(), b.x()) && p.x() <= std::max(a.x(), b.x()) &&
+         p.y() >= std::min(a.y(), b.y()) && p.y() <= std::max(a.y(), b.y());
 }
 
 /// True when the closed segments share a point.
@@ -67,7 +69,8 @@ void read_block(const JsonCursor& at, std::vector<Solid>& solids) {
   const engine::FieldTable z_table{{z_field}};
   const Value z = read_fields(object, z_table)[0];
   if (z.given() && z.numbers()[0] >= z.numbers()[1])
-    at.error(fmt::format("\"z_m\" must rise from min to max, found {:.10g} and {:.10g}", z.numbers()[0], z.numbers()[1]));
+    at.error(fmt::format("\"z_m\" must rise from min to max, found {:.10g} and {:.10g}", z.numbers()[0],
+                         z.numbers()[1]));
   object.finish();
   if (points.empty() || !z.given()) return;
   if (signed_area(points) < 0) std::ranges::reverse(points);
@@ -87,8 +90,8 @@ bool read_boolean(JsonObject& object, std::string_view name, bool fallback) {
 
 /// Looks up the `kind` that an object names; null, and reported, where there is none of this name.
 template <class Find>
-auto read_kind(JsonObject& object, std::string_view what, const std::vector<std::string_view>& known, Find find)
-    -> decltype(find(std::string_view())) {
+auto read_kind(JsonObject& object, std::string_view what, const std::vector<std::string_view>& known,
+               Find find) -> decltype(find(std::string_view())) {
   const JsonNode* node = object.require("kind", fmt::format("one of {}", comma_list(known)));
   if (!node) return nullptr;
   const JsonCursor cursor(object.at(), "kind", *node);
@@ -119,7 +122,8 @@ std::optional<engine::DriveSpec> read_drive(const JsonCursor& at, const engine::
   return drive;
 }
 
-void read_sensor(const JsonCursor& at, const engine::Registry& registry, std::vector<engine::SensorSpec>& sensors) {
+void read_sensor(const JsonCursor& at, const engine::Registry& registry,
+                 std::vector<engine::SensorSpec>& sensors) {
   JsonObject object(at);
   const JsonNode* name_node = object.find("name");
   const engine::SensorKind* kind = read_kind(object, "sensor", names(registry.sensors),
@@ -189,7 +193,8 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
   if (const JsonNode* node = object.find("color")) type.color = read_color(JsonCursor(at, "color", *node));
   root.returns = read_returns(object);
 
-  if (const JsonNode* node = object.find("drive")) type.spec.drive = read_drive(JsonCursor(at, "drive", *node), registry);
+  if (const JsonNode* node = object.find("drive"))
+    type.spec.drive = read_drive(JsonCursor(at, "drive", *node), registry);
   each_of("sensors", [&](const JsonCursor& cursor) { read_sensor(cursor, registry, type.spec.sensors); });
 
   const JsonNode* one = object.find("controller");
@@ -215,10 +220,13 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
 }
 
 Pose read_pose(JsonObject& object) {
-  const Value value = read_field(object, {.name = "pose", .type = FieldType::record, .record = &engine::pose_fields()});
+  const Value value =
+      read_field(object, {.name = "pose", .type = FieldType::record, .record = &engine::pose_fields()});
   if (!value.given()) return {};
   const engine::Record& fields = value.records()[0];
-  const auto number = [&](std::string_view name) { return engine::get(engine::pose_fields(), fields, name).number(); };
+  const auto number = [&](std::string_view name) {
+    return engine::get(engine::pose_fields(), fields, name).number();
+  };
   return {number("x"), number("y"), number("z"), number("heading")};
 }
 
@@ -288,13 +296,13 @@ std::string outline_fault(const Ring& ring) {
         return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
       }))
     return "the outline has no area";
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
       return fmt::format("the outline turns back on itself at point {}", (i + 1) % n);
+  for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n && j + 1 < n + i; ++j)
       if (segments_meet(at(i), at(i + 1), at(j), at(j + 1)))
         return fmt::format("the outline crosses or touches itself: the edges from points {} and {}", i, j);
-  }
   return {};
 }
 

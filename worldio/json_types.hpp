@@ -30,11 +30,13 @@ Pose read_pose(JsonObject& object);
 engine::Returns read_returns(JsonObject& object);
 /// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
 std::optional<Color> read_color(const JsonCursor& at);
-/// Pairs of metres: [[x, y], ...]. Empty, and reported, where they are wrong or number fewer or more than asked.
+/// Pairs of metres: [[x, y], ...]. Empty, and reported, where they are wrong or number fewer or more than
+/// asked.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// What is wrong with a ring as the outline of a block: repeated points, crossing edges, no area. Empty: nothing.
+/// What is wrong with a ring as the outline of a block: repeated points, crossing edges, no area. Empty:
+/// nothing.
 std::string outline_fault(const Ring& ring);
 
 }  // namespace troupe::worldio

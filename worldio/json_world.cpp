@@ -129,7 +129,8 @@ class WorldReader {
   void read_heading(JsonObject& object, PlacementRule& rule);
   void place_bodies();
   void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
-  void place_population(const Population& population, const partition::StaticScene& scene, engine::Crowd& crowd);
+  void place_population(const Population& population, const partition::StaticScene& scene,
+                        engine::Crowd& crowd);
   void report_repeated_names();
 
   std::string read_name(JsonObject& object, std::string_view what);
@@ -141,7 +142,7 @@ class WorldReader {
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
   WorldSpec spec_;
-  std::vector<std::optional<Color>> type_colors_;  // beside spec_.types
+  std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   std::vector<Model> models_;
   std::vector<Population> populations_;
@@ -149,10 +150,12 @@ class WorldReader {
 };
 
 void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t> seed) {
-  if (const JsonNode* node = object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
+  if (const JsonNode* node =
+          object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
     const auto* version = std::get_if<std::int64_t>(&node->value);
     const JsonCursor at(object.at(), "troupe", *node);
-    if (!version) at.expected(fmt::format("the version of the format, {}", k_version));
+    if (!version)
+      at.expected(fmt::format("the version of the format, {}", k_version));
     else if (*version != k_version)
       at.error(fmt::format("format version {} is not known: this version reads {}", *version, k_version));
   }
@@ -163,15 +166,20 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
   if (const JsonNode* node = object.find("seed")) {
     const auto* small = std::get_if<std::int64_t>(&node->value);
     const auto* big = std::get_if<std::uint64_t>(&node->value);
-    if (big) spec_.seed = *big;
-    else if (small && *small >= 0) spec_.seed = static_cast<std::uint64_t>(*small);
-    else JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
+    if (big)
+      spec_.seed = *big;
+    else if (small && *small >= 0)
+      spec_.seed = static_cast<std::uint64_t>(*small);
+    else
+      JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
   }
   if (seed) spec_.seed = *seed;
 
-  const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 0, .max = 3600, .above_min = true});
+  const Value tick =
+      read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 0, .max = 3600, .above_min = true});
   if (tick.given()) spec_.tick_s = tick.number();
-  const Value quit = read_field(object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
+  const Value quit = read_field(
+      object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
   if (quit.given()) spec_.quit_time_s = quit.number();
   read_field(object, {.name = "ranging", .type = FieldType::text, .choices = {"exact"}});
 }
@@ -302,10 +310,8 @@ void WorldReader::read_population(const JsonCursor& at) {
 PlacementRule WorldReader::read_rule(const JsonCursor& at) {
   JsonObject object(at);
   PlacementRule rule;
-  const engine::FieldTable table{{{.name = "rule",
-                                   .type = FieldType::text,
-                                   .text = "grid or uniform",
-                                   .choices = {"grid", "uniform"}}}};
+  const engine::FieldTable table{
+      {{.name = "rule", .type = FieldType::text, .text = "grid or uniform", .choices = {"grid", "uniform"}}}};
   const Value kind = read_fields(object, table)[0];
   const bool known = kind.given();
   if (known && kind.text() == "uniform") rule.kind = PlacementRule::Kind::uniform;
@@ -342,7 +348,8 @@ PlacementRule WorldReader::read_rule(const JsonCursor& at) {
     }
   }
   read_heading(object, rule);
-  const Value z = read_field(object, {.name = "z", .unit = Unit::meters, .min = -k_max_size_m, .max = k_max_size_m});
+  const Value z =
+      read_field(object, {.name = "z", .unit = Unit::meters, .min = -k_max_size_m, .max = k_max_size_m});
   if (z.given()) rule.z = z.number();
   if (known) object.finish();
   return rule;
@@ -355,12 +362,15 @@ void WorldReader::read_heading(JsonObject& object, PlacementRule& rule) {
     object.find("heading");
     for (const auto& suffix : engine::unit_suffixes(field.unit))
       if (object.find(std::string(field.name) + std::string(suffix.suffix)))
-        object.at().error_at(word->where, fmt::format("give \"heading\": \"random\" or {}, not both", quoted_keys(field)));
+        object.at().error_at(word->where,
+                             fmt::format("give \"heading\": \"random\" or {}, not both", quoted_keys(field)));
     return;
   }
   const Value heading = read_field(object, field);
-  if (heading.given()) rule.heading = wrap_angle(heading.number());
-  else if (rule.kind == PlacementRule::Kind::grid) rule.heading = 0;
+  if (heading.given())
+    rule.heading = wrap_angle(heading.number());
+  else if (rule.kind == PlacementRule::Kind::grid)
+    rule.heading = 0;
 }
 
 std::string WorldReader::read_name(JsonObject& object, std::string_view what) {
@@ -387,8 +397,9 @@ void WorldReader::place_bodies() {
   double total = static_cast<double>(spec_.bodies.size() + models_.size());
   for (const Population& population : populations_) total += static_cast<double>(population.count);
   if (total > k_max_bodies) {
-    diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
-                       fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total, k_max_bodies));
+    diagnostics_.error(
+        populations_.empty() ? models_.back().body.where : populations_.back().where,
+        fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total, k_max_bodies));
     return;
   }
   spec_.bodies.reserve(static_cast<std::size_t>(total));
@@ -402,7 +413,8 @@ void WorldReader::place_bodies() {
   }
   const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());
-  for (const auto& [name, type] : type_ids_) shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
+  for (const auto& [name, type] : type_ids_)
+    shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
 
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
@@ -414,30 +426,34 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
   const BodySpec& body = model.body;
   const partition::ObstacleShape& shape = shapes_[body.type.index()];
   const auto overlaps = [&](const BodySpec& other) {
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer, body.name, other.name));
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
+                                               body.name, other.name));
   };
   if (!shape.empty())
-    for (const BodyId wall : scene.overlapping(shape, body.pose_world_body)) overlaps(spec_.bodies[wall.index()]);
+    for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
+      overlaps(spec_.bodies[wall.index()]);
   for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer, body.name));
+    diagnostics_.error(body.where,
+                       fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer, body.name));
   crowd.add(shape, body.pose_world_body);
 }
 
 void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
                                    engine::Crowd& crowd) {
   const std::vector<Pose> poses =
-      engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed, population.name,
-                    spec_.bounds, scene, crowd);
+      engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
+                    population.name, spec_.bounds, scene, crowd);
   if (poses.size() < population.count) {
     const bool grid = population.rule.kind == PlacementRule::Kind::grid;
-    diagnostics_.error(population.where_place,
-                       fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
-                                   population.count,
-                                   grid ? fmt::format("the region has no more free cells (of {:.0f})",
-                                                      engine::grid_cells(population.rule))
-                                        : fmt::format("{} draws found no free place for the next", population.rule.trials)));
+    diagnostics_.error(
+        population.where_place,
+        fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
+                    population.count,
+                    grid ? fmt::format("the region has no more free cells (of {:.0f})",
+                                       engine::grid_cells(population.rule))
+                         : fmt::format("{} draws found no free place for the next", population.rule.trials)));
   }
   const std::uint32_t colors = stream_id("color", population.name);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -463,11 +479,13 @@ void WorldReader::report_repeated_names() {
   for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
     const BodySpec& body = spec_.bodies[i];
     const auto [first, fresh] = taken.emplace(body.name, BodyId(i));
-    if (fresh || (reported && reported->file == body.where.file && reported->line == body.where.line)) continue;
+    if (fresh || (reported && reported->file == body.where.file && reported->line == body.where.line))
+      continue;
     const Where other = spec_.bodies[first->second.index()].where;
-    diagnostics_.error(body.where, fmt::format("the name \"{}\" is taken{}", body.name,
-                                               other.line > 0 ? fmt::format(" by the body of line {}", other.line)
-                                                              : std::string()));
+    diagnostics_.error(
+        body.where,
+        fmt::format("the name \"{}\" is taken{}", body.name,
+                    other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
     reported = &body.where;
   }
 }
@@ -481,7 +499,8 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
   if (populations)
     for (const JsonNode& population : *populations) {
       const JsonNode* its_name = population.find("name");
-      names.push_back(its_name && its_name->text() ? std::string_view(*its_name->text()) : std::string_view());
+      names.push_back(its_name && its_name->text() ? std::string_view(*its_name->text())
+                                                   : std::string_view());
     }
   if (names.empty()) {
     diagnostics.error(where, "the world has no population whose size could be set");
@@ -489,8 +508,9 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
   }
   if (name.empty()) {
     if (names.size() == 1) return 0;
-    diagnostics.error(where, fmt::format("the world has {} populations: say which, NAME=COUNT with NAME one of {}",
-                                         names.size(), comma_list(names)));
+    diagnostics.error(where,
+                      fmt::format("the world has {} populations: say which, NAME=COUNT with NAME one of {}",
+                                  names.size(), comma_list(names)));
     return std::nullopt;
   }
   const auto found = std::ranges::find(names, name);
@@ -500,7 +520,8 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
 }
 
 void set_robots(JsonNode& document, const std::string& name, std::size_t count, Diagnostics& diagnostics) {
-  const std::string option = name.empty() ? fmt::format("--robots {}", count) : fmt::format("--robots {}={}", name, count);
+  const std::string option =
+      name.empty() ? fmt::format("--robots {}", count) : fmt::format("--robots {}={}", name, count);
   const Where where{diagnostics.files()->add(option), 0};
   const auto index = population_index(document, name, where, diagnostics);
   if (!index) return;
@@ -518,7 +539,8 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
 }  // namespace
 
 WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
-                          const engine::Registry& registry, const LoadOptions& options, Diagnostics& diagnostics) {
+                          const engine::Registry& registry, const LoadOptions& options,
+                          Diagnostics& diagnostics) {
   const Where start{diagnostics.files()->add(file.string()), 0};
   std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
   if (!document) return {};
