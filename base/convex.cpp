@@ -14,12 +14,12 @@ constexpr double k_straight = 1e-9;
 /// Corners whose heights differ by less than this part of the solid's extent lie on one level.
 constexpr double k_level = 1e-12;
 
-/// True when the way a, b, c turns left or goes straight on at b.
+/// True when the way a, b, c turns left or goes straight on at b; false when it goes straight back.
 bool turns_left(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 in = b - a;
   const Vec2 out = c - b;
   const double turn = cross(in, out);
-  return turn >= 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
+  return turn > 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
 }
 
 /// Without vertices that repeat the one before.
