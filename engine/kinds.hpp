@@ -17,7 +17,6 @@
 
 namespace troupe::engine {
 
-struct TypeSpec;
 class World;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
@@ -50,10 +49,15 @@ struct SensorKind {
     std::vector<StateField> percepts;  ///< element fields of the sensor's state table
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
+    /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
+    std::vector<double> bearings;
+    /// First reading of each transducer, with the heading of the transducer itself.
+    std::vector<std::size_t> transducers;
+    std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
-  /// Writes the percepts of every row it is given; reads S(k) only.
-  void (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
+  /// Writes the percepts of every row it is given (all of one type); reads S(k) only. Returns the rays it cast.
+  std::uint64_t (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
@@ -93,6 +97,13 @@ struct Actions {
   Command& command;
 };
 
+/// A sensor of a type, as a controller that looks for its inputs sees it.
+struct SensorInfo {
+  std::string_view name;
+  std::string_view kind;
+  const SensorKind::Prepared& prepared;
+};
+
 struct ControllerKind {
   std::string_view name;
   std::string_view text;
@@ -105,11 +116,12 @@ struct ControllerKind {
 
   struct Prepared {
     std::any data;
-    std::vector<std::size_t> sensors;  ///< indices into TypeSpec::sensors; the first is the trigger
+    /// Indices of the sensors it reads; the first is its trigger. None: it runs with its drive.
+    std::vector<std::size_t> sensors;
   };
   /// Chooses among the sensors of the type those that no controller before it has `claimed`, and marks its own.
   /// Returns an error text in `fault` where the type lacks what the controller needs.
-  Prepared (*prepare)(const Record& params, const TypeSpec& type, std::vector<bool>& claimed,
+  Prepared (*prepare)(const Record& params, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
                       std::string& fault);
   void (*decide)(const std::any& data, const Percept& percept, std::byte* memory, Random& random,
                  Actions& actions);

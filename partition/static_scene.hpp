@@ -3,6 +3,8 @@
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
 #include "partition/overlap.hpp"
+#include "partition/placed_shape.hpp"
+#include "partition/sparse_grid.hpp"
 
 #include <cstdint>
 #include <span>
@@ -18,24 +20,129 @@ struct FixedSolid {
   float ranger_return = 1;
 };
 
-/// What never moves, kept as edges in the cells of a sparse grid.
+/// One edge of a fixed solid, world frame, metres.
+struct FixedEdge {
+  Vec2 a;
+  Vec2 b;
+  std::uint32_t solid;
+};
+
+/// Edges by the cells they cross. An edge lies whole in each of its cells: clipping would change bits, and
+/// meeting one twice is harmless.
+class EdgeGrid {
+ public:
+  EdgeGrid() = default;
+  EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
+
+  /// visit(span of edges) for each run of cells that touches the box; an edge may come more than once.
+  template <class Visit>
+  void for_each_run(const Box& box, Visit&& visit) const {
+    if (edges_.empty()) return;
+    partition::for_each_run(geometry_, directory_, box,
+                            [&](std::uint32_t slot, std::size_t first, std::size_t last, Cell) {
+                              const std::uint32_t* begin = &begins_[slot * geometry_.cells_per_tile()];
+                              const std::uint32_t from = begin[first];
+                              const std::uint32_t to = begin[last];
+                              if (from < to) visit(std::span(&edges_[from], to - from));
+                            });
+  }
+
+ private:
+  GridGeometry geometry_;
+  TileDirectory directory_;
+  std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into edges_
+  std::vector<FixedEdge> edges_;       // in (tile, cell) order
+};
+
+/// What never moves. Answers rays, overlap and point-in-solid.
 class StaticScene {
  public:
   StaticScene() = default;
   /// cell_m never changes an answer.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
+  std::span<const FixedSolid> solids() const { return solids_; }
   const Box& bounds() const { return bounds_; }
   std::size_t edge_count() const { return edge_count_; }
 
+  /// Edges that rangers see.
+  const EdgeGrid& ranger_edges() const { return ranger_edges_; }
+  bool has_obstacles() const { return has_obstacles_; }
+
+  /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
+  /// A shape wholly inside a solid crosses no edge: see blocked().
+  template <class Ignored>
+  int crossed(const ObstacleShape& shape, const Pose& pose_world_body, Ignored&& ignored) const;
+
+  /// True when the shape shares area with this obstacle solid.
+  bool overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// True when the shape shares area with an obstacle: an edge crosses it, or it lies wholly inside one.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// Bodies whose obstacle solids overlap the shape at this pose, ascending, without repeats.
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
+  /// Edges of one solid by horizontal strips, for counting crossings of a ray towards -x.
+  struct Strips {
+    Box box;
+    double y0 = 0;
+    double height = 1;
+    std::vector<std::uint32_t> begins;
+    std::vector<FixedEdge> edges;
+  };
+  bool inside(std::size_t solid, const Vec2& point) const;
+  /// visit(edge) -> stop? for obstacle edges that cross the shape.
+  template <class Visit>
+  bool find_crossing(const ObstacleShape& shape, const Pose& pose_world_body, Visit&& visit) const;
+
+  std::vector<FixedSolid> solids_;
+  std::vector<Strips> strips_;  // beside solids_; empty where the solid is no obstacle
   Box bounds_;
   std::size_t edge_count_ = 0;
+  bool has_obstacles_ = false;
+  EdgeGrid ranger_edges_;
+  EdgeGrid obstacle_edges_;
 };
+
+template <class Visit>
+bool StaticScene::find_crossing(const ObstacleShape& shape, const Pose& pose, Visit&& visit) const {
+  const PlacedShape placed(shape, pose);
+  Box box;
+  const Vec2* v = placed.vertices();
+  for (const ConvexPrism& piece : shape.pieces) {
+    for (std::size_t i = 0; i < piece.outline.size(); ++i) box.extend(v[i]);
+    v += piece.outline.size();
+  }
+  bool stop = false;
+  obstacle_edges_.for_each_run(box, [&](std::span<const FixedEdge> edges) {
+    for (const FixedEdge& edge : edges) {
+      if (stop) return;
+      if (edge.a.cwiseMin(edge.b).x() > box.max.x() || edge.a.cwiseMax(edge.b).x() < box.min.x() ||
+          edge.a.cwiseMin(edge.b).y() > box.max.y() || edge.a.cwiseMax(edge.b).y() < box.min.y())
+        continue;
+      const ZInterval z = solids_[edge.solid].solid.z;
+      const Vec2* vertices = placed.vertices();
+      for (const ConvexPrism& piece : shape.pieces) {
+        const std::span<const Vec2> polygon(vertices, piece.outline.size());
+        vertices += piece.outline.size();
+        if (!piece.z.shifted(pose.z).overlaps(z) || !segment_overlap(edge.a, edge.b, polygon)) continue;
+        stop = visit(edge);
+        break;
+      }
+    }
+  });
+  return stop;
+}
+
+template <class Ignored>
+int StaticScene::crossed(const ObstacleShape& shape, const Pose& pose, Ignored&& ignored) const {
+  int hit = -1;
+  find_crossing(shape, pose, [&](const FixedEdge& edge) {
+    if (ignored(edge.solid)) return false;
+    hit = static_cast<int>(edge.solid);
+    return true;
+  });
+  return hit;
+}
 
 }  // namespace troupe::partition

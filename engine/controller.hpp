@@ -1,0 +1,127 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+/// Lists every member of a controller's Memory. Only listed members exist for hash, comparison, checkpoint and
+/// recording; a member that is not listed, or one that is not a number, does not compile.
+#define TROUPE_FIELDS(...)                                                   \
+  auto troupe_fields() { return std::tie(__VA_ARGS__); }                     \
+  static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
+
+namespace troupe::engine {
+namespace detail {
+
+struct Anything {
+  template <class T>
+  operator T() const;
+};
+
+template <class T, std::size_t... I>
+constexpr bool takes(std::index_sequence<I...>) {
+  return requires { T{(static_cast<void>(I), Anything{})...}; };
+}
+
+/// Members of an aggregate: the largest number of initialisers it takes.
+template <class T, std::size_t N = 0>
+constexpr std::size_t member_count() {
+  if constexpr (takes<T>(std::make_index_sequence<N + 1>{})) return member_count<T, N + 1>();
+  else return N;
+}
+
+template <class T>
+struct Shape {
+  using element = T;
+  static constexpr std::uint32_t columns = 1;
+};
+template <class T, std::size_t N>
+struct Shape<std::array<T, N>> {
+  using element = T;
+  static constexpr std::uint32_t columns = N;
+};
+
+/// The n-th name of a comma-separated list.
+constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
+  for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
+  names = names.substr(0, names.find(','));
+  while (names.starts_with(' ')) names.remove_prefix(1);
+  return names;
+}
+
+struct NoMemory {
+  auto troupe_fields() { return std::tuple<>{}; }
+  static constexpr std::string_view troupe_field_names() { return ""; }
+};
+
+template <class C>
+struct MemoryOf {
+  using type = NoMemory;
+};
+template <class C>
+  requires requires { typename C::Memory; }
+struct MemoryOf<C> {
+  using type = typename C::Memory;
+};
+
+}  // namespace detail
+
+/// The state fields of a memory struct, with their places in it.
+template <class Memory>
+std::vector<StateField> memory_fields() {
+  static_assert(std::is_trivially_copyable_v<Memory>, "a memory is saved and hashed as bytes");
+  Memory example{};
+  auto fields = example.troupe_fields();
+  constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
+  static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
+                "TROUPE_FIELDS must list every member of the memory");
+  std::vector<StateField> out;
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {
+      using Member = detail::Shape<std::remove_cvref_t<decltype(member)>>;
+      StateField field;
+      field.name = std::string(detail::nth_name(Memory::troupe_field_names(), i));
+      field.element = element_of<typename Member::element>();
+      field.columns = Member::columns;
+      field.offset =
+          static_cast<std::uint32_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&example));
+      out.push_back(std::move(field));
+    };
+    (add(std::get<I>(fields), I), ...);
+  }(std::make_index_sequence<count>{});
+  return out;
+}
+
+/// A controller kind from a class C:
+///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
+///   static C make(const Record& params);
+///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string& fault);
+///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;
+template <class C>
+ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
+  using Memory = typename detail::MemoryOf<C>::type;
+  ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
+  kind.memory = memory_fields<Memory>();
+  kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
+  kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
+  kind.prepare = [](const Record& record, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
+                    std::string& fault) {
+    C controller = C::make(record);
+    std::vector<std::size_t> chosen = controller.choose(sensors, claimed, fault);
+    return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
+  };
+  kind.decide = [](const std::any& data, const Percept& percept, std::byte* memory, Random& random,
+                   Actions& actions) {
+    const C& controller = *std::any_cast<C>(&data);
+    if constexpr (std::is_same_v<Memory, detail::NoMemory>) controller(percept, random, actions);
+    else controller(*reinterpret_cast<Memory*>(memory), percept, random, actions);
+  };
+  return kind;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,126 @@
+#include "models/expand.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+const FieldTable& expand_fields() {
+  static const FieldTable table{{
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .text = "while the way is clear"},
+      {.name = "gain",
+       .unit = Unit::per_second,
+       .fallback = 1.0,
+       .text = "turn rate for each radian between heading and vector sum"},
+      {.name = "clearance",
+       .unit = Unit::meters,
+       .fallback = 0.5,
+       .min = 0,
+       .text = "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)"},
+      {.name = "clearances",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{},
+       .min = 0,
+       .text = "instead of `clearance`: what each transducer must exceed, in their order; 0 or left out: anything"},
+      {.name = "cone",
+       .unit = Unit::radians,
+       .fallback = 0.5,
+       .min = 0,
+       .text = "drives only while the vector sum lies less than this off the front"},
+      {.name = "invert",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "turn away from the vector sum: robots cluster instead of dispersing"},
+  }};
+  return table;
+}
+
+struct Expand {
+  struct Beam {
+    std::size_t reading;
+    double cos, sin;
+    double clearance;  // m; 0: not looked at
+  };
+
+  double speed, gain, clearance;
+  std::vector<double> clearances;
+  double cone;
+  bool invert;
+  std::vector<Beam> beams;
+
+  static Expand make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), {}};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo> sensors, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      const auto& layout = sensors[s].prepared;
+      if (claimed[s] || layout.transducers.empty()) continue;
+      claimed[s] = true;
+      for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+        const SinCos a = sincos(layout.transducer_headings[t]);
+        const double demand = clearances.empty()      ? std::max(0.0, clearance * a.cos)
+                              : t < clearances.size() ? clearances[t]
+                                                      : 0.0;
+        beams.push_back({layout.transducers[t], a.cos, a.sin, demand});
+      }
+      // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
+      return {s};
+    }
+    fault = "needs a ranger that no other controller of the robot reads";
+    return {};
+  }
+
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    const std::span<const float> ranges = percept.ranges[0];
+    double x = 0;
+    double y = 0;
+    bool clear = true;
+    for (const Beam& beam : beams) {
+      const double r = ranges[beam.reading];
+      x += r * beam.cos;
+      y += r * beam.sin;
+      clear = clear && (beam.clearance == 0 || r > beam.clearance);
+    }
+    if (x == 0 || y == 0) return;  // no direction to choose: the last command stays
+    const double theta = invert ? atan2(-y, -x) : atan2(y, x);
+    actions.command = {clear && std::abs(theta) < cone ? speed : 0.0, 0.0, gain * theta};
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind expand_controller() {
+  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges",
+                                              expand_fields());
+}
+
+engine::Registry::Preset expand_pioneer_preset() {
+  constexpr double d = 0.75;
+  return {.name = "expand_pioneer",
+          .kind = "expand",
+          .text = "expand for 16 sonars, as in Stage's cave benchmark",
+          .params = {{"speed", 0.2}, {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}}}};
+}
+
+engine::Registry::Preset expand_swarm_preset() {
+  constexpr double d = 0.5;
+  return {.name = "expand_swarm",
+          .kind = "expand",
+          .text = "expand for a ring of 12 infrared rangers, as in Stage's hospital benchmark",
+          .params = {{"clearances",
+                      std::vector<double>{d, d / 1.5, d / 3, d / 5, 0, 0, 0, 0, 0, d / 5, d / 3, d / 1.5}}}};
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+namespace troupe::models {
+
+/// Dispersal by ranges: turn towards the vector sum of the beams, drive while the way ahead is clear.
+/// Reads the first ranger that no controller of the robot has taken yet; of each transducer the first beam.
+/// source  Vaughan, Massively multi-robot simulation in Stage, section 6.1; `invert` turns the sum around, so
+///         that robots gather: the paper's clustering variant
+engine::ControllerKind expand_controller();
+
+/// Stage's two examples, with exactly their numbers.
+engine::Registry::Preset expand_pioneer_preset();
+engine::Registry::Preset expand_swarm_preset();
+
+}  // namespace troupe::models

@@ -1,0 +1,99 @@
+#include "models/wander.hpp"
+
+#include "engine/controller.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+const FieldTable& wander_fields() {
+  static const FieldTable table{{
+      {.name = "cruise_speed", .unit = Unit::meters_per_second, .fallback = 0.4, .text = "with a free way"},
+      {.name = "avoid_speed", .unit = Unit::meters_per_second, .fallback = 0.05, .text = "while turning away"},
+      {.name = "avoid_turn", .unit = Unit::radians_per_second, .fallback = 0.5, .text = "while turning away"},
+      {.name = "min_front",
+       .unit = Unit::meters,
+       .fallback = 1.0,
+       .min = 0,
+       .text = "a reading below it in the middle third is an obstruction"},
+      {.name = "stop",
+       .unit = Unit::meters,
+       .fallback = 0.3,
+       .min = 0,
+       .text = "a reading below it in the middle third stops the robot"},
+  }};
+  return table;
+}
+
+struct Wander {
+  struct Memory {
+    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
+    TROUPE_FIELDS(avoid_updates)
+  };
+  static constexpr std::size_t k_least_samples = 9;
+
+  double cruise, avoid, turn, min_front, stop_distance;
+  std::size_t samples = 0;
+
+  static Wander make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo> sensors, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      const auto& layout = sensors[s].prepared;
+      if (claimed[s] || layout.transducers.empty()) continue;
+      const std::size_t end = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
+      if (end < k_least_samples) continue;
+      claimed[s] = true;
+      samples = end;
+      return {s};
+    }
+    fault = "needs a ranger whose first transducer has more than 8 samples";
+    return {};
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const std::span<const float> scan = percept.ranges[0].first(samples);
+    const std::size_t n = scan.size();
+    bool obstruction = false;
+    bool stop = false;
+    float left = std::numeric_limits<float>::infinity();
+    float right = left;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i > n / 3 && i < n - n / 3) {
+        obstruction = obstruction || scan[i] < min_front;
+        stop = stop || scan[i] < stop_distance;
+      }
+      if (i > n / 2) left = std::min(left, scan[i]);
+      else right = std::min(right, scan[i]);
+    }
+    if (!obstruction && !stop && memory.avoid_updates == 0) {
+      actions.command = {cruise, 0, 0};
+      return;
+    }
+    actions.command.x = stop ? 0 : avoid;
+    if (memory.avoid_updates < 1) {
+      memory.avoid_updates = 10 + static_cast<std::int32_t>(random.below(10));
+      actions.command.turn = left < right ? -turn : turn;
+    }
+    --memory.avoid_updates;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind wander_controller() {
+  return engine::make_controller_kind<Wander>("wander", "drive about, turning from what a scanner sees ahead",
+                                              wander_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+namespace troupe::partition {
+
+/// The one parallel loop. Everything that runs on several cores runs through it.
+///
+/// Two backends with the same meaning: oneTBB, and plain std::thread (TROUPE_STD_THREADS), which the thread
+/// sanitizer can see through. Each worker's floating-point environment is put right before its first task.
+class Parallel {
+ public:
+  /// threads 0: one for each core.
+  explicit Parallel(unsigned threads);
+  ~Parallel();
+  Parallel(Parallel&&) noexcept;
+  Parallel& operator=(Parallel&&) noexcept;
+
+  unsigned threads() const { return threads_; }
+
+  /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
+  /// Tasks must be coarse (some tens of microseconds), must not throw, and must write only what no other
+  /// task of the loop reads or writes.
+  template <class Task>
+  void for_each(std::size_t count, Task&& task) {
+    run(count, [](void* t, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(t))(i); }, &task);
+  }
+
+ private:
+  using Call = void (*)(void* task, std::size_t i);
+  void run(std::size_t count, Call call, void* task);
+
+  struct Workers;
+  unsigned threads_;
+  std::unique_ptr<Workers> workers_;
+};
+
+}  // namespace troupe::partition

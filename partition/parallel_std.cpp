@@ -1,0 +1,93 @@
+#include "partition/parallel.hpp"
+
+#include "base/fp_environment.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace troupe::partition {
+
+/// Workers wait for a loop's number to change, take indices from one counter, and report back. The caller
+/// works along. A loop's number is a predicate: a wake-up that comes before the wait is not lost.
+struct Parallel::Workers {
+  explicit Workers(unsigned helpers) {
+    for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });
+  }
+  ~Workers() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+    }
+    wake.notify_all();
+    for (std::thread& t : threads) t.join();
+  }
+
+  void serve() {
+    restore_fp_environment();
+    std::uint64_t seen = 0;
+    for (;;) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait(lock, [&] { return stopping || loop != seen; });
+        if (stopping) return;
+        seen = loop;
+      }
+      work();
+      const std::lock_guard lock(mutex);
+      if (--busy == 0) done.notify_one();
+    }
+  }
+  void work() {
+    for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) call(task, i);
+  }
+
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::condition_variable done;
+  std::uint64_t loop = 0;
+  std::size_t busy = 0;
+  bool stopping = false;
+  std::size_t count = 0;
+  Call call = nullptr;
+  void* task = nullptr;
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::thread> threads;
+};
+
+Parallel::Parallel(unsigned threads)
+    : threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+  restore_fp_environment();
+  if (threads_ > 1) workers_ = std::make_unique<Workers>(threads_ - 1);
+}
+
+Parallel::~Parallel() = default;
+Parallel::Parallel(Parallel&&) noexcept = default;
+Parallel& Parallel::operator=(Parallel&&) noexcept = default;
+
+void Parallel::run(std::size_t count, Call call, void* task) {
+  if (!workers_ || count < 2) {
+    for (std::size_t i = 0; i < count; ++i) call(task, i);
+    return;
+  }
+  Workers& w = *workers_;
+  {
+    const std::lock_guard lock(w.mutex);
+    w.count = count;
+    w.call = call;
+    w.task = task;
+    w.next.store(0, std::memory_order_relaxed);
+    w.busy = w.threads.size();
+    ++w.loop;
+  }
+  w.wake.notify_all();
+  w.work();
+  std::unique_lock lock(w.mutex);
+  w.done.wait(lock, [&] { return w.busy == 0; });
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,45 @@
+#include "partition/parallel.hpp"
+
+#include "base/fp_environment.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace troupe::partition {
+
+struct Parallel::Workers : tbb::task_scheduler_observer {
+  explicit Workers(unsigned threads) : tbb::task_scheduler_observer(arena), arena(static_cast<int>(threads)) {
+    arena.initialize();
+    observe(true);
+  }
+  ~Workers() override { observe(false); }
+  void on_scheduler_entry(bool) override { restore_fp_environment(); }
+
+  tbb::task_arena arena;
+};
+
+Parallel::Parallel(unsigned threads)
+    : threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+  restore_fp_environment();
+  if (threads_ > 1) workers_ = std::make_unique<Workers>(threads_);
+}
+
+Parallel::~Parallel() = default;
+Parallel::Parallel(Parallel&&) noexcept = default;
+Parallel& Parallel::operator=(Parallel&&) noexcept = default;
+
+void Parallel::run(std::size_t count, Call call, void* task) {
+  if (!workers_ || count < 2) {
+    for (std::size_t i = 0; i < count; ++i) call(task, i);
+    return;
+  }
+  workers_->arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { call(task, i); }, tbb::simple_partitioner{});
+  });
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,119 @@
+#pragma once
+
+#include "base/assert.hpp"
+#include "base/geometry.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace troupe::partition {
+
+/// A cell of the plane, counted from the origin.
+struct Cell {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  friend bool operator==(Cell, Cell) = default;
+};
+
+/// How the plane is cut: square cells, and square tiles of 2^tile_bits cells an edge.
+struct GridGeometry {
+  double cell_m = 1;
+  unsigned tile_bits = 3;
+
+  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }
+  double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }
+
+  /// The cell of a point. Points beyond +-2^30 cells count as lying in the outermost one.
+  Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
+  Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
+  /// Row-major within the tile, so that a run of cells along x lies contiguous.
+  std::size_t in_tile(Cell c) const {
+    const std::int32_t mask = (1 << tile_bits) - 1;
+    return (static_cast<std::size_t>(c.y & mask) << tile_bits) | static_cast<std::size_t>(c.x & mask);
+  }
+
+ private:
+  std::int32_t index(double v) const {
+    constexpr double k_limit = 1 << 30;
+    double c = v / cell_m;
+    if (c > k_limit) c = k_limit;
+    if (c < -k_limit) c = -k_limit;
+    const auto i = static_cast<std::int32_t>(c);
+    return static_cast<double>(i) > c ? i - 1 : i;
+  }
+};
+
+/// Finds the slot of a tile: open addressing over tile coordinates. Empty tiles cost nothing.
+class TileDirectory {
+ public:
+  static constexpr std::uint32_t k_none = ~0u;
+
+  TileDirectory() { clear(); }
+  void clear() {
+    keys_.assign(16, {});
+    slots_.assign(16, k_none);
+    tiles_.clear();
+  }
+  std::size_t size() const { return tiles_.size(); }
+  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }
+
+  std::uint32_t find(Cell tile) const {
+    for (std::size_t i = start(tile);; i = (i + 1) & (keys_.size() - 1)) {
+      if (slots_[i] == k_none) return k_none;
+      if (keys_[i] == tile) return slots_[i];
+    }
+  }
+
+  std::uint32_t insert(Cell tile) {
+    if ((tiles_.size() + 1) * 2 > keys_.size()) grow();
+    std::size_t i = start(tile);
+    for (; slots_[i] != k_none; i = (i + 1) & (keys_.size() - 1))
+      if (keys_[i] == tile) return slots_[i];
+    keys_[i] = tile;
+    slots_[i] = static_cast<std::uint32_t>(tiles_.size());
+    tiles_.push_back(tile);
+    return slots_[i];
+  }
+
+ private:
+  std::size_t start(Cell t) const {
+    const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.x)) << 32) |
+                              static_cast<std::uint32_t>(t.y);
+    return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & (keys_.size() - 1);
+  }
+  void grow() {
+    const std::vector<Cell> tiles = tiles_;
+    keys_.assign(keys_.size() * 2, {});
+    slots_.assign(slots_.size() * 2, k_none);
+    tiles_.clear();
+    for (const Cell t : tiles) insert(t);
+  }
+
+  std::vector<Cell> keys_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<Cell> tiles_;
+};
+
+/// Visits the runs of cells that a box touches: visit(slot, first cell in tile, one past the last, cell of the
+/// first), a run for each row of each tile that exists.
+template <class Visit>
+void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
+  const Cell low = grid.cell(box.min);
+  const Cell high = grid.cell(box.max);
+  const Cell tile_low = grid.tile(low);
+  const Cell tile_high = grid.tile(high);
+  for (std::int32_t ty = tile_low.y; ty <= tile_high.y; ++ty) {
+    for (std::int32_t tx = tile_low.x; tx <= tile_high.x; ++tx) {
+      const std::uint32_t slot = directory.find({tx, ty});
+      if (slot == TileDirectory::k_none) continue;
+      const std::int32_t x0 = std::max(low.x, tx << grid.tile_bits);
+      const std::int32_t x1 = std::min(high.x, ((tx + 1) << grid.tile_bits) - 1);
+      const std::int32_t y0 = std::max(low.y, ty << grid.tile_bits);
+      const std::int32_t y1 = std::min(high.y, ((ty + 1) << grid.tile_bits) - 1);
+      for (std::int32_t y = y0; y <= y1; ++y)
+        visit(slot, grid.in_tile({x0, y}), grid.in_tile({x1, y}) + 1, Cell{x0, y});
+    }
+  }
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,147 @@
+#include "partition/static_scene.hpp"
+
+#include <algorithm>
+
+namespace troupe::partition {
+namespace {
+
+/// Cells that an edge may cross: those of its box, less those that lie on one side of its line by more than
+/// the cell's half diagonal. A few too many do no harm.
+template <class Visit>
+void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visit) {
+  const Cell low = grid.cell(edge.a.cwiseMin(edge.b));
+  const Cell high = grid.cell(edge.a.cwiseMax(edge.b));
+  const Vec2 along = edge.b - edge.a;
+  const double reach = 0.7072 * grid.cell_m * along.norm() * (1 + 1e-9);
+  for (std::int32_t y = low.y; y <= high.y; ++y) {
+    for (std::int32_t x = low.x; x <= high.x; ++x) {
+      const Vec2 middle((x + 0.5) * grid.cell_m, (y + 0.5) * grid.cell_m);
+      const double side = cross(along, middle - edge.a);
+      if (side <= reach && side >= -reach) visit(Cell{x, y});
+    }
+  }
+}
+
+template <class Visit>
+void for_each_edge(const Solid& solid, Visit&& visit) {
+  for (const Ring& ring : solid.contours)
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) visit(ring[j], ring[i]);
+}
+
+}  // namespace
+
+EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry) : geometry_(geometry) {
+  const std::size_t cells = geometry_.cells_per_tile();
+  std::vector<std::uint32_t> counts;
+  const auto count_cell = [&](Cell c) -> std::uint32_t& {
+    const std::uint32_t slot = directory_.insert(geometry_.tile(c));
+    if (counts.size() < (slot + 1) * cells) counts.resize((slot + 1) * cells, 0);
+    return counts[slot * cells + geometry_.in_tile(c)];
+  };
+  for (const FixedEdge& edge : edges) for_each_cell(geometry_, edge, [&](Cell c) { ++count_cell(c); });
+  begins_.assign(counts.size() + 1, 0);
+  for (std::size_t i = 0; i < counts.size(); ++i) begins_[i + 1] = begins_[i] + counts[i];
+  edges_.resize(begins_.back());
+  std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
+  for (const FixedEdge& edge : edges) {
+    for_each_cell(geometry_, edge, [&](Cell c) {
+      const std::uint32_t slot = directory_.find(geometry_.tile(c));
+      edges_[next[slot * cells + geometry_.in_tile(c)]++] = edge;
+    });
+  }
+}
+
+StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids_(std::move(solids)) {
+  const GridGeometry geometry{cell_m, 3};
+  std::vector<FixedEdge> seen;
+  std::vector<FixedEdge> hard;
+  strips_.resize(solids_.size());
+  for (std::uint32_t s = 0; s < solids_.size(); ++s) {
+    const FixedSolid& fixed = solids_[s];
+    Box box;
+    for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
+      ++edge_count_;
+      box.extend(a);
+      if (a == b) return;
+      if (fixed.ranger_return >= 0) seen.push_back({a, b, s});
+      if (fixed.obstacle) hard.push_back({a, b, s});
+    });
+    if (box.empty()) continue;
+    bounds_.extend(box);
+    if (!fixed.obstacle) continue;
+    has_obstacles_ = true;
+
+    Strips& strips = strips_[s];
+    strips.box = box;
+    strips.y0 = box.min.y();
+    const auto count = static_cast<std::size_t>(std::clamp(box.size().y() / cell_m, 1.0, 4096.0));
+    strips.height = std::max(box.size().y() / static_cast<double>(count), 1e-9);
+    const auto strip_of = [&](double y) {
+      return static_cast<std::size_t>(
+          std::clamp((y - strips.y0) / strips.height, 0.0, static_cast<double>(count - 1)));
+    };
+    std::vector<std::uint32_t> next(count + 1, 0);
+    for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
+      if (a.y() == b.y()) return;
+      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i) ++next[i + 1];
+    });
+    for (std::size_t i = 0; i < count; ++i) next[i + 1] += next[i];
+    strips.begins = next;
+    strips.edges.resize(next.back());
+    for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
+      if (a.y() == b.y()) return;
+      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
+        strips.edges[next[i]++] = {a, b, s};
+    });
+  }
+  ranger_edges_ = EdgeGrid(seen, geometry);
+  obstacle_edges_ = EdgeGrid(hard, geometry);
+}
+
+bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
+  const Strips& strips = strips_[solid];
+  if (strips.edges.empty() || !strips.box.contains(p)) return false;
+  const std::size_t count = strips.begins.size() - 1;
+  const auto strip = static_cast<std::size_t>(
+      std::clamp((p.y() - strips.y0) / strips.height, 0.0, static_cast<double>(count - 1)));
+  bool odd = false;
+  for (std::uint32_t i = strips.begins[strip]; i < strips.begins[strip + 1]; ++i) {
+    const FixedEdge& e = strips.edges[i];
+    if ((e.a.y() > p.y()) == (e.b.y() > p.y())) continue;
+    const double side = cross(e.b - e.a, p - e.a);
+    if ((e.b.y() > e.a.y()) == (side < 0)) odd = !odd;  // the edge lies left of the point
+  }
+  return odd;
+}
+
+bool StaticScene::overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
+  if (!solids_[solid].obstacle) return false;
+  if (find_crossing(shape, pose, [&](const FixedEdge& edge) { return edge.solid == solid; })) return true;
+  const Transform transform(pose);
+  for (const ConvexPrism& piece : shape.pieces) {
+    if (!piece.z.shifted(pose.z).overlaps(solids_[solid].solid.z)) continue;
+    Vec2 middle = Vec2::Zero();
+    for (const Vec2& v : piece.outline) middle += v;
+    if (inside(solid, transform * (middle / static_cast<double>(piece.outline.size())))) return true;
+  }
+  return false;
+}
+
+bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
+  if (!has_obstacles_ || shape.empty()) return false;
+  if (find_crossing(shape, pose, [](const FixedEdge&) { return true; })) return true;
+  for (std::size_t s = 0; s < solids_.size(); ++s)
+    if (overlaps_solid(s, shape, pose)) return true;
+  return false;
+}
+
+std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const Pose& pose) const {
+  std::vector<BodyId> bodies;
+  for (std::size_t s = 0; s < solids_.size(); ++s)
+    if (overlaps_solid(s, shape, pose)) bodies.push_back(solids_[s].body);
+  std::ranges::sort(bodies);
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  return bodies;
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+namespace troupe::sensors {
+
+/// A ranger: transducers that each cast a fan of beams at one height and report the distance along each to
+/// the first surface.
+/// state   `ranges` [float32, beams], m: exactly range_max where nothing is met; beams of a transducer run
+///         counter-clockwise from -fov/2 to +fov/2, both included (one sample: straight ahead); transducers
+///         follow one another in their order. With `intensity`, `intensities` beside them: the ranger_return
+///         of what was met, 0 for nothing.
+/// meets   every surface with ranger_return >= 0 whose closed z interval holds the beam's height, from both
+///         sides, but none of the robot's own
+/// ties    two surfaces at one distance: the larger intensity is reported
+/// source  inverse-depth projection, partition/ranging.hpp
+engine::SensorKind ranger_kind();
+
+}  // namespace troupe::sensors

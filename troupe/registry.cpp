@@ -1,0 +1,22 @@
+#include "troupe/registry.hpp"
+
+#include "models/drives.hpp"
+#include "models/expand.hpp"
+#include "models/model_kinds.hpp"
+#include "models/script.hpp"
+#include "models/wander.hpp"
+#include "sensors/ranger.hpp"
+
+namespace troupe {
+
+engine::Registry make_registry() {
+  engine::Registry registry;
+  registry.models = models::model_kinds();
+  registry.sensors = {sensors::ranger_kind()};
+  registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
+  registry.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+  registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
+  return registry;
+}
+
+}  // namespace troupe
