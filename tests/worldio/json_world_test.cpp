@@ -591,6 +591,23 @@ TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
   EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // no obstacle is in nobody's way
 }
 
+TEST(JsonWorld, GridsSpillIntoTheNextFreeCells) {
+  const std::string spilling =
+      changed("[[0, 0], [1, 1]]", "[[0, 0], [0, 0.5]], \"spill_m\": [[-0.25, 0.25], [0, 0.5]]");
+  const Loaded loaded(changed("\"count\": 4", "\"count\": 5", spilling));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const auto pose = [&](std::size_t robot) { return loaded.spec.bodies[2 + robot].pose_world_body; };
+  EXPECT_EQ(pose(2), (Pose{0, 0.5, 0, 0}));       // the last cell of the region
+  EXPECT_EQ(pose(3), (Pose{-0.25, 0.25, 0, 0}));  // then the other's, column by column
+  EXPECT_EQ(pose(4), (Pose{-0.25, 0.5, 0, 0}));   // whose second column is taken
+  EXPECT_THAT(Loaded(changed("\"count\": 4", "\"count\": 6", spilling)).found,
+              ElementsAre("maze.json:18: error: /populations/0/place: placed 5 of 6 bodies: the region has no more free "
+                          "cells (of 7)"));
+  EXPECT_THAT(Loaded(changed("[-0.25, 0.25], [0, 0.5]", "[0, 0.5], [-0.25, 0.25]", spilling)).found,
+              ElementsAre("maze.json:18: error: /populations/0/place/spill_m: the corners stand the wrong way round: give "
+                          "[[x_min, y_min], [x_max, y_max]]"));
+}
+
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
   LoadOptions options;
   options.robots = {{"", 1000000}};
