@@ -160,6 +160,7 @@ class StageWorld {
     std::vector<std::string> global_parts;   ///< names of parts with names of their own
     std::vector<const StageEntity*> inside;  ///< the bodies of macros and entities around the present one
     std::size_t entities = 0;
+    Where where;  ///< of the top-level model
     bool broken = false;
   };
 
@@ -323,7 +324,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   for (std::size_t i = 0; i < prototype.inherited.size(); ++i)
     prototype.inherited[i] = inherited.find(document_, k_own_keys[i]);
 
-  Draft draft;
+  Draft draft{.where = model->where};
   add_part(*model, Pose{}, engine::PartSpec{}, draft);
   if (draft.broken) return prototype;
   prototype.global_parts = std::move(draft.global_parts);
@@ -362,7 +363,7 @@ void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, e
   std::vector<std::pair<StageModel, const StageEntity*>> children;
   for (const StageModel::Child& child : model.children()) {
     if (++draft.entities > k_most_entities || draft.inside.size() >= k_deepest_nesting) {
-      values_.error(model.where,
+      values_.error(draft.where,
                     draft.entities > k_most_entities
                         ? fmt::format("its macros expand to more than {} entities", k_most_entities)
                         : fmt::format("its macros nest deeper than {}", k_deepest_nesting));
