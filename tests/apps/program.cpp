@@ -62,6 +62,7 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
   std::vector<std::string> words{TROUPE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
