@@ -5,13 +5,22 @@ add_library(troupe_warnings INTERFACE)
 target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers)
 
+# troupe_add_library(FOLDER SOURCES ... [LINK ...] [PRIVATE_LINK ...] [BUILD_LINK ...])
+#   LINK          what its headers need
+#   PRIVATE_LINK  what only its sources need; a static library's users link it all the same
+#   BUILD_LINK    what only its sources need and only to compile (header-only libraries): users need not have it
+# Every header of the folder is public: it is installed, and must compile by itself.
 function(troupe_add_library folder)
-  cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK;BUILD_LINK" ${ARGN})
   add_library(troupe_${folder} STATIC ${arg_SOURCES})
   add_library(troupe::${folder} ALIAS troupe_${folder})
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
-  target_include_directories(troupe_${folder} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  file(GLOB headers CONFIGURE_DEPENDS *.hpp)
+  target_sources(troupe_${folder} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${headers})
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
+  foreach(library ${arg_BUILD_LINK})
+    target_link_libraries(troupe_${folder} PRIVATE $<BUILD_INTERFACE:${library}>)
+  endforeach()
 endfunction()

@@ -1,0 +1,64 @@
+# Installs the build, moves the install tree, builds the example against it, and runs it.
+#   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DBUILD_TYPE=...
+#         -P install_test.cmake
+
+function(run)
+  cmake_parse_arguments(arg "" "OUTPUT;IN" "" ${ARGN})
+  execute_process(COMMAND ${arg_UNPARSED_ARGUMENTS} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output
+                  WORKING_DIRECTORY ${arg_IN})
+  if(NOT result EQUAL 0)
+    list(JOIN arg_UNPARSED_ARGUMENTS " " command)
+    message(FATAL_ERROR "${command}\nended with ${result}:\n${output}")
+  endif()
+  set(${arg_OUTPUT} "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH})
+file(MAKE_DIRECTORY ${SCRATCH})
+
+run(IN ${SCRATCH} ${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/installed)
+file(RENAME ${SCRATCH}/installed ${SCRATCH}/prefix)  # an install tree may be moved
+
+# Nothing that is installed for find_package may point back at where it was built.
+file(GLOB_RECURSE package ${SCRATCH}/prefix/*.cmake)
+if(NOT package)
+  message(FATAL_ERROR "no package files were installed")
+endif()
+foreach(file ${package})
+  file(READ ${file} text)
+  foreach(path ${SOURCE} ${BUILD} ${SCRATCH})
+    string(FIND "${text}" "${path}" at)
+    if(NOT at EQUAL -1)
+      message(FATAL_ERROR "${file} names ${path}")
+    endif()
+  endforeach()
+endforeach()
+
+# The headers bring Eigen and the standard library, nothing else.
+file(GLOB_RECURSE headers ${SCRATCH}/prefix/include/*)
+foreach(file ${headers})
+  file(STRINGS ${file} foreign REGEX "^[ \t]*#[ \t]*include[ \t]*<[^>]*[/.]")
+  list(FILTER foreign EXCLUDE REGEX "<Eigen/")
+  if(foreign)
+    message(FATAL_ERROR "${file}: ${foreign}")
+  endif()
+endforeach()
+
+run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${SCRATCH}/consumer -G ${GENERATOR}
+    -DMINIMAL_CPP=${SOURCE}/apps/examples/minimal.cpp -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix
+    -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
+file(READ ${SCRATCH}/consumer/compile_commands.json commands)
+foreach(flag -ffp-contract=off -DEIGEN_DONT_VECTORIZE -DEIGEN_MAX_ALIGN_BYTES=16)
+  string(FIND "${commands}" "${flag}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "the consumer is compiled without ${flag}: ${commands}")
+  endif()
+endforeach()
+
+run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/consumer)
+run(IN ${SOURCE} OUTPUT printed ${SCRATCH}/consumer/minimal worlds/minimal.world)
+if(NOT printed MATCHES "at \\(")
+  message(FATAL_ERROR "the example printed:\n${printed}")
+endif()
+file(REMOVE_RECURSE ${SCRATCH})

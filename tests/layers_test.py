@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""The house rules that a compiler does not check (docs/architecture.md): which folder may include what.
+
+Arrows between the folders only go down, a third-party library is known to few files, and nothing below `apps`
+prints, reads the clock, parses arguments or exits.
+
+    layers_test.py [ROOT]    checks the sources under ROOT (default: this repository), then itself on planted faults
+"""
+
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# What each folder may include, besides itself. `sensors`, `models`, `worldio` and `render` are siblings: the engine and
+# the registry bring them together.
+BELOW = {
+    "base": [],
+    "partition": ["base"],
+    "engine": ["base", "partition"],
+    "sensors": ["base", "partition", "engine"],
+    "models": ["base", "partition", "engine"],
+    "worldio": ["base", "partition", "engine"],
+    "render": ["base", "partition", "engine"],
+    "troupe": ["base", "partition", "engine", "sensors", "models", "worldio", "render"],
+}
+LIBRARY = list(BELOW)
+ANYTHING = LIBRARY + ["apps", "tests", "perf"]
+BELOW |= {"apps": LIBRARY, "tests": ANYTHING, "perf": ANYTHING}
+
+# Third-party headers: (pattern, name, glob patterns of the files that may include them).
+# Library headers are installed, so a `.hpp` there knows Eigen only.
+LIBRARY_SOURCES = [f"{folder}/*.cpp" for folder in LIBRARY]
+TOP = ["apps/*", "apps/*/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
+THIRD_PARTY = [
+    (r"Eigen/", "Eigen", ["*/*", "*/*/*"]),
+    (r"fmt/", "fmt", LIBRARY_SOURCES + TOP),
+    (r"hwy/", "Highway", LIBRARY_SOURCES + TOP),
+    (r"xxh", "xxHash", ["base/*.cpp"]),
+    (r"tbb/|oneapi/", "oneTBB", ["partition/*.cpp"]),
+    (r"nlohmann/", "nlohmann-json", ["worldio/*.cpp", *TOP]),
+    (r"stb[_/]", "stb", ["worldio/*.cpp"]),
+    (r"png\.h|jpeglib\.h|turbojpeg\.h", "libpng and libjpeg", ["worldio/*.cpp", "tests/*/*.cpp"]),
+    (r"hdf5|H5|highfive/", "HDF5", ["worldio/*.cpp", "tests/*/*.cpp"]),
+    (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
+    (r"CLI/", "CLI11", ["apps/*.cpp"]),
+    (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
+    (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
+    # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
+    (r"(dlfcn|fcntl|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+]
+
+# Standard headers that only some folders may include.
+STANDARD = [
+    (r"iostream|print", "prints", TOP),
+    (r"chrono|ctime", "reads the clock", TOP),
+    (r"random", "draws random numbers that differ between implementations; base/random.hpp has ours", TOP),
+    (r"thread|future|execution|barrier|latch|semaphore|stop_token", "is parallel; partition has the one loop",
+     ["partition/*.cpp", *TOP]),
+]
+
+# Words that no file below `apps` may use, outside comments and texts.
+WORDS = [
+    (r"(v|f|vf|d|w)?printf|puts|fputs|putchar|perror|cout|cerr|clog|fmt::print", "prints"),
+    (r"exit|_exit|_Exit|quick_exit|abort|terminate", "ends the process"),
+    (r"chrono|clock_gettime|gettimeofday|std::time|std::clock", "reads the clock"),
+    (r"getenv|secure_getenv|setenv|environ", "reads the environment"),
+    (r"argc|argv", "parses arguments"),
+    (r"std::rand|srand|random_device|std::mt19937\w*", "draws random numbers that no seed decides"),
+]
+WORDS_ALLOWED = {"base/assert.hpp"}  # TROUPE_ASSERT says which invariant broke, and stops
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
+COMMENT_OR_TEXT = re.compile(
+    r"""R"([^(\s]*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|'(?:\\[^\n']+|[^\\\n'])'|//[^\n]*|/\*.*?\*/""", re.S)
+
+
+def sources(root):
+    for folder in BELOW:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".hpp", ".cpp") and path.is_file():
+                yield folder, path.relative_to(root)
+
+
+def is_in(path, globs):
+    """Globs here match whole paths, and `*` stays within one folder."""
+    return any(len(path.parts) == glob.count("/") + 1 and path.match(glob) for glob in globs)
+
+
+def without_comments(text, texts_too):
+    """Blanks comments, and texts where asked, and keeps every line where it was."""
+    def blank(match):
+        if not texts_too and not match.group().startswith("/"):
+            return match.group()
+        return re.sub(r"[^\n]", " ", match.group())
+    return COMMENT_OR_TEXT.sub(blank, text)
+
+
+def include_fault(root, folder, path, quote, name):
+    """What is wrong with one include, or None."""
+    first = name.split("/")[0]
+    if quote == '"' or (first in BELOW and (root / name).is_file()):
+        if first not in BELOW or not (root / name).is_file():
+            return f'"{name}" is no file of ours, named from the root'
+        if quote == "<" and folder in LIBRARY:
+            return f"<{name}> is ours: use quotes"
+        if path.parts[:2] == ("apps", "examples") and (quote, name) != ("<", "troupe/troupe.hpp"):
+            return f'an example shows the public face: <troupe/troupe.hpp>, not "{name}"'
+        if first != folder and first not in BELOW[folder]:
+            return f'"{name}": {folder} must not know {first}'
+        return None
+    for pattern, library, allowed in THIRD_PARTY:
+        if re.match(rf"(?:{pattern})", name):
+            return None if is_in(path, allowed) else f"<{name}>: {library} is not for this file"
+    if not re.fullmatch(r"[a-z0-9_]+", name):
+        return f"<{name}> is unknown: say in tests/layers_test.py which files may include it"
+    for pattern, what, allowed in STANDARD:
+        if re.fullmatch(pattern, name) and not is_in(path, allowed):
+            return f"<{name}> {what}"
+    return None
+
+
+def findings(root):
+    """Every breach of the rules under root, as `path:line: text`."""
+    found = []
+    tbb_users = []
+    for folder, path in sources(root):
+        text = (root / path).read_text()
+
+        def report(start, what, text=text, path=path):
+            found.append(f"{path.as_posix()}:{text.count(chr(10), 0, start) + 1}: {what}")
+
+        for match in INCLUDE.finditer(without_comments(text, texts_too=False)):
+            fault = include_fault(root, folder, path, *match.groups())
+            if fault:
+                report(match.start(1), fault)
+            elif re.match("tbb/|oneapi/", match[2]) and path not in tbb_users:
+                tbb_users.append(path)
+                if len(tbb_users) == 2:
+                    report(match.start(1), f"<{match[2]}>: {tbb_users[0].as_posix()} is the one file that knows oneTBB")
+        if folder in LIBRARY and path.as_posix() not in WORDS_ALLOWED:
+            code = without_comments(text, texts_too=True)
+            code = INCLUDE.sub(lambda match: " " * len(match.group()), code)
+            for pattern, what in WORDS:
+                for match in re.finditer(rf"(?<![\w.>])(?:std::)?({pattern})\b", code):
+                    report(match.start(1), f"`{match[1]}` {what}: below apps nothing does")
+    return found
+
+
+class TheSources(unittest.TestCase):
+    def test_there_are_some(self):
+        self.assertGreater(len(list(sources(ROOT))), 20, ROOT)
+
+    def test_they_keep_the_rules(self):
+        found = findings(ROOT)
+        if found:
+            self.fail(f"{len(found)} breach(es) of the layers:\n" + "\n".join(found))
+
+
+class PlantedFaults(unittest.TestCase):
+    """A small tree that keeps the rules, with one fault at a time."""
+
+    GOOD = {
+        "base/pose.hpp": "#pragma once\n#include <Eigen/Core>\n#include <cmath>\n",
+        "base/assert.hpp": '#include <cstdio>\n#define A std::fprintf(stderr, "no"), std::abort()\n',
+        "partition/grid.hpp": '#include "base/pose.hpp"\n',
+        "partition/parallel.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
+        "engine/world.hpp": '#include "partition/grid.hpp"\n// exit(1), and #include "troupe/troupe.hpp"\n',
+        "sensors/ranger.hpp": '#include "engine/world.hpp"\n',
+        "models/drives.hpp": '#include "engine/world.hpp"\n',
+        "worldio/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
+        "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
+        "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n',
+        "apps/main.cpp": '#include <CLI/CLI.hpp>\n#include <chrono>\n#include "troupe/troupe.hpp"\n',
+        "apps/examples/minimal.cpp": "#include <troupe/troupe.hpp>\n#include <iostream>\n",
+        "tests/base/pose_test.cpp": '#include <gtest/gtest.h>\n#include "base/pose.hpp"\n',
+    }
+
+    def check(self, planted):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for name, text in {**self.GOOD, **planted}.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text)
+            return findings(root)
+
+    def test_a_good_tree_has_none(self):
+        self.assertEqual(self.check({}), [])
+
+    def test_each_fault_is_found_where_it_stands(self):
+        for name, text, expected in [
+            ("base/up.cpp", '\n#include "engine/world.hpp"\n', 'base/up.cpp:2: "engine/world.hpp": base must not know engine'),
+            ("partition/up.hpp", '#include "engine/world.hpp"\n', "partition/up.hpp:1: "),
+            ("engine/up.hpp", '#include "sensors/ranger.hpp"\n', "engine must not know sensors"),
+            ("sensors/side.hpp", '#include "models/drives.hpp"\n', "sensors must not know models"),
+            ("models/side.cpp", '#  include "sensors/ranger.hpp"\n', "models must not know sensors"),
+            ("render/up.cpp", '#include "troupe/troupe.hpp"\n', "render must not know troupe"),
+            ("engine/up.cpp", "#include <troupe/troupe.hpp>\n", "<troupe/troupe.hpp> is ours: use quotes"),
+            ("troupe/up.cpp", '#include "apps/main.cpp"\n', "troupe must not know apps"),
+            ("base/relative.cpp", '#include "pose.hpp"\n', '"pose.hpp" is no file of ours'),
+            ("apps/examples/deep.cpp", '#include "engine/world.hpp"\n', "an example shows the public face"),
+            ("partition/second.cpp", "#include <oneapi/tbb.h>\n", "partition/parallel.cpp is the one file"),
+            ("engine/tasks.cpp", "#include <tbb/task_group.h>\n", "oneTBB is not for this file"),
+            ("worldio/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
+            ("engine/json.cpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
+            ("render/context.hpp", "#include <GL/gl.h>\n", "OpenGL is not for this file"),
+            ("base/text.hpp", "#include <fmt/core.h>\n", "fmt is not for this file"),
+            ("engine/boost.cpp", "#include <boost/any.hpp>\n", "<boost/any.hpp> is unknown"),
+            ("engine/loud.cpp", "#include <iostream>\n", "<iostream> prints"),
+            ("engine/loud.cpp", 'void f() { std::printf("x"); }\n', "`printf` prints"),
+            ("engine/loud.cpp", '/* x */ void f() { std::fputs("x", stderr); }\n', "engine/loud.cpp:1: `fputs` prints"),
+            ("models/stop.cpp", "void f() { std::exit(1); }\n", "`exit` ends the process"),
+            ("troupe/clock.cpp", "#include <chrono>\n", "<chrono> reads the clock"),
+            ("worldio/home.cpp", 'auto h = getenv("HOME");\n', "`getenv` reads the environment"),
+            ("models/dice.cpp", "#include <random>\n", "<random> draws random numbers"),
+            ("sensors/own_pool.cpp", "#include <thread>\n", "<thread> is parallel"),
+        ]:
+            with self.subTest(text=text, file=name):
+                found = self.check({name: text})
+                self.assertEqual(len(found), 1, found)
+                self.assertIn(expected, found[0])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        ROOT = Path(sys.argv.pop(1)).resolve()
+    unittest.main()
