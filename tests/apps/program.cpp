@@ -141,7 +141,7 @@ wall( name "east" pose [4 0 0 0] size [0.2 8 1] )
 wall( name "west" pose [-4 0 0 0] size [0.2 8 1] )
 define bot position (
   size [0.4 0.3 0.2]
-  ranger( sensor( pose [0 0 0 0] fov 180 samples 9 range [0 3] ) )
+  ranger( pose [0 0 -0.15 0] sensor( fov 180 samples 9 range [0 3] ) )
   ctrl "wander"
 )
 bot( pose [-2 -2 0 10] )
