@@ -85,9 +85,9 @@ std::vector<BadInput> stage_inputs() {
 
 std::vector<BadInput> json_inputs() {
   return {
-      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", ""},
-      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:", ""},
-      {"empty", "bad.json", "", "bad.json", ""},
+      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", "expected '}'"},
+      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "missing closing quote"},
+      {"empty", "bad.json", "", "bad.json:1", "unexpected end of input"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
        "bad.json:2", "tick_s"},
       {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",
@@ -105,8 +105,8 @@ std::vector<BadInput> json_inputs() {
        "above 0"},
       {"short_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, 0.2]"), "bad.json:4",
        "/types/bot/size_m"},
-      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", ""},
-      {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", ""},
+      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", "invalid literal"},
+      {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", "1e999"},
       {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2", "above 0"},
       {"unknown_drive", "bad.json", json_world("\"kind\": \"diff\"", "\"kind\": \"dif\""), "bad.json:5",
        "did you mean \"diff\"?"},

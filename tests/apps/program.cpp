@@ -1,16 +1,17 @@
 #include "tests/apps/program.hpp"
 
 #include <fcntl.h>
-#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 namespace troupe::apps {
@@ -107,11 +108,10 @@ Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, con
 }
 
 Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {
-  int terminal = -1;
-  int program_side = -1;
-  if (openpty(&terminal, &program_side, nullptr, nullptr, nullptr) != 0)
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
     throw std::runtime_error("no terminal");
-  fcntl(terminal, F_SETFD, FD_CLOEXEC);
+  const int program_side = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
   const int out = create(streams_ / "out");
   const int process = start(arguments, out, program_side);
   close(out);

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 
 namespace troupe::apps {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
-using ::testing::Not;
 using ::testing::StartsWith;
 
 class Run : public ProgramTest {
@@ -217,6 +216,32 @@ TEST_F(Run, WarningsGoToStandardErrorALineEachUnlessQuiet) {
   EXPECT_THAT(lines_of(outcome.err), Contains(StartsWith("warned.world:1: warning: ")));
   EXPECT_EQ(lines_of(outcome.out).size(), 1u);
   EXPECT_THAT(troupe({"run", "warned.world", "--for", "0.1", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "0.3", "--quiet", "--snapshot", "room.png", "--size", "320x200"});
+  if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("room.png", "room.world"));
+  const std::string png = read("room.png");
+  ASSERT_GT(png.size(), 24u);
+  EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(png.substr(16, 8), std::string({0, 0, 1, 64, 0, 0, 0, static_cast<char>(200)}));  // big-endian
+}
+
+TEST_F(Run, ASnapshotThatCannotBeDrawnEndsTheRunBeforeItBegan) {
+  // OSMesa is found first where it is none.
+  for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}) write(name, "no library");
+  const std::vector<std::string> before = files();
+  setenv("LD_LIBRARY_PATH", ".", 1);
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "0.3", "--snapshot", "room.png", "--hash-log", "h.log"});
+  unsetenv("LD_LIBRARY_PATH");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(lines_of(outcome.err), ElementsAre(StartsWith("troupe: error: ")));
+  EXPECT_EQ(files(), before);
 }
 
 TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
