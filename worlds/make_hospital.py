@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Draws hospital.png, the plan of a hospital of 140 x 60 m, and writes hospital.json and hospital-10cm.json.
+"""Draws hospital.png, the plan of a hospital of 140 x 60 m.
 
-A street, 4.2 m wide, runs the length of the house. South of it lie consulting rooms, north of it open waiting
+A street, 3.7 m wide, runs the length of the house. South of it lie consulting rooms, north of it open waiting
 bays and the departments; behind those a second corridor leads to four wards with gardens between them. Every
 room has a door, every garden a way in, and the outer wall is closed: a robot can go everywhere but out.
 """
 
-import json
 import os
 
 from drawing import BODY, EDGE, FLOOR, SOFT, TINT, WALL, Bitmap, Pen
