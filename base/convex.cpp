@@ -1,1 +1,332 @@
-// placeholder
+#include "base/geometry.hpp"
+
+#include <cstddef>
+#include <iterator>
+#include <map>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+/// A turn to the right by less than this (radians) is straight on: corners worked out in floating point on
+/// one line rarely lie on it exactly.
+constexpr double k_straight = 1e-9;
+/// Corners whose heights differ by less than this part of the solid's extent lie on one level.
+constexpr double k_level = 1e-12;
+
+/// True when the way a, b, c turns left or goes straight on at b.
+bool turns_left(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 in = b - a;
+  const Vec2 out = c - b;
+  const double turn = cross(in, out);
+  return turn >= 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
+}
+
+/// Without vertices that repeat the one before.
+Ring distinct(const Ring& ring) {
+  Ring result;
+  for (const Vec2& p : ring) {
+    if (result.empty() || p != result.back()) result.push_back(p);
+  }
+  while (result.size() > 1 && result.front() == result.back()) result.pop_back();
+  return result;
+}
+
+// -- Trapezoids
+// -----------------------------------------------------------------------------------------------
+
+/// A side of the region that is not horizontal, from its lower to its upper end.
+struct Side {
+  Vec2 low;
+  Vec2 high;
+
+  double x_at(double y) const {
+    if (y <= low.y()) return low.x();
+    if (y >= high.y()) return high.x();
+    const double t = (y - low.y()) / (high.y() - low.y());
+    const double x = low.x() + t * (high.x() - low.x());
+    return std::clamp(x, std::min(low.x(), high.x()), std::max(low.x(), high.x()));
+  }
+};
+
+/// A part of the region between two sides and two levels.
+struct Trapezoid {
+  std::size_t left;
+  std::size_t right;
+  double bottom;
+  double top;
+};
+
+/// Heights in ascending order, those within `tolerance` of the one before them left out.
+std::vector<double> levels_of(std::vector<double> heights, double tolerance) {
+  std::sort(heights.begin(), heights.end());
+  std::vector<double> levels;
+  for (const double y : heights) {
+    if (levels.empty() || y - levels.back() > tolerance) levels.push_back(y);
+  }
+  return levels;
+}
+
+/// The level a height was merged into.
+double level_of(const std::vector<double>& levels, double y) {
+  return *std::prev(std::upper_bound(levels.begin(), levels.end(), y));
+}
+
+std::vector<double> corner_levels(const std::vector<Ring>& contours, double tolerance) {
+  std::vector<double> heights;
+  for (const Ring& contour : contours) {
+    for (const Vec2& p : contour) heights.push_back(p.y());
+  }
+  return levels_of(std::move(heights), tolerance);
+}
+
+std::vector<Side> sides_of(const std::vector<Ring>& contours, const std::vector<double>& levels) {
+  std::vector<Side> sides;
+  for (const Ring& contour : contours) {
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+      Vec2 a = contour[i];
+      Vec2 b = contour[(i + 1) % contour.size()];
+      a.y() = level_of(levels, a.y());
+      b.y() = level_of(levels, b.y());
+      if (a.y() < b.y()) sides.push_back({a, b});
+      if (b.y() < a.y()) sides.push_back({b, a});
+    }
+  }
+  // By their lower ends, for the sweep; a stable order, so that the pieces do not depend on the sort.
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& a, const Side& b) { return a.low.y() < b.low.y(); });
+  return sides;
+}
+
+/// Where sides cross strictly between two levels, as further levels. `active` are the sides that span them.
+std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom,
+                              double top) {
+  std::vector<double> heights;
+  const auto x_bottom = [&](std::size_t s) { return sides[s].x_at(bottom); };
+  const auto x_top = [&](std::size_t s) { return sides[s].x_at(top); };
+  std::stable_sort(active.begin(), active.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(x_bottom(a), x_top(a)) < std::pair(x_bottom(b), x_top(b));
+  });
+  // Each exchange of an insertion sort by the order at the top is a pair that crosses.
+  for (std::size_t i = 1; i < active.size(); ++i) {
+    for (std::size_t j = i; j > 0 && x_top(active[j - 1]) > x_top(active[j]); --j) {
+      const double gap_bottom = x_bottom(active[j]) - x_bottom(active[j - 1]);
+      const double gap_top = x_top(active[j - 1]) - x_top(active[j]);
+      heights.push_back(bottom + (top - bottom) * (gap_bottom / (gap_bottom + gap_top)));
+      std::swap(active[j - 1], active[j]);
+    }
+  }
+  return heights;
+}
+
+/// The even-odd region between two levels where no sides cross, appended to `trapezoids`. One that goes on
+/// between the same sides as a trapezoid of the slab below (the `open` ones) lengthens that one instead.
+void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
+              std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open) {
+  const auto x_middle = [&](std::size_t s) { return 0.5 * (sides[s].x_at(bottom) + sides[s].x_at(top)); };
+  std::stable_sort(active.begin(), active.end(),
+                   [&](std::size_t a, std::size_t b) { return x_middle(a) < x_middle(b); });
+  std::vector<std::size_t> now_open;
+  auto candidate = open.begin();
+  for (std::size_t i = 0; i + 1 < active.size(); i += 2) {
+    const std::size_t left = active[i];
+    const std::size_t right = active[i + 1];
+    const auto same = std::find_if(candidate, open.end(), [&](std::size_t t) {
+      return trapezoids[t].left == left && trapezoids[t].right == right;
+    });
+    if (same != open.end()) {
+      trapezoids[*same].top = top;
+      now_open.push_back(*same);
+      candidate = std::next(same);
+    } else {
+      trapezoids.push_back({left, right, bottom, top});
+      now_open.push_back(trapezoids.size() - 1);
+    }
+  }
+  open = std::move(now_open);
+}
+
+std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::vector<double>& levels,
+                                     double tolerance) {
+  std::vector<Trapezoid> trapezoids;
+  std::vector<std::size_t> open;  // the trapezoids that reach the top of the slab before, from left to right
+  std::vector<std::size_t> active;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
+    const double bottom = levels[k];
+    const double top = levels[k + 1];
+    std::erase_if(active, [&](std::size_t s) { return sides[s].high.y() <= bottom; });
+    for (; next < sides.size() && sides[next].low.y() <= bottom; ++next) active.push_back(next);
+
+    std::vector<double> cuts = crossings(sides, active, bottom, top);
+    cuts.push_back(bottom);
+    cuts.push_back(top);
+    cuts = levels_of(std::move(cuts), tolerance);
+    cuts.back() = top;  // a crossing that close below it is one with it
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      cut_slab(sides, active, cuts[i], cuts[i + 1], trapezoids, open);
+    }
+  }
+  return trapezoids;
+}
+
+// -- Merging
+// --------------------------------------------------------------------------------------------------
+
+/// A convex piece that grows upwards: its left and right chains, both from the bottom to the top.
+struct Piece {
+  Ring left;
+  Ring right;
+};
+
+bool continues(const Piece& piece, const Piece& above) {
+  const auto straight_or_in = [](const Ring& chain, const Ring& next, bool left) {
+    const Vec2& a = chain[chain.size() - 2];
+    const Vec2& b = chain.back();
+    return left ? turns_left(next[1], b, a) : turns_left(a, b, next[1]);
+  };
+  return piece.left.back() == above.left.front() && piece.right.back() == above.right.front() &&
+         straight_or_in(piece.left, above.left, true) && straight_or_in(piece.right, above.right, false);
+}
+
+/// Joins each trapezoid to the piece that ends in its bottom, when what results is convex. Greedy, from the
+/// bottom upwards; the least number of pieces is not sought.
+std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid> trapezoids,
+                          double tolerance) {
+  std::vector<Piece> pieces;
+  // By bottom, then from left to right, as they were found but for those that began lower.
+  std::stable_sort(trapezoids.begin(), trapezoids.end(),
+                   [](const Trapezoid& a, const Trapezoid& b) { return a.bottom < b.bottom; });
+  // Pieces by the height and the left end of their top, to find the one below a trapezoid.
+  std::map<std::pair<double, double>, std::size_t> by_top;
+  for (const Trapezoid& t : trapezoids) {
+    Piece above;
+    for (const double y : {t.bottom, t.top}) {
+      const double left = sides[t.left].x_at(y);
+      above.left.emplace_back(left, y);
+      above.right.emplace_back(std::max(left, sides[t.right].x_at(y)), y);
+    }
+    const double width_bottom = above.right[0].x() - above.left[0].x();
+    const double width_top = above.right[1].x() - above.left[1].x();
+    if (std::max(width_bottom, width_top) <= tolerance) continue;
+
+    const auto found = by_top.find({t.bottom, above.left[0].x()});
+    if (found != by_top.end() && width_bottom > 0 && continues(pieces[found->second], above)) {
+      const std::size_t piece = found->second;
+      pieces[piece].left.push_back(above.left[1]);
+      pieces[piece].right.push_back(above.right[1]);
+      by_top.erase(found);
+      by_top.insert_or_assign({t.top, above.left[1].x()}, piece);
+    } else {
+      by_top.insert_or_assign({t.top, above.left[1].x()}, pieces.size());
+      pieces.push_back(std::move(above));
+    }
+  }
+  return pieces;
+}
+
+/// The chains as one ring, counter-clockwise.
+Ring outline_of(const Piece& piece) {
+  Ring ring = piece.right;
+  ring.insert(ring.end(), piece.left.rbegin(), piece.left.rend());
+  return distinct(ring);
+}
+
+}  // namespace
+
+double signed_area(const Ring& ring) {
+  double twice = 0;
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+    twice += cross(ring[i] - ring[0], ring[i + 1] - ring[0]);
+  }
+  return 0.5 * twice;
+}
+
+Box bounds(const Ring& ring) {
+  Box box;
+  for (const Vec2& p : ring) box.extend(p);
+  return box;
+}
+
+bool is_convex(const Ring& ring) {
+  const Ring corners = distinct(ring);
+  const std::size_t n = corners.size();
+  if (n < 3 || !(signed_area(corners) > 0)) return false;
+  // A ring that winds once goes right once and left once: its edges' directions, with up and down counted as
+  // right and left, change sides twice.
+  const auto goes_right = [&](std::size_t i) {
+    const Vec2 edge = corners[(i + 1) % n] - corners[i % n];
+    return edge.x() > 0 || (edge.x() == 0 && edge.y() > 0);
+  };
+  int changes = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!turns_left(corners[i], corners[(i + 1) % n], corners[(i + 2) % n])) return false;
+    changes += goes_right(i) != goes_right(i + 1);
+  }
+  return changes == 2;
+}
+
+double convex_width(const Ring& ring) {
+  const Ring corners = distinct(ring);
+  if (corners.size() < 3) return 0;
+  double width = std::numeric_limits<double>::infinity();
+  // The width of a convex polygon is attained with one line along an edge.
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 edge = corners[(i + 1) % corners.size()] - corners[i];
+    double farthest = 0;
+    for (const Vec2& p : corners) farthest = std::max(farthest, cross(edge, p - corners[i]));
+    width = std::min(width, farthest / sqrt(edge.squaredNorm()));
+  }
+  return width;
+}
+
+bool contains(const Solid& solid, const Vec2& point) {
+  bool inside = false;
+  for (const Ring& contour : solid.contours) {
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+      const Vec2& a = contour[i];
+      const Vec2& b = contour[(i + 1) % contour.size()];
+      const bool a_above = a.y() > point.y();
+      if (a_above == (b.y() > point.y())) continue;
+      // The edge crosses the point's height; it lies to the right of the point when the point is on the left
+      // of the edge walked upwards.
+      const double side = cross(b - a, point - a);
+      inside ^= a_above ? side < 0 : side > 0;
+    }
+  }
+  return inside;
+}
+
+std::vector<ConvexPrism> convex_pieces(const Solid& solid) {
+  std::vector<Ring> contours;
+  Box box;
+  for (const Ring& contour : solid.contours) {
+    Ring corners = distinct(contour);
+    if (corners.size() < 3) continue;
+    box.extend(bounds(corners));
+    contours.push_back(std::move(corners));
+  }
+  if (contours.empty()) return {};
+
+  std::vector<ConvexPrism> prisms;
+  if (contours.size() == 1) {
+    Ring& outline = contours.front();
+    if (signed_area(outline) < 0) std::reverse(outline.begin(), outline.end());
+    if (is_convex(outline)) {
+      prisms.push_back({std::move(outline), solid.z});
+      return prisms;
+    }
+  }
+
+  const double extent = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+  const double tolerance = k_level * extent;
+  const std::vector<double> levels = corner_levels(contours, tolerance);
+  const std::vector<Side> sides = sides_of(contours, levels);
+  for (const Piece& piece : merged(sides, trapezoids_of(sides, levels, tolerance), tolerance)) {
+    Ring outline = outline_of(piece);
+    if (outline.size() >= 3 && signed_area(outline) > 0) prisms.push_back({std::move(outline), solid.z});
+  }
+  return prisms;
+}
+
+}  // namespace troupe

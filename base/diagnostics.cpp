@@ -1,1 +1,134 @@
-// placeholder
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+/// More errors than this are counted, not listed.
+constexpr std::size_t k_errors_listed = 50;
+
+std::string_view name_of(Severity severity) {
+  switch (severity) {
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      return "warning";
+    case Severity::error:
+      return "error";
+  }
+  return "";
+}
+
+/// Insertions, deletions, changes of a letter and swaps of neighbours that lead from a to b.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      }
+    }
+    std::swap(before_last, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::uint32_t SourceFiles::add(std::string_view name) {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) {
+    names_.emplace_back(name);
+    return static_cast<std::uint32_t>(names_.size() - 1);
+  }
+  return static_cast<std::uint32_t>(found - names_.begin());
+}
+
+Diagnostics::Diagnostics() : files_(std::make_shared<SourceFiles>()) {}
+
+void Diagnostics::error(Where where, std::string message) {
+  findings_.push_back({Severity::error, where, std::move(message)});
+  repeats_.push_back(0);
+  ++errors_;
+}
+
+void Diagnostics::warning(Where where, std::string message) {
+  findings_.push_back({Severity::warning, where, std::move(message)});
+  repeats_.push_back(0);
+}
+
+void Diagnostics::warning_once(Where where, std::string message) {
+  const auto [place, is_new] = once_.try_emplace(message, findings_.size());
+  if (is_new) {
+    warning(where, std::move(message));
+  } else {
+    ++repeats_[place->second];
+  }
+}
+
+std::string Diagnostics::text(const Finding& finding) const {
+  if (finding.where.file == Where::k_no_file) {
+    return fmt::format("{}: {}", name_of(finding.severity), finding.message);
+  }
+  const std::string& file = files_->name(finding.where.file);
+  if (finding.where.line == 0)
+    return fmt::format("{}: {}: {}", file, name_of(finding.severity), finding.message);
+  return fmt::format("{}:{}: {}: {}", file, finding.where.line, name_of(finding.severity), finding.message);
+}
+
+std::vector<std::string> Diagnostics::warnings() const {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < findings_.size(); ++i) {
+    if (findings_[i].severity != Severity::warning) continue;
+    lines.push_back(text(findings_[i]));
+    if (repeats_[i] > 0) lines.back() += fmt::format(" (and {} more)", repeats_[i]);
+  }
+  return lines;
+}
+
+void Diagnostics::throw_if_errors() const {
+  if (!has_errors()) return;
+  std::string message;
+  std::size_t listed = 0;
+  for (const Finding& finding : findings_) {
+    if (finding.severity != Severity::error) continue;
+    if (listed == k_errors_listed) break;
+    if (listed++ > 0) message += '\n';
+    message += text(finding);
+  }
+  if (errors_ > listed) {
+    const std::size_t more = errors_ - listed;
+    message += fmt::format("\n... and {} more error{}", more, more == 1 ? "" : "s");
+  }
+  throw InputError(message);
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> known) {
+  const std::string_view* best = nullptr;
+  std::size_t best_distance = 0;
+  for (const std::string_view& name : known) {
+    const std::size_t distance = edit_distance(word, name);
+    // A third of the letters may be wrong; of one- and two-letter names, nothing can be guessed.
+    if (distance > std::min(word.size(), name.size()) / 3) continue;
+    if (best == nullptr || distance < best_distance) {
+      best = &name;
+      best_distance = distance;
+    }
+  }
+  return best == nullptr ? std::string() : fmt::format(" (did you mean \"{}\"?)", *best);
+}
+
+std::string comma_list(std::span<const std::string_view> names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace troupe

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -36,14 +38,15 @@ struct Finding {
   std::string message;
 };
 
-/// Bad input: the message lists every finding, a line each, as `maze.world:41: error: ...`.
+/// Bad input: the message lists the errors, a line each, as `maze.world:41: error: ...`; of more than 50 the
+/// rest are counted in a last line.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// Collects what is wrong with an input, so that a load reports everything at once.
-/// Not thread-safe: a parallel loader gives each task its own and appends them in order.
+/// Not thread-safe.
 class Diagnostics {
  public:
   Diagnostics();
@@ -52,26 +55,30 @@ class Diagnostics {
 
   void error(Where where, std::string message);
   void warning(Where where, std::string message);
-  /// Counts a warning that is reported once for all places: `(and 99 more)` follows the first.
+  /// A warning that is reported once for all places: calls with the same message after the first are only
+  /// counted, and ` (and 99 more)` follows it in warnings().
   void warning_once(Where where, std::string message);
 
   bool has_errors() const { return errors_ > 0; }
   std::span<const Finding> findings() const { return findings_; }
-  /// One finding as `file:line: severity: message`.
+  /// One finding as `file:line: severity: message`; without the line where it is 0, without both where there
+  /// is no file.
   std::string text(const Finding& finding) const;
   /// Every warning, a line each; the count stands behind those reported once for many places.
   std::vector<std::string> warnings() const;
-  /// Throws InputError with every error found, if any was.
+  /// Throws InputError with the errors in the order they were found, if any was.
   void throw_if_errors() const;
 
  private:
   std::shared_ptr<SourceFiles> files_;
   std::vector<Finding> findings_;
-  std::vector<std::size_t> repeats_;  // beside findings_: how many more times a warning_once was met
+  std::vector<std::size_t> repeats_;         // beside findings_: how many more times a warning_once was met
+  std::map<std::string, std::size_t> once_;  // message of a warning_once -> its place in findings_
   std::size_t errors_ = 0;
 };
 
-/// ` (did you mean "omni"?)` when a known name is near, else empty.
+/// ` (did you mean "omni"?)` for the nearest known name within an edit for every three letters, else empty.
+/// Of equally near names the first.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

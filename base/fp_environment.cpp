@@ -1,1 +1,57 @@
-// placeholder
+#include "base/fp_environment.hpp"
+
+#include <cfenv>
+
+// Asks the arithmetic itself, not a control register: the same probe serves every processor. The volatile
+// variables keep the compiler from working the answers out in its own environment.
+
+namespace troupe {
+namespace {
+
+bool rounds_to_nearest() {
+  const volatile double one = 1.0;
+  const volatile double above = 0x1p-53;         // half the step above 1: a tie, which goes to the even 1
+  const volatile double above_half = 0x1.8p-53;  // three quarters of it
+  const volatile double below = 0x1p-54;         // half the step below 1
+  const volatile double up_tie = one + above;
+  const volatile double up = one + above_half;
+  const volatile double down_tie = one - below;
+  return up_tie == 1.0 && up == 0x1.0000000000001p0 && down_tie == 1.0;
+}
+
+bool keeps_denormal_results() {
+  const volatile double smallest_normal = 0x1p-1022;
+  const volatile double half = 0.5;
+  const volatile double denormal = smallest_normal * half;
+  // Multiplied back, since a comparison with zero may itself read denormals as zero.
+  const volatile double back = denormal * 0x1p100;
+  return back == 0x1p-923;
+}
+
+bool reads_denormals() {
+  const volatile double denormal = 0x1p-1050;
+  const volatile double scaled = denormal * 0x1p100;
+  return scaled == 0x1p-950;
+}
+
+}  // namespace
+
+std::string fp_environment_fault() {
+  std::string fault;
+  const auto add = [&fault](const char* text) {
+    if (!fault.empty()) fault += ", ";
+    fault += text;
+  };
+  if (!rounds_to_nearest()) add("rounding is not to nearest");
+  if (!reads_denormals())
+    add("denormal operands are read as zero");
+  else if (!keeps_denormal_results())
+    add("denormal results are flushed to zero");
+  return fault;
+}
+
+void restore_fp_environment() {
+  std::fesetenv(FE_DFL_ENV);
+}
+
+}  // namespace troupe

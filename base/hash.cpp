@@ -1,1 +1,23 @@
-// placeholder
+#include "base/hash.hpp"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace troupe {
+
+std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
+std::uint64_t hash_text(std::string_view text) {
+  return hash_bytes(std::as_bytes(std::span(text)));
+}
+
+std::string hex(std::uint64_t value) {
+  constexpr std::string_view k_digits = "0123456789abcdef";
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) text[i] = k_digits[value & 15];
+  return text;
+}
+
+}  // namespace troupe

@@ -30,10 +30,16 @@ SinCos sincos(double radians);
 /// The angle wrapped into [-pi, pi]. Angles already inside come back unchanged, bit for bit.
 double wrap_angle(double radians);
 
-constexpr double radians(double degrees) { return degrees * (k_pi / 180.0); }
-constexpr double degrees(double radians) { return radians * (180.0 / k_pi); }
+constexpr double radians(double degrees) {
+  return degrees * (k_pi / 180.0);
+}
+constexpr double degrees(double radians) {
+  return radians * (180.0 / k_pi);
+}
 
 /// The square root is an IEEE basic operation and rounds the same everywhere.
-inline double sqrt(double x) { return std::sqrt(x); }
+inline double sqrt(double x) {
+  return std::sqrt(x);
+}
 
 }  // namespace troupe

@@ -8,7 +8,8 @@ namespace troupe {
 
 /// Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC 2011).
 /// A pure function: the same counter and key give the same four words on every machine.
-std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key);
 
 /// The stream number of a kind of noise: the hash of its kind's name and its instance's name, so that adding
 /// one noisy sensor changes the numbers of no other.

@@ -56,8 +56,8 @@ struct SensorKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
-  /// Writes the percepts of every row it is given; reads S(k) only.
-  void (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
+  /// Writes the percepts of every row it is given (all of one type); reads S(k) only. Returns the rays it cast.
+  std::uint64_t (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.

@@ -54,7 +54,7 @@ bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
       const float ca = e.ax * dy[i] - e.ay * dx[i];
       const float cb = e.bx * dy[i] - e.by * dx[i];
       const float value = (ca - cb) * per_area;
-      const bool meets = (ca >= 0) & (cb <= 0) | (ca <= 0) & (cb >= 0);
+      const bool meets = ((ca >= 0) & (cb <= 0)) | ((ca <= 0) & (cb >= 0));
       const float candidate = meets ? value : 0.0f;
       inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
     }
@@ -72,7 +72,7 @@ bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
       const float cb = bx * dy[i] - by * dx[i];
       const float value = (ca - cb) * (1.0f / area);
       const bool thin = std::abs(area) <= k_end_on * (std::abs(p) + std::abs(q));
-      const bool meets = (ca >= 0) & (cb <= 0) | (ca <= 0) & (cb >= 0);
+      const bool meets = ((ca >= 0) & (cb <= 0)) | ((ca <= 0) & (cb >= 0));
       const float candidate = meets & !thin ? value : 0.0f;
       inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
       end_on |= thin;

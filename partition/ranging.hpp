@@ -56,7 +56,9 @@ float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy)
 
 /// Ranges from inverse ranges: range_max exactly unless inverse > 1 / range_max.
 inline float range_of(float inverse, float range_max) {
-  return inverse > 1.0f / range_max ? 1.0f / inverse : range_max;
+  if (!(inverse > 1.0f / range_max)) return range_max;
+  const float range = 1.0f / inverse;
+  return range < range_max ? range : range_max;
 }
 
 }  // namespace troupe::partition

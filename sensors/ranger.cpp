@@ -1,5 +1,11 @@
 #include "sensors/ranger.hpp"
 
+#include "engine/world.hpp"
+#include "partition/ranging.hpp"
+
+#include <array>
+#include <cmath>
+
 namespace troupe::sensors {
 namespace {
 
@@ -42,6 +48,185 @@ const FieldTable& transducer_fields() {
   return table;
 }
 
+/// Beams of one height that are cast together.
+struct Group {
+  std::size_t first;
+  std::size_t count;
+  double z;  ///< body frame, m
+};
+
+struct Ranger {
+  // One entry a beam, body frame.
+  std::vector<double> dx, dy;  ///< direction
+  std::vector<double> ox, oy;  ///< origin less `reference`, m
+  std::vector<float> range_max;
+  std::vector<Group> groups;
+  Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
+  bool common_origin = true;      ///< all beams start at the reference
+  double reach = 0;               ///< from the reference to the farthest point of any beam, m
+  bool intensity = false;
+};
+
+constexpr std::size_t k_fan = 256;    // beams cast together at most: their working set stays in the first cache
+constexpr std::size_t k_edges = 128;  // edges gathered before they are projected
+
+engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
+  engine::SensorKind::Prepared out;
+  Ranger ranger;
+  ranger.intensity = params[1].boolean();
+  std::vector<Vec2> origins;
+  double farthest = 0;
+  for (const engine::Record& transducer : params[0].records()) {
+    const engine::Record& p = transducer[0].records().front();
+    const Pose pose_sensor_transducer{p[0].number(), p[1].number(), p[2].number(), p[3].number()};
+    const Pose pose = compose(pose_body_sensor, pose_sensor_transducer);
+    const double range_max = transducer[2].number();
+    const double fov = transducer[3].number();
+    const auto samples = static_cast<std::size_t>(transducer[4].integer());
+    out.transducers.push_back(out.bearings.size());
+    out.transducer_headings.push_back(pose_sensor_transducer.heading);
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double within =
+          samples == 1 ? 0.0 : -fov / 2 + static_cast<double>(i) * (fov / static_cast<double>(samples - 1));
+      out.bearings.push_back(pose_sensor_transducer.heading + within);
+      const SinCos direction = sincos(pose.heading + within);
+      ranger.dx.push_back(direction.cos);
+      ranger.dy.push_back(direction.sin);
+      ranger.range_max.push_back(static_cast<float>(range_max));
+      origins.push_back(pose.position());
+      if (ranger.groups.empty() || ranger.groups.back().z != pose.z || ranger.groups.back().count == k_fan)
+        ranger.groups.push_back({origins.size() - 1, 0, pose.z});
+      ++ranger.groups.back().count;
+    }
+    farthest = std::max(farthest, range_max);
+  }
+  ranger.reference = origins.empty() ? pose_body_sensor.position() : origins.front();
+  for (const Vec2& o : origins) ranger.common_origin = ranger.common_origin && o == ranger.reference;
+  if (!ranger.common_origin) ranger.reference = pose_body_sensor.position();
+  double spread = 0;
+  for (const Vec2& o : origins) {
+    ranger.ox.push_back(o.x() - ranger.reference.x());
+    ranger.oy.push_back(o.y() - ranger.reference.y());
+    spread = std::max(spread, (o - ranger.reference).norm());
+  }
+  ranger.reach = spread + farthest;
+
+  out.beams = origins.size();
+  out.reach_m = ranger.reference.norm() + ranger.reach;
+  const auto columns = static_cast<std::uint32_t>(out.beams);
+  out.percepts.push_back({"ranges", engine::Element::f32, columns, "m", "distance to the first surface, a beam each"});
+  if (ranger.intensity)
+    out.percepts.push_back({"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
+  out.data = std::move(ranger);
+  return out;
+}
+
+/// Collects edges and projects them on a fan, a block at a time.
+class Projector {
+ public:
+  Projector(const partition::Fan& fan, const Vec2& reference, std::span<float> inverse, std::span<float> returns)
+      : fan_(fan), reference_(reference), inverse_(inverse), returns_(returns) {}
+
+  void add(const Vec2& a, const Vec2& b, float ranger_return) {
+    partition::RayEdge& edge = edges_[count_];
+    partition::relative(a, reference_, edge.ax, edge.ay);
+    partition::relative(b, reference_, edge.bx, edge.by);
+    edge.ranger_return = ranger_return;
+    if (++count_ == edges_.size()) flush();
+  }
+  void flush() {
+    const std::span<const partition::RayEdge> edges(edges_.data(), count_);
+    if (returns_.empty()) partition::project(edges, fan_, inverse_);
+    else partition::project(edges, fan_, inverse_, returns_);
+    count_ = 0;
+  }
+
+ private:
+  const partition::Fan& fan_;
+  Vec2 reference_;
+  std::span<float> inverse_;
+  std::span<float> returns_;
+  std::array<partition::RayEdge, k_edges> edges_;
+  std::size_t count_ = 0;
+};
+
+/// Smallest squared distance from a point to the box of an edge: never more than to the edge.
+double box_distance2(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const Vec2 gap = (a.cwiseMin(b) - p).cwiseMax(p - a.cwiseMax(b)).cwiseMax(0.0);
+  return gap.squaredNorm();
+}
+
+void cast(const engine::World& world, const Ranger& ranger, const Group& group, Row row, std::span<float> ranges,
+          std::span<float> intensities) {
+  const Transform pose(world.poses()[row.index()]);
+  const Vec2 reference = pose * ranger.reference;
+  const double z = world.poses()[row.index()].z + group.z;
+
+  std::array<float, k_fan> dx, dy, ox, oy;
+  for (std::size_t i = 0; i < group.count; ++i) {
+    const std::size_t beam = group.first + i;
+    const Vec2 direction = pose.rotation * Vec2(ranger.dx[beam], ranger.dy[beam]);
+    const Vec2 origin = pose.rotation * Vec2(ranger.ox[beam], ranger.oy[beam]);
+    dx[i] = static_cast<float>(direction.x());
+    dy[i] = static_cast<float>(direction.y());
+    ox[i] = ranger.common_origin ? 0.0f : static_cast<float>(origin.x());
+    oy[i] = ranger.common_origin ? 0.0f : static_cast<float>(origin.y());
+  }
+  const partition::Fan fan{{dx.data(), group.count}, {dy.data(), group.count}, {ox.data(), group.count},
+                           {oy.data(), group.count}, ranger.common_origin};
+
+  // The readings' own place serves as the inverse-depth buffer.
+  const std::span<float> inverse = ranges.subspan(group.first, group.count);
+  const std::span<float> returns =
+      intensities.empty() ? std::span<float>() : intensities.subspan(group.first, group.count);
+  std::ranges::fill(inverse, 0.0f);
+  std::ranges::fill(returns, 0.0f);
+  Projector projector(fan, reference, inverse, returns);
+
+  // A cull may keep too much but never too little: its margin is far above what rounding can take away.
+  const double reach = ranger.reach * (1 + 1e-6) + 1e-6;
+  const Box near = Box::around(reference, reach);
+  const partition::StaticScene& scene = world.scene();
+  scene.ranger_edges().for_each_run(near, [&](std::span<const partition::FixedEdge> edges) {
+    for (const partition::FixedEdge& edge : edges) {
+      const partition::FixedSolid& solid = scene.solids()[edge.solid];
+      if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > reach * reach) continue;
+      projector.add(edge.a, edge.b, solid.ranger_return);
+    }
+  });
+  world.index().for_each_near(near, [&](const partition::BodyEntry& entry) {
+    const double apart = reach + entry.radius;
+    if (entry.row == row.value || (entry.position - reference).squaredNorm() > apart * apart) return;
+    const Row other(entry.row);
+    const std::span<const Vec2> vertices = world.outline(other);
+    for (const engine::RayOutline& outline : world.type(other).outlines) {
+      if (!outline.z.shifted(world.poses()[other.index()].z).contains(z)) continue;
+      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
+      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+        projector.add(ring[j], ring[i], outline.ranger_return);
+    }
+  });
+  projector.flush();
+
+  for (std::size_t i = 0; i < group.count; ++i) {
+    const float range_max = ranger.range_max[group.first + i];
+    if (!returns.empty() && !(inverse[i] > 1.0f / range_max)) returns[i] = 0;
+    inverse[i] = partition::range_of(inverse[i], range_max);
+  }
+}
+
+std::uint64_t sense(const engine::World& world, const std::any& data, std::span<const Row> rows,
+                    engine::StateTable& percepts) {
+  const Ranger& ranger = *std::any_cast<Ranger>(&data);
+  for (const Row row : rows) {
+    const std::span<float> ranges = percepts.cell<float>(world.slot(row), 0);
+    const std::span<float> intensities =
+        ranger.intensity ? percepts.cell<float>(world.slot(row), 1) : std::span<float>();
+    for (const Group& group : ranger.groups) cast(world, ranger, group, row, ranges, intensities);
+  }
+  return rows.size() * ranger.dx.size();
+}
+
 }  // namespace
 
 engine::SensorKind ranger_kind() {
@@ -56,6 +241,8 @@ engine::SensorKind ranger_kind() {
        .fallback = false,
        .text = "also report the ranger_return of what each beam met"},
   }};
+  kind.prepare = prepare;
+  kind.sense = sense;
   return kind;
 }
 

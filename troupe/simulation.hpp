@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/pose.hpp"
+#include "engine/phase.hpp"
 
 #include <array>
 #include <cstdint>
@@ -28,12 +29,14 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// JSON pointer -> value ("/populations/0/count" -> "500").
   std::vector<std::pair<std::string, std::string>> set;
+  /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
+  std::vector<std::filesystem::path> search_path;
 };
 
-/// The phases of a tick, in their order.
-enum class Phase : std::uint8_t { sense, decide, move, index };
-inline constexpr std::size_t k_phases = 4;
-std::string_view phase_name(Phase phase);
+/// The phases of a tick, in their order: engine/world.hpp.
+using engine::k_phases;
+using engine::Phase;
+using engine::phase_name;
 
 /// Counters of a run, since tick 0.
 struct Statistics {
@@ -81,10 +84,9 @@ class Model {
 
  private:
   friend class Simulation;
-  Model(Simulation* simulation, std::uint32_t body, std::string part);
-  Simulation* simulation_;
-  std::uint32_t body_;
-  std::string part_;
+  struct Place;
+  explicit Model(std::shared_ptr<const Place> place);
+  std::shared_ptr<const Place> place_;
 };
 
 /// A world and its state. Not thread-safe: one thread calls it; it runs on `threads` workers of its own.

@@ -1,0 +1,193 @@
+#include "apps/describe.hpp"
+
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Registry;
+using engine::Value;
+
+template <class Kind>
+std::string listed(std::string_view heading, const std::vector<Kind>& kinds) {
+  if (kinds.empty()) return {};
+  std::size_t width = 0;
+  for (const Kind& kind : kinds) width = std::max(width, kind.name.size());
+  std::string text = fmt::format("{}\n", heading);
+  for (const Kind& kind : kinds) text += fmt::format("  {:<{}}  {}\n", kind.name, width, kind.text);
+  return text + "\n";
+}
+
+std::string number_text(double x) {
+  return fmt::format("{:.6g}", x);
+}
+
+std::string value_text(const Value& value) {
+  struct Visitor {
+    std::string operator()(std::monostate) const { return "required"; }
+    std::string operator()(bool x) const { return x ? "true" : "false"; }
+    std::string operator()(std::int64_t x) const { return fmt::format("{}", x); }
+    std::string operator()(double x) const { return number_text(x); }
+    std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }
+    std::string operator()(const std::vector<double>& x) const {
+      std::string text;
+      for (const double element : x) text += (text.empty() ? "" : " ") + number_text(element);
+      return "[" + text + "]";
+    }
+    std::string operator()(const std::vector<engine::Record>& x) const { return x.empty() ? "[]" : "below"; }
+  };
+  return std::visit(Visitor{}, value.v);
+}
+
+/// What may stand there: "0 .. 1 m", "> 0 s", "car, diff, omni".
+std::string range_text(const Field& field) {
+  const std::string unit{engine::unit_suffixes(field.unit).front().symbol};
+  const bool low = std::isfinite(field.min);
+  const bool high = std::isfinite(field.max);
+  std::string range;
+  switch (field.type) {
+    case FieldType::boolean:
+      return "true, false";
+    case FieldType::text:
+      return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::record:
+      return "a block";
+    case FieldType::records:
+      return "a list of blocks";
+    case FieldType::integer:
+      range = "integer";
+      break;
+    case FieldType::number:
+      range = "number";
+      break;
+    case FieldType::numbers:
+      range = field.columns == 0 ? "numbers" : fmt::format("{} numbers", field.columns);
+      break;
+  }
+  if (low && high)
+    range += fmt::format(" {}{} .. {}", field.above_min ? "above " : "", number_text(field.min),
+                         number_text(field.max));
+  else if (low)
+    range += fmt::format(" {} {}", field.above_min ? ">" : ">=", number_text(field.min));
+  else if (high)
+    range += fmt::format(" <= {}", number_text(field.max));
+  return unit.empty() ? range : range + " " + unit;
+}
+
+/// How the field is written in JSON: "fov_rad (_deg)".
+std::string key_text(const Field& field) {
+  const auto units = engine::unit_suffixes(field.unit);
+  std::string others;
+  for (const engine::UnitSuffix& unit : units.subspan(1))
+    others += fmt::format("{}{}", others.empty() ? "" : ", ", unit.suffix);
+  return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
+}
+
+/// A longer entry pushes the rest of its own line to the right, not everybody's.
+constexpr std::size_t k_max_column = 36;
+
+using Line = std::array<std::string, 4>;
+
+void add_lines(const FieldTable& table, const std::string& indent, std::vector<Line>& lines) {
+  for (const Field& field : table.fields) {
+    const bool block = field.type == FieldType::record || field.type == FieldType::records;
+    // A block that is not given is its fields' defaults, which follow.
+    const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
+    lines.push_back({indent + key_text(field), defaulted_block ? "below" : value_text(field.fallback),
+                     range_text(field), std::string(field.text)});
+    if (block) add_lines(*field.record, indent + "  ", lines);
+  }
+}
+
+std::string fields_text(const FieldTable& table) {
+  if (table.fields.empty()) return "  takes no parameters\n";
+  std::vector<Line> lines{{"key", "default", "range", "meaning"}};
+  add_lines(table, "", lines);
+  std::array<std::size_t, 3> widths{};
+  for (const Line& line : lines)
+    for (std::size_t i = 0; i < widths.size(); ++i)
+      if (line[i].size() <= k_max_column) widths[i] = std::max(widths[i], line[i].size());
+  std::string text;
+  for (const Line& line : lines) {
+    std::string row = fmt::format("  {:<{}}  {:<{}}  {:<{}}  {}", line[0], widths[0], line[1], widths[1],
+                                  line[2], widths[2], line[3]);
+    row.erase(row.find_last_not_of(' ') + 1);
+    text += row + "\n";
+  }
+  return text;
+}
+
+template <class Kind>
+std::string kind_text(std::string_view group, const Kind& kind) {
+  return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
+}
+
+std::string model_text(const engine::ModelKind& kind) {
+  return fmt::format("model {}: {}\n\n  {} x {} x {} m, {}\n\n{}\n", kind.name, kind.text, kind.size.x(),
+                     kind.size.y(), kind.size.z(),
+                     kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body",
+                     fields_text(kind.params));
+}
+
+/// A preset is its kind with other defaults: shown as such.
+std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
+  FieldTable table = registry.controller(preset.kind)->params;
+  for (const auto& [name, value] : preset.params)
+    table.fields[static_cast<std::size_t>(table.find(name))].fallback = value;
+  return fmt::format("controller {}: {}\n\n  preset of {}, with the defaults\n\n{}\n", preset.name,
+                     preset.text, preset.kind, fields_text(table));
+}
+
+std::vector<std::string_view> all_names(const Registry& registry) {
+  std::vector<std::string_view> names;
+  const auto add = [&names](const auto& kinds) {
+    for (const auto& kind : kinds) names.push_back(kind.name);
+  };
+  add(registry.models);
+  add(registry.sensors);
+  add(registry.drives);
+  add(registry.controllers);
+  add(registry.presets);
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+}  // namespace
+
+std::string list_kinds(const Registry& registry) {
+  return listed("models", registry.models) + listed("sensors", registry.sensors) +
+         listed("drives", registry.drives) + listed("controllers", registry.controllers) +
+         listed("presets of controllers", registry.presets) +
+         "`troupe describe KIND` tells what each takes.\n";
+}
+
+std::string describe_kind(const Registry& registry, std::string_view name) {
+  std::string text;
+  if (const auto* kind = registry.model(name)) text += model_text(*kind);
+  if (const auto* kind = registry.sensor(name)) text += kind_text("sensor", *kind);
+  if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
+  if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
+  if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
+  if (text.empty()) {
+    const std::vector<std::string_view> known = all_names(registry);
+    throw InputError(fmt::format("troupe describe: error: unknown kind \"{}\"; known: {}{}", name,
+                                 comma_list(known), did_you_mean(name, known)));
+  }
+  return text +
+         "Defaults and ranges are in the first unit of a key; those in brackets may take its place in "
+         "JSON.\n";
+}
+
+}  // namespace troupe::apps

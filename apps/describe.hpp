@@ -1,0 +1,18 @@
+#pragma once
+
+#include "apps/exit_code.hpp"
+#include "engine/kinds.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace troupe::apps {
+
+/// Every model, sensor, drive, controller and preset, a line each.
+std::string list_kinds(const engine::Registry& registry);
+
+/// The fields of every kind of this name (a model and a sensor may share one): JSON key with its units,
+/// default, range and meaning. Throws InputError with near names when there is none.
+std::string describe_kind(const engine::Registry& registry, std::string_view name);
+
+}  // namespace troupe::apps

@@ -1,0 +1,109 @@
+#include "apps/describe.hpp"
+#include "apps/run.hpp"
+#include "apps/run_options.hpp"
+#include "base/diagnostics.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <exception>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_footer = R"(
+Examples:
+  troupe run worlds/hospital.json --for 60 --snapshot hospital.png
+  troupe describe ranger
+  troupe run --help)";
+
+std::vector<std::string> words_of(const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : app.get_options())
+    if (!option->get_lnames().empty()) words.push_back("--" + option->get_lnames().front());
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    words.push_back(command->get_name());
+  return words;
+}
+
+/// One line that says what is wrong with the command line and where help is.
+std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
+  const auto commands = app.get_subcommands();
+  const bool in_command = !commands.empty() && app.remaining(false).empty();
+  const CLI::App& scope = in_command ? *commands.front() : app;
+  const std::string name = in_command ? "troupe " + scope.get_name() : "troupe";
+  std::string message = error.what();
+  if (error.get_name() == "ArgumentMismatch") {
+    // CLI11 names a switch that was given a value without its dashes, an option with too many or too few with
+    // them.
+    message = message.starts_with('-')
+                  ? fmt::format("{} takes one value, once", message.substr(0, message.find(':')))
+                  : fmt::format("--{} takes no value", message.substr(0, message.find(' ')));
+  } else if (const std::vector<std::string> extras = app.remaining(true); !extras.empty()) {
+    const std::string& word = extras.front();
+    if (word.starts_with('-') || !in_command) {
+      const std::vector<std::string> known = words_of(scope);
+      message = fmt::format("unknown {} \"{}\"{}", word.starts_with('-') ? "option" : "command", word,
+                            did_you_mean(word, std::vector<std::string_view>(known.begin(), known.end())));
+    } else {
+      message = fmt::format("one argument too many: \"{}\"", word);
+    }
+  }
+  return fmt::format("{}: error: {}; see {} --help\n", name, message, name);
+}
+
+int troupe_main(int argc, char** argv) {
+  CLI::App app(
+      "Troupe simulates very large swarms of mobile robots, the same to the last bit on any number of "
+      "threads.",
+      "troupe");
+  app.get_formatter()->column_width(26);
+  app.footer(k_footer);
+  app.set_version_flag(
+      "--version", [] { return version_line(); }, "Print version, compiler, flags and instruction set");
+
+  RunOptions options;
+  const CLI::App* run_command = add_run_command(app, options);
+  std::string kind;
+  CLI::App* describe =
+      app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
+  describe->add_option("KIND", kind, "Model, sensor, drive or controller; all of them if not given")
+      ->option_text(" ");
+  describe->footer("\nExamples:\n  troupe describe\n  troupe describe ranger");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
+    fmt::print(stderr, "{}", usage_text(app, error));
+    return k_bad_input;
+  }
+
+  if (run_command->parsed()) return run(options);
+  if (describe->parsed()) {
+    const engine::Registry registry = make_registry();
+    fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));
+    return k_finished;
+  }
+  fmt::print(stderr, "{}", app.help());
+  return k_bad_input;
+}
+
+}  // namespace
+}  // namespace troupe::apps
+
+int main(int argc, char** argv) {
+  try {
+    return troupe::apps::troupe_main(argc, argv);
+  } catch (const troupe::InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return troupe::apps::k_bad_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "troupe: error: {}\n", error.what());
+    return troupe::apps::k_failed;
+  }
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "troupe/simulation.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+
+/// A file that cannot be written, found out before anything was.
+class OutputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Checks that each of `outputs` (empty paths count as none) can be written: its folder exists and may be
+/// written in, it is no folder itself, and it is neither `world` nor another output. Creates nothing, so that
+/// a world that turns out wrong afterwards leaves nothing behind. Throws OutputError.
+void check_outputs(const std::filesystem::path& world, const std::vector<std::filesystem::path>& outputs);
+
+/// Draws a thumbnail beside `png` and removes it, so that what a picture needs (OSMesa, room on the disk) is
+/// known to be there before the run and not missed after it. Throws what Simulation::snapshot throws.
+void rehearse_snapshot(const Simulation& simulation, const std::filesystem::path& png);
+
+/// A hash log, streamed: each line is in the file when its tick has ended.
+class HashLog {
+ public:
+  /// Opens the file, and writes the header and the line of the tick that the simulation is at. Throws
+  /// OutputError.
+  HashLog(const std::filesystem::path& file, const Simulation& simulation);
+
+  /// Writes the line of the simulation's tick. Throws std::runtime_error when the disk is full.
+  void write(const Simulation& simulation);
+
+ private:
+  std::filesystem::path file_;
+  std::ofstream stream_;
+};
+
+}  // namespace troupe::apps

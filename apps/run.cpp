@@ -1,0 +1,159 @@
+#include "apps/run.hpp"
+
+#include "apps/outputs.hpp"
+#include "apps/progress.hpp"
+#include "apps/report.hpp"
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+
+namespace troupe::apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The one thing a signal handler may do is to set a flag.
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// From here on Ctrl-C and SIGTERM end the run after the current tick; a second one ends it at once.
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+/// The first tick whose time is `end_s` or later. 0.7 s of 0.1 s ticks are 7, though neither is exact in
+/// binary and their quotient may fall on either side: a billionth of a tick too early counts as in time.
+std::uint64_t ticks_until(double end_s, double tick_s) {
+  const double ticks = end_s / tick_s;
+  return static_cast<std::uint64_t>(std::max(0.0, std::ceil(ticks - 1e-9 * std::max(1.0, ticks))));
+}
+
+/// Wall time in each phase, from the simulation's marks between them.
+class PhaseClock {
+ public:
+  void operator()(std::optional<Phase> phase) {
+    const auto now = Clock::now();
+    if (current_)
+      seconds_[static_cast<std::size_t>(*current_)] += std::chrono::duration<double>(now - since_).count();
+    current_ = phase;
+    since_ = now;
+  }
+  const std::array<double, k_phases>& seconds() const { return seconds_; }
+
+ private:
+  std::array<double, k_phases> seconds_{};
+  std::optional<Phase> current_;
+  Clock::time_point since_;
+};
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+double end_of(const RunOptions& options, const Simulation& simulation) {
+  if (options.for_s) return *options.for_s;
+  if (const auto quit = simulation.quit_time_s()) return *quit;
+  const bool json = options.world.extension() == ".json";
+  throw InputError(
+      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set {} in the world",
+                  options.world.string(), json ? "quit_time_s" : "quit_time"));
+}
+
+void print_options(const RunOptions& options, const Simulation& simulation, double end_s) {
+  fmt::print("{}: {} robots, to {:g} s\n", options.world.string(), simulation.robots(), end_s);
+  for (const auto& [key, value] : simulation.effective_options()) fmt::print("  {:<18} {}\n", key, value);
+  std::fflush(stdout);
+}
+
+/// Steps to the end, or to a signal; fills in what a run measures.
+void step_to_end(Simulation& simulation, HashLog* log, bool show_progress, Report& report) {
+  PhaseClock phases;
+  simulation.on_phase([&phases](std::optional<Phase> phase) { phases(phase); });
+  const std::uint64_t ticks = ticks_until(report.end_s, simulation.tick_s());
+  {
+    Progress progress(ticks, simulation.tick_s(), show_progress);
+    const auto start = Clock::now();
+    while (simulation.tick() < ticks && !stop_requested) {
+      simulation.step();
+      if (log) log->write(simulation);
+      progress.update(simulation.tick());
+    }
+    report.wall_s = seconds_since(start);
+  }
+  simulation.on_phase(nullptr);
+  report.phase_s = phases.seconds();
+  report.stopped = simulation.tick() < ticks;
+  report.statistics = simulation.statistics();
+  report.hashes = simulation.hashes();
+}
+
+ExitCode run_checked(const RunOptions& options) {
+  check_outputs(options.world, {options.hash_log, options.snapshot});
+
+  const auto start = Clock::now();
+  Simulation simulation(options.world, options.simulation);
+  Report report;
+  report.load_s = seconds_since(start);
+  if (!options.quiet)
+    for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  report.world = options.world.string();
+  report.title = simulation.title();
+  report.tick_s = simulation.tick_s();
+  report.end_s = end_of(options, simulation);
+  report.threads = simulation.threads();
+  report.options = simulation.effective_options();
+
+  stop_on_signals();
+  if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
+  std::optional<HashLog> log;
+  if (!options.hash_log.empty()) log.emplace(options.hash_log, simulation);
+
+  if (!options.quiet && !options.json) print_options(options, simulation, report.end_s);
+  step_to_end(simulation, log ? &*log : nullptr, !options.quiet, report);
+  report.peak_rss_bytes = peak_rss_bytes();
+
+  if (options.json)
+    fmt::print("{}", summary_json(report));
+  else if (!options.quiet)
+    fmt::print("{}", summary_text(report));
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  // Last, so that a picture that fails takes no numbers with it.
+  if (!options.snapshot.empty()) simulation.snapshot(options.snapshot, options.width, options.height);
+  return report.stopped ? k_stopped : k_finished;
+}
+
+}  // namespace
+
+ExitCode run(const RunOptions& options) {
+  try {
+    return run_checked(options);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "troupe/simulation.hpp"
+
+#include <filesystem>
+#include <optional>
+
+namespace CLI {
+class App;
+}
+
+namespace troupe::apps {
+
+/// What the command line of `troupe run` asks for.
+struct RunOptions {
+  std::filesystem::path world;
+  SimulationOptions simulation;
+  std::optional<double> for_s;     ///< end on the world's clock, s
+  std::filesystem::path hash_log;  ///< empty: none
+  std::filesystem::path snapshot;  ///< empty: none
+  int width = 1280;
+  int height = 720;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// Adds `run` and its options to the program; parsing fills `options`, which must outlive `app`.
+/// A value that is not what an option takes is a CLI::ValidationError that says what would be right.
+CLI::App* add_run_command(CLI::App& app, RunOptions& options);
+
+}  // namespace troupe::apps

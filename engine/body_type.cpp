@@ -1,0 +1,102 @@
+#include "engine/body_type.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::engine {
+namespace {
+
+template <class Kinds>
+std::string unknown(std::string_view what, std::string_view name, const Kinds& kinds) {
+  std::vector<std::string_view> names;
+  for (const auto& kind : kinds) names.push_back(kind.name);
+  std::ranges::sort(names);
+  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(names), did_you_mean(name, names));
+}
+
+void add_geometry(const TypeSpec& spec, BodyType& type) {
+  std::vector<ConvexPrism> pieces;
+  double radius2 = 0;
+  for (const PartSpec& part : spec.parts) {
+    for (const Solid& solid : part.solids) {
+      for (const Ring& ring : solid.contours) {
+        for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
+        if (part.returns.ranger < 0) continue;
+        type.outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
+                                 static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger});
+        type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
+      }
+      if (!part.returns.obstacle) continue;
+      std::vector<ConvexPrism> more = convex_pieces(solid);
+      std::ranges::move(more, std::back_inserter(pieces));
+    }
+  }
+  type.obstacle = partition::make_obstacle_shape(pieces);
+  type.radius = sqrt(radius2);
+}
+
+}  // namespace
+
+std::uint64_t period_ticks(double period_s, double tick_s) {
+  const double ticks = period_s / tick_s - 1e-9;  // 0.3 s of 0.1 s ticks are 3, whatever the quotient rounds to
+  if (!(ticks > 1)) return 1;
+  constexpr double k_never = 1e15;
+  if (ticks > k_never) return static_cast<std::uint64_t>(k_never);
+  const auto whole = static_cast<std::uint64_t>(ticks);
+  return static_cast<double>(whole) < ticks ? whole + 1 : whole;
+}
+
+BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s, Diagnostics& diagnostics) {
+  BodyType type;
+  type.name = spec.name;
+  add_geometry(spec, type);
+
+  if (spec.drive) {
+    if (const DriveKind* kind = registry.drive(spec.drive->kind))
+      type.drive = {kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s)};
+    else
+      diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
+  }
+
+  for (const SensorSpec& sensor : spec.sensors) {
+    const SensorKind* kind = registry.sensor(sensor.kind);
+    if (!kind) {
+      diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.sensors));
+      continue;
+    }
+    type.sensors.push_back({sensor.name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
+                            period_ticks(sensor.period_s, tick_s), sensor.active});
+  }
+
+  std::vector<SensorInfo> infos;
+  for (const BodyType::Sensor& s : type.sensors) infos.push_back({s.name, s.kind->name, s.prepared});
+  std::vector<bool> claimed(infos.size(), false);
+  for (std::size_t c = 0; c < spec.controllers.size(); ++c) {
+    const ControllerSpec& controller = spec.controllers[c];
+    const ControllerKind* kind = registry.controller(controller.kind);
+    if (!kind) {
+      diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
+      continue;
+    }
+    if (!type.drive) {
+      diagnostics.error(controller.where,
+                        fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
+      continue;
+    }
+    std::string fault;
+    ControllerKind::Prepared prepared = kind->prepare(controller.params, infos, claimed, fault);
+    if (!fault.empty()) {
+      diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
+      continue;
+    }
+    for (const std::size_t s : prepared.sensors) type.sensors[s].active = true;
+    const std::uint64_t period =
+        prepared.sensors.empty() ? type.drive->period : type.sensors[prepared.sensors.front()].period;
+    type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.sensors), period,
+                                stream_id(kind->name, std::to_string(c)), std::nullopt});
+  }
+  return type;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "engine/world_spec.hpp"
+#include "partition/overlap.hpp"
+
+#include <any>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+
+/// A closed outline that rangers see: vertices [first, first + count) of the type.
+struct RayOutline {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  ZInterval z;  ///< body frame
+  float ranger_return = 1;
+};
+
+/// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
+struct BodyType {
+  std::string name;
+  partition::ObstacleShape obstacle;
+  std::vector<Vec2> outline_vertices;  ///< body frame
+  std::vector<RayOutline> outlines;
+  double radius = 0;  ///< of the circle about the origin that encloses every outline and obstacle, m
+
+  struct Drive {
+    const DriveKind* kind;
+    std::any data;
+    std::uint64_t period;  ///< ticks
+  };
+  std::optional<Drive> drive;
+
+  struct Sensor {
+    std::string name;
+    const SensorKind* kind;
+    SensorKind::Prepared prepared;
+    std::uint64_t period;        ///< ticks
+    bool active;                 ///< runs: always on, or a controller reads it
+    std::size_t table = 0;       ///< its percepts: index into World::tables()
+  };
+  std::vector<Sensor> sensors;
+
+  struct Controller {
+    const ControllerKind* kind;
+    std::any data;
+    std::vector<std::size_t> sensors;  ///< indices into `sensors`; the first is the trigger
+    std::uint64_t period;              ///< ticks
+    std::uint32_t stream;              ///< of its random numbers
+    std::optional<std::size_t> table;  ///< its memories: index into World::tables()
+  };
+  std::vector<Controller> controllers;
+
+  bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
+};
+
+/// Ticks between two runs of something with this period: as in Stage, the next multiple of the tick, and every
+/// tick for 0.
+std::uint64_t period_ticks(double period_s, double tick_s);
+
+/// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
+BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s, Diagnostics& diagnostics);
+
+}  // namespace troupe::engine

@@ -1,0 +1,244 @@
+#include "engine/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace troupe::engine {
+namespace {
+
+Solid placed(const Solid& solid, const Pose& pose) {
+  const Transform transform(pose);
+  Solid out{solid.contours, solid.z.shifted(pose.z)};
+  for (Ring& ring : out.contours)
+    for (Vec2& v : ring) v = transform * v;
+  return out;
+}
+
+/// Cells a quarter of the farthest sight: small enough to leave out most of what is out of reach, large enough
+/// that a query runs over few of them.
+partition::GridGeometry choose_geometry(std::span<const BodyType> types, double tile_size_m) {
+  constexpr double k_least_cell = 0.05;
+  double reach = 0;
+  double width = 0;
+  for (const BodyType& type : types) {
+    if (!type.runs()) continue;
+    width = std::max(width, 2 * type.radius);
+    for (const BodyType::Sensor& sensor : type.sensors)
+      if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
+  }
+  const double cell = std::max({k_least_cell, reach / 4, reach > 0 ? 0.0 : 2 * width});
+  constexpr unsigned k_tile_bits = 4;
+  if (!(tile_size_m > 0)) return {cell, k_tile_bits};
+  unsigned bits = 0;
+  while (bits < 8 && tile_size_m / (1u << bits) > cell) ++bits;
+  return {tile_size_m / (1u << bits), bits};
+}
+
+}  // namespace
+
+World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
+    : spec_(std::move(spec)), parallel_(options.threads) {
+  for (const TypeSpec& type : spec_.types)
+    types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
+  diagnostics.throw_if_errors();
+  geometry_ = choose_geometry(types_, options.tile_size_m);
+  build_rows();
+  build_scene();
+  build_tables();
+  report_overlaps(diagnostics);
+}
+
+void World::build_rows() {
+  body_rows_.resize(spec_.bodies.size());
+  std::vector<std::uint32_t> slots(types_.size(), 0);
+  std::size_t vertices = 0;
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const auto t = spec_.bodies[b].type.value;
+    const BodyType& type = types_[t];
+    if (!type.runs()) continue;
+    body_rows_[b] = Row(row_bodies_.size());
+    row_bodies_.push_back(BodyId(b));
+    row_ids_.push_back(static_cast<std::uint32_t>(b));
+    row_types_.push_back(t);
+    row_slots_.push_back(slots[t]++);
+    row_radii_.push_back(type.radius);
+    row_shapes_.push_back(&type.obstacle);
+    outline_begins_.push_back(vertices);
+    vertices += type.outline_vertices.size();
+    robots_ += type.drive.has_value();
+  }
+  positions_.resize(rows());
+  outlines_.resize(vertices);
+  motions_.resize(rows());
+  outcomes_.resize(rows());
+}
+
+void World::build_scene() {
+  std::vector<partition::FixedSolid> solids;
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const BodySpec& body = spec_.bodies[b];
+    if (types_[body.type.index()].runs()) continue;
+    for (const PartSpec& part : spec_.types[body.type.index()].parts)
+      for (const Solid& solid : part.solids)
+        solids.push_back({placed(solid, body.pose_world_body), BodyId(b), part.returns.obstacle, part.returns.ranger});
+  }
+  scene_ = partition::StaticScene(std::move(solids), geometry_.cell_m);
+  index_ = partition::BodyIndex(geometry_);
+}
+
+void World::build_tables() {
+  using Layout = StateTable::Layout;
+  const auto speeds = [](std::string_view forward_text) {
+    return std::vector<StateField>{{"x", Element::f64, 1, "m/s", std::string(forward_text)},
+                                   {"y", Element::f64, 1, "m/s", "left"},
+                                   {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}};
+  };
+  tables_.emplace_back("pose", HashGroup::pose, Layout::rows,
+                       std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
+                                               {"y", Element::f64, 1, "m", "world frame"},
+                                               {"z", Element::f64, 1, "m", "world frame"},
+                                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
+                       row_bodies_);
+  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows, speeds("forward, of this tick"), row_bodies_);
+  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, speeds("forward, asked of the drive"),
+                       row_bodies_);
+  tables_.emplace_back("stall", HashGroup::velocity, Layout::columns,
+                       std::vector<StateField>{{"stalled", Element::u8, 1, "", "1: the last motion was refused"}},
+                       row_bodies_);
+
+  std::vector<std::vector<BodyId>> bodies(types_.size());
+  for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
+  for (std::size_t t = 0; t < types_.size(); ++t) {
+    if (bodies[t].empty()) continue;
+    for (BodyType::Sensor& sensor : types_[t].sensors) {
+      sensor.table = tables_.size();
+      // Component names hold no type: types are an economy of ours, and two files may cut them differently.
+      tables_.emplace_back(fmt::format("{}/{}", sensor.kind->name, sensor.name), HashGroup::sensor, Layout::rows,
+                           sensor.prepared.percepts, bodies[t]);
+    }
+    for (std::size_t c = 0; c < types_[t].controllers.size(); ++c) {
+      BodyType::Controller& controller = types_[t].controllers[c];
+      if (controller.kind->memory.empty()) continue;
+      controller.table = tables_.size();
+      tables_.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory, Layout::rows,
+                           controller.kind->memory, bodies[t], controller.kind->memory_bytes);
+      for (std::size_t i = 0; i < bodies[t].size(); ++i) controller.kind->start(tables_.back().row(i));
+    }
+  }
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
+    as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+  }
+  index_bodies();
+}
+
+void World::report_overlaps(Diagnostics& diagnostics) {
+  std::size_t pairs = 0;
+  std::string first;
+  Where where;
+  const auto report = [&](BodyId a, BodyId b) {
+    if (pairs++ > 0) return;
+    first = fmt::format("\"{}\" and \"{}\"", spec_.bodies[a.index()].name, spec_.bodies[b.index()].name);
+    where = spec_.bodies[a.index()].where;
+  };
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    const partition::ObstacleShape& shape = *row_shapes_[r];
+    if (shape.empty()) continue;
+    for (const BodyId fixed : scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
+      report(row_bodies_[r], fixed);
+    index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyEntry& entry) {
+      if (entry.row > r && !row_shapes_[entry.row]->empty() &&
+          overlap(shape, poses()[r], *row_shapes_[entry.row], poses()[entry.row]))
+        report(row_bodies_[r], row_bodies_[entry.row]);
+    });
+  }
+  if (pairs > 0) {
+    diagnostics.warning(where, fmt::format("{} pair{} of bodies overlap{} at the start, first {}; they may move "
+                                           "apart, but not closer",
+                                           pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", first));
+  }
+}
+
+BodyId World::find(std::string_view name) const {
+  for (std::size_t b = spec_.bodies.size(); b-- > 0;)
+    if (spec_.bodies[b].name == name) return BodyId(b);
+  const auto alias = spec_.aliases.find(std::string(name));
+  return alias == spec_.aliases.end() ? BodyId() : alias->second;
+}
+
+Pose World::pose(BodyId body) const {
+  const Row r = row(body);
+  return r.valid() ? poses()[r.index()] : spec_.bodies[body.index()].pose_world_body;
+}
+
+bool World::stalled(Row row) const { return as<std::uint8_t>(k_stall)[row.index()] != 0; }
+
+void World::activate(BodyId body) {
+  for (BodyType::Sensor& sensor : types_[spec_.bodies[body.index()].type.index()].sensors) sensor.active = true;
+}
+
+Hashes World::hashes() {
+  constexpr std::size_t k_block = 256;
+  Hashes hashes;
+  for (const StateTable& table : tables_) {
+    const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
+    std::atomic<std::uint64_t> sum = 0;
+    parallel_.for_each(blocks, [&](std::size_t b) {
+      std::uint64_t part = 0;
+      for (std::size_t r = b * k_block; r < std::min(table.rows(), (b + 1) * k_block); ++r) part += table.hash_row(r);
+      sum.fetch_add(part, std::memory_order_relaxed);
+    });
+    hashes.groups[static_cast<std::size_t>(table.group())] += sum;
+    hashes.state += sum;
+  }
+  return hashes;
+}
+
+std::size_t World::stalled_count() const {
+  return static_cast<std::size_t>(std::ranges::count(as<std::uint8_t>(k_stall), std::uint8_t{1}));
+}
+
+std::size_t World::held_count() const {
+  return static_cast<std::size_t>(std::ranges::count(outcomes_, Conflicts::Outcome::held));
+}
+
+double World::mean_displacement() const {
+  double sum = 0;
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (type(Row(r)).drive)
+      sum += (positions_[r] - spec_.bodies[row_bodies_[r].index()].pose_world_body.position()).norm();
+  return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
+}
+
+FrameScene World::frame_scene() const {
+  FrameScene scene;
+  scene.title = spec_.title;
+  for (std::size_t t = 0; t < types_.size(); ++t) {
+    FrameType type{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
+    for (const PartSpec& part : spec_.types[t].parts)
+      for (const Solid& solid : part.solids) type.shapes.push_back({solid, part.color});
+    scene.types.push_back(std::move(type));
+  }
+  scene.bounds = scene_.bounds();
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const BodySpec& body = spec_.bodies[b];
+    if (!body_rows_[b].valid()) scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
+    else scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
+  }
+  return scene;
+}
+
+Frame World::frame() const {
+  Frame frame{time_s(), tick_, {}};
+  frame.mobile.reserve(rows());
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const BodySpec& body = spec_.bodies[row_bodies_[r].index()];
+    frame.mobile.push_back({body.type.value, poses()[r], body.color, stalled(Row(r))});
+  }
+  return frame;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,171 @@
+#pragma once
+
+#include "engine/body_type.hpp"
+#include "engine/conflicts.hpp"
+#include "engine/frame.hpp"
+#include "engine/kinds.hpp"
+#include "engine/phase.hpp"
+#include "engine/state_table.hpp"
+#include "engine/world_spec.hpp"
+#include "partition/body_index.hpp"
+#include "partition/parallel.hpp"
+#include "partition/static_scene.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace troupe::engine {
+
+/// What a run is given beside its world. Nothing here changes a result.
+struct WorldOptions {
+  unsigned threads = 0;    ///< 0: one for each core
+  double tile_size_m = 0;  ///< 0: chosen from body sizes and sensor ranges
+};
+
+/// A step met a value that is no number.
+class StepError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Hashes {
+  std::uint64_t state = 0;
+  std::array<std::uint64_t, k_hash_groups> groups{};
+};
+
+/// A world that runs: constants made from a WorldSpec, the state tables, and the tick.
+///
+/// S(k+1) = step(S(k)) is a pure function: of the state, the spec and the seed, and of nothing else.
+class World {
+ public:
+  /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
+  /// at the start, once, with a count.
+  World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
+
+  // ---- the tick: engine/step.cpp
+  void step();
+  std::uint64_t tick() const { return tick_; }
+  double tick_s() const { return spec_.tick_s; }
+  double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
+  /// Called as each phase begins, and with no phase as the tick ends.
+  void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
+
+  // ---- what it is made of
+  const WorldSpec& spec() const { return spec_; }
+  std::span<const BodyType> types() const { return types_; }
+  const partition::StaticScene& scene() const { return scene_; }
+  const partition::BodyIndex& index() const { return index_; }
+  const partition::GridGeometry& geometry() const { return geometry_; }
+  partition::Parallel& parallel() { return parallel_; }
+  /// Rows: the bodies that can move, sense or decide, in id order.
+  std::size_t rows() const { return row_bodies_.size(); }
+  /// Robots: the rows that have a drive.
+  std::size_t robots() const { return robots_; }
+  BodyId body(Row row) const { return row_bodies_[row.index()]; }
+  /// Not valid for bodies that never change.
+  Row row(BodyId body) const { return body_rows_[body.index()]; }
+  const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }
+  /// Position of a row among those of its type: its row in the type's tables.
+  std::size_t slot(Row row) const { return row_slots_[row.index()]; }
+  /// Body id by name or alias; not valid when there is none.
+  BodyId find(std::string_view name) const;
+
+  // ---- the state
+  std::span<const StateTable> tables() const { return tables_; }
+  std::span<const Pose> poses() const { return as<Pose>(k_pose); }
+  Pose pose(BodyId body) const;
+  std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
+  std::span<const Command> commands() const { return as<Command>(k_command); }
+  bool stalled(Row row) const;
+  /// Commands a robot from outside, between steps.
+  void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
+  /// Percepts of one sensor of a type.
+  const StateTable& percepts(const BodyType::Sensor& sensor) const { return tables_[sensor.table]; }
+  /// Runs every sensor of the type from now on.
+  void activate(BodyId body);
+  /// Vertices of a row's outlines in the world's frame, in the order of its type's.
+  std::span<const Vec2> outline(Row row) const {
+    return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
+  }
+  Hashes hashes();
+
+  // ---- counters
+  std::uint64_t beams_cast() const { return beams_; }
+  std::size_t stalled_count() const;
+  std::size_t held_count() const;
+  std::uint64_t conflict_rounds() const { return conflict_rounds_; }
+  double mean_displacement() const;
+
+  // ---- for viewers
+  FrameScene frame_scene() const;
+  Frame frame() const;
+
+ private:
+  enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall, k_common_tables };
+
+  template <class T>
+  std::span<T> as(std::size_t table) {
+    return {reinterpret_cast<T*>(tables_[table].row(0)), tables_[table].rows()};
+  }
+  template <class T>
+  std::span<const T> as(std::size_t table) const {
+    return {reinterpret_cast<const T*>(tables_[table].row(0)), tables_[table].rows()};
+  }
+
+  void build_rows();
+  void build_scene();
+  void build_tables();
+  void report_overlaps(Diagnostics& diagnostics);
+
+  void sense();
+  void drive();
+  void decide();
+  void move();
+  void index_bodies();
+  void begin(Phase phase);
+  /// work(rows of one type, type) for batches of rows that lie near one another.
+  template <class Work>
+  void for_batches(Work&& work);
+
+  WorldSpec spec_;
+  std::vector<BodyType> types_;
+  partition::Parallel parallel_;
+  partition::GridGeometry geometry_;
+  partition::StaticScene scene_;
+  partition::BodyIndex index_;
+  std::unordered_map<std::string_view, BodyId> names_;  // into spec_.bodies
+
+  std::vector<BodyId> row_bodies_;
+  std::vector<Row> body_rows_;
+  std::vector<std::uint32_t> row_types_;
+  std::vector<std::uint32_t> row_slots_;
+  std::vector<double> row_radii_;
+  std::vector<const partition::ObstacleShape*> row_shapes_;
+  std::vector<std::uint32_t> row_ids_;
+  std::vector<std::size_t> outline_begins_;
+  std::size_t robots_ = 0;
+
+  std::uint64_t tick_ = 0;
+  std::vector<StateTable> tables_;
+
+  // Derived from the state each tick.
+  std::vector<Vec2> positions_;
+  std::vector<Vec2> outlines_;
+  std::vector<Motion> motions_;
+  std::vector<Conflicts::Outcome> outcomes_;
+  Conflicts conflicts_;
+
+  std::uint64_t beams_ = 0;
+  std::uint64_t conflict_rounds_ = 0;
+  std::function<void(std::optional<Phase>)> on_phase_;
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,134 @@
+#include "render/mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace troupe::render {
+namespace {
+
+using engine::FrameShape;
+using engine::FrameType;
+
+constexpr Rgba k_white = {255, 255, 255, 255};
+constexpr Rgba k_ink = {38, 36, 33, 255};
+
+Vertex corner(const Vec2& p, double z, const Vec2& offset, Paint paint, Rgba own) {
+  return {static_cast<float>(p.x()),
+          static_cast<float>(p.y()),
+          static_cast<float>(z),
+          static_cast<float>(offset.x()),
+          static_cast<float>(offset.y()),
+          own,
+          paint};
+}
+
+/// A convex polygon as a fan.
+void add_convex(Mesh& mesh, const Ring& outline, double z, Paint paint, Rgba own) {
+  for (std::size_t i = 2; i < outline.size(); ++i) {
+    for (const std::size_t k : {std::size_t{0}, i - 1, i}) {
+      mesh.push_back(corner(outline[k], z, Vec2::Zero(), paint, own));
+    }
+  }
+}
+
+void add_outlines(Mesh& mesh, const Solid& solid, double width, Paint paint, Rgba own) {
+  for (const Ring& ring : solid.contours) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      add_stroke(mesh, ring[i], ring[(i + 1) % ring.size()], solid.z.max, width, paint, own);
+    }
+  }
+}
+
+/// Shapes by the height of their tops: blending and equal heights go by the order of drawing.
+std::vector<const FrameShape*> upwards(const FrameType& type) {
+  std::vector<const FrameShape*> shapes;
+  for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);
+  std::ranges::stable_sort(shapes, {}, [](const FrameShape* shape) { return shape->solid.z.max; });
+  return shapes;
+}
+
+/// A triangle at the front of the body's extent, on top of everything, in a colour that shows on what is
+/// under it.
+void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
+  Box extent;
+  for (const FrameShape* shape : upwards) {
+    for (const Ring& ring : shape->solid.contours) {
+      for (const Vec2& p : ring) extent.extend(p);
+    }
+  }
+  if (extent.empty()) return;
+  const double length = extent.size().x();
+  const double half_width = 0.26 * std::min(length, extent.size().y());
+  const double y = extent.center().y();
+  const double tip = extent.max.x() - 0.10 * length;
+  const double base = tip - 1.3 * half_width;
+
+  Paint paint = Paint::edge;  // where it sticks out over the floor
+  Rgba own{};
+  const Vec2 middle((tip + 2 * base) / 3, y);
+  for (const FrameShape* shape : upwards) {
+    if (!contains(shape->solid, middle)) continue;
+    paint = shape->color ? Paint::own : Paint::mark;
+    if (shape->color) own = contrasting(to_rgba(*shape->color));
+  }
+  add_convex(mesh, {{tip, y}, {base, y + half_width}, {base, y - half_width}}, upwards.back()->solid.z.max,
+             paint, own);
+}
+
+}  // namespace
+
+Rgba to_rgba(const Color& color) {
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F)));
+  };
+  return {byte(color.r), byte(color.g), byte(color.b), byte(color.a)};
+}
+
+Rgba darker(Rgba fill) {
+  const auto shade = [](std::uint8_t v) { return static_cast<std::uint8_t>(v * 65 / 100); };
+  return {shade(fill[0]), shade(fill[1]), shade(fill[2]), fill[3]};
+}
+
+Rgba contrasting(Rgba fill) {
+  // Luma of ITU-R BT.601, in thousandths.
+  const int luma = (299 * fill[0] + 587 * fill[1] + 114 * fill[2]) / 1000;
+  return luma > 150 ? k_ink : k_white;
+}
+
+Mesh body_mesh(const FrameType& type, const MeshStyle& style) {
+  Mesh mesh;
+  const std::vector<const FrameShape*> shapes = upwards(type);
+  for (const FrameShape* shape : shapes) {
+    const Rgba own = shape->color ? to_rgba(*shape->color) : Rgba{};
+    const Paint fill = shape->color ? Paint::own : Paint::body;
+    const Paint edge = shape->color ? Paint::own : Paint::edge;
+    for (const ConvexPrism& piece : convex_pieces(shape->solid)) {
+      add_convex(mesh, piece.outline, shape->solid.z.max, fill, own);
+    }
+    if (style.edge > 0) add_outlines(mesh, shape->solid, style.edge, edge, darker(own));
+  }
+  if (style.mark) add_mark(mesh, shapes);
+  return mesh;
+}
+
+Mesh silhouette(Mesh mesh) {
+  std::erase_if(mesh, [](const Vertex& v) { return v.offset_x != 0 || v.offset_y != 0; });
+  for (Vertex& v : mesh) v.paint = Paint::body;
+  return mesh;
+}
+
+void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own) {
+  const double length = (b - a).norm();
+  const Vec2 along = length > 0 ? Vec2((b - a) * (0.5 * width / length)) : Vec2(0.5 * width, 0);
+  const Vec2 across(-along.y(), along.x());
+  const std::array corners = {
+      corner(a, z, -along - across, paint, own), corner(b, z, along - across, paint, own),
+      corner(b, z, along + across, paint, own), corner(a, z, across - along, paint, own)};
+  for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.push_back(corners[k]);
+}
+
+void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own) {
+  add_convex(mesh, {min, {max.x(), min.y()}, max, {min.x(), max.y()}}, 0, Paint::own, own);
+}
+
+}  // namespace troupe::render

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "render/canvas.hpp"
+
+namespace troupe::render {
+
+struct MeshStyle {
+  float edge = 0;     ///< width of the outline of each contour, pixels; 0: none
+  bool mark = false;  ///< a triangle that points forward, at the front
+};
+
+Rgba to_rgba(const Color& color);
+/// The colour of an outline around `fill`.
+Rgba darker(Rgba fill);
+/// White on dark colours, near black on light ones.
+Rgba contrasting(Rgba fill);
+
+/// The top faces of a type in its body frame, metres; the lower shapes come first.
+Mesh body_mesh(const engine::FrameType& type, const MeshStyle& style);
+/// The same without its strokes, all in the body's colour.
+Mesh silhouette(Mesh mesh);
+
+/// A line from a to b with square ends that reach half its width beyond them, so that corners close.
+/// The ends are in mesh units, the width in pixels.
+void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
+void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);
+
+}  // namespace troupe::render

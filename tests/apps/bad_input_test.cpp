@@ -1,0 +1,214 @@
+#include "tests/apps/program.hpp"
+
+#include <ostream>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+/// A world that must be refused: where the error is said to be, and a part of what it says.
+struct BadInput {
+  std::string name;  ///< of the case
+  std::string world;
+  std::string text;
+  std::string where;
+  std::string says;
+  std::vector<std::string> options;
+};
+
+std::ostream& operator<<(std::ostream& stream, const BadInput& input) {
+  return stream << input.name;
+}
+
+/// A JSON world that is right but for what a case replaces in it. A line each for what cases point at.
+std::string json_world(const std::string& right = {}, const std::string& wrong = {}) {
+  std::string text = R"({ "troupe": 1,
+  "tick_s": 0.1,
+  "types": { "bot": {
+    "size_m": [0.2, 0.2, 0.2],
+    "drive": { "kind": "diff" },
+    "sensors": [ { "name": "ir", "kind": "ranger", "transducers": [
+      { "range_max_m": 2.0, "fov_deg": 180, "samples": 9 } ] } ],
+    "controller": { "kind": "wander" } } },
+  "populations": [ { "name": "bots", "type": "bot",
+    "count": 5,
+    "place": { "rule": "grid",
+      "region_m": [[0, 0], [2, 2]],
+      "pitch_m": 0.5 } } ] }
+)";
+  if (!right.empty()) text.replace(text.find(right), right.size(), wrong);
+  return text;
+}
+
+std::vector<BadInput> stage_inputs() {
+  const std::string robot = "position( pose [0 0 0 0] )\n";
+  return {
+      {"comma", "bad.world", robot + "position( pose [1, 2, 0, 0] )\n", "bad.world:2", "\",\""},
+      {"missing_parenthesis", "bad.world", "\n\nposition( pose [0 0 0 0]\n", "bad.world:3", ")"},
+      {"extra_parenthesis", "bad.world", robot + ")\n", "bad.world:2", ")"},
+      {"unquoted_text", "bad.world", robot + "model( name bob )\n", "bad.world:2", "bob"},
+      {"open_text", "bad.world", "name \"bob\n" + robot, "bad.world:1", "\""},
+      {"exponent", "bad.world", robot + "model( mass 2e-2 )\n", "bad.world:2", "e-2"},
+      {"define_without_base", "bad.world", robot + "define bot ( size [1 1 1] )\n", "bad.world:2", "define"},
+      {"unknown_type", "bad.world", robot + "positoin( pose [0 0 0 0] )\n", "bad.world:2",
+       "did you mean \"position\"?"},
+      {"text_for_number", "bad.world", robot + "quit_time \"late\"\n", "bad.world:2", "quit_time"},
+      {"short_tuple", "bad.world", robot + "model( pose [1] )\n", "bad.world:2", "pose"},
+      {"zero_size", "bad.world", robot + "model( size [0 1 1] )\n", "bad.world:2", "size"},
+      {"negative_size", "bad.world", robot + "model( size [1 -1 1] )\n", "bad.world:2", "size"},
+      {"nan", "bad.world", robot + "model( pose [nan 0 0 0] )\n", "bad.world:2", "nan"},
+      {"zero_tick", "bad.world", robot + "interval_sim 0\n", "bad.world:2", "interval_sim"},
+      {"unknown_drive", "bad.world", robot + "position( drive \"omnii\" )\n", "bad.world:2",
+       "did you mean \"omni\"?"},
+      {"missing_controller", "bad.world", robot + "position(\n  ctrl \"wandr\" )\n", "bad.world:3", "wandr"},
+      {"missing_image", "bad.world", robot + "model( bitmap \"none.png\" )\n", "bad.world:2", "none.png"},
+      {"broken_image", "bad.world", robot + "model( bitmap \"broken.png\" )\n", "bad.world:2", "broken.png"},
+      {"missing_include", "bad.world", robot + "include \"none.inc\"\n", "bad.world:2", "none.inc"},
+      {"include_cycle", "bad.world", robot + "include \"loop.inc\"\n", "loop.inc:2", "loop.inc"},
+      {"error_in_include", "bad.world", "include \"wrong.inc\"\n" + robot, "wrong.inc:2", "size"},
+      {"macro_cycle", "bad.world", robot + "define bot bot( size [1 1 1] )\nbot()\n", "bad.world:", "bot"},
+      {"robots_without_population", "bad.world", robot, "--robots", "population", {"--robots", "5"}},
+  };
+}
+
+std::vector<BadInput> json_inputs() {
+  return {
+      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", ""},
+      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:", ""},
+      {"empty", "bad.json", "", "bad.json", ""},
+      {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
+       "bad.json:2", "tick_s"},
+      {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",
+       "did you mean \"count\"?"},
+      {"wrong_unit", "bad.json", json_world("\"pitch_m\"", "\"pitch_deg\""), "bad.json:13", "pitch_deg"},
+      {"wrong_type", "bad.json", json_world("\"count\": 5", "\"count\": \"five\""), "bad.json:10",
+       "/populations/0/count"},
+      {"fraction", "bad.json", json_world("\"count\": 5", "\"count\": 5.5"), "bad.json:10",
+       "/populations/0/count"},
+      {"negative_count", "bad.json", json_world("\"count\": 5", "\"count\": -5"), "bad.json:10",
+       "/populations/0/count"},
+      {"zero_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0, 0.2, 0.2]"), "bad.json:4",
+       "/types/bot/size_m"},
+      {"negative_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, -0.2, 0.2]"), "bad.json:4",
+       "above 0"},
+      {"short_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, 0.2]"), "bad.json:4",
+       "/types/bot/size_m"},
+      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", ""},
+      {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", ""},
+      {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2", "above 0 s"},
+      {"unknown_drive", "bad.json", json_world("\"kind\": \"diff\"", "\"kind\": \"dif\""), "bad.json:5",
+       "did you mean \"diff\"?"},
+      {"unknown_sensor", "bad.json", json_world("\"kind\": \"ranger\"", "\"kind\": \"rangre\""), "bad.json:6",
+       "did you mean \"ranger\"?"},
+      {"missing_controller", "bad.json", json_world("\"wander\"", "\"wandr\""), "bad.json:8",
+       "did you mean \"wander\"?"},
+      {"out_of_range", "bad.json", json_world("\"fov_deg\": 180", "\"fov_deg\": 400"), "bad.json:7",
+       "360 deg"},
+      {"unknown_type", "bad.json", json_world("\"type\": \"bot\"", "\"type\": \"bots\""), "bad.json:9",
+       "did you mean \"bot\"?"},
+      {"too_many", "bad.json", json_world("\"count\": 5", "\"count\": 500"), "bad.json:11", "of 500"},
+      {"missing_image", "bad.json",
+       json_world("\"tick_s\": 0.1,",
+                  R"("floorplans": [{ "name": "p", "bitmap": "none.png", "size_m": [9, 9, 1] }],)"),
+       "bad.json:2", "none.png"},
+      {"broken_image", "bad.json",
+       json_world("\"tick_s\": 0.1,",
+                  R"("floorplans": [{ "name": "p", "bitmap": "broken.png", "size_m": [9, 9, 1] }],)"),
+       "bad.json:2", "broken.png"},
+      {"robots_of_no_population",
+       "good.json",
+       json_world(),
+       "--robots botz=3",
+       "bots",
+       {"--robots", "botz=3"}},
+      {"set_of_nothing", "good.json", json_world(), "--set /tick/s", "tick", {"--set", "/tick/s=1"}},
+      {"set_to_nonsense", "good.json", json_world(), "--set /tick_s", "number", {"--set", "/tick_s=fast"}},
+  };
+}
+
+class BadInputs : public ProgramTest, public ::testing::WithParamInterface<BadInput> {};
+
+TEST_P(BadInputs, NamesFileAndLineAndLeavesNothingBehind) {
+  const BadInput& input = GetParam();
+  write("broken.png", "\x89PNG\r\n\x1a\n and then nothing of the kind");
+  write("loop.inc", "# a file that includes itself\ninclude \"loop.inc\"\n");
+  write("wrong.inc", "# the error is in here\nmodel( size [0 0 0] )\n");
+  write(input.world, input.text);
+  const std::vector<std::string> before = files();
+
+  std::vector<std::string> arguments{"run",        input.world, "--for",      "1",    "--json",
+                                     "--hash-log", "h.log",     "--snapshot", "p.png"};
+  arguments.insert(arguments.end(), input.options.begin(), input.options.end());
+  const Outcome outcome = troupe(arguments);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(lines_of(outcome.err), Each(MatchesRegex(".*: (error|warning): .+")));
+  EXPECT_THAT(lines_of(outcome.err),
+              Contains(AllOf(StartsWith(input.where), HasSubstr(": error: "), HasSubstr(input.says))));
+  EXPECT_EQ(files(), before);
+}
+
+const auto k_name_of_case = [](const auto& info) { return info.param.name; };
+INSTANTIATE_TEST_SUITE_P(Stage, BadInputs, ::testing::ValuesIn(stage_inputs()), k_name_of_case);
+INSTANTIATE_TEST_SUITE_P(Json, BadInputs, ::testing::ValuesIn(json_inputs()), k_name_of_case);
+INSTANTIATE_TEST_SUITE_P(Other, BadInputs,
+                         ::testing::Values(BadInput{
+                             "ending", "bad.xml", "<world/>", "bad.xml", ".world", {}}),
+                         k_name_of_case);
+
+class GoodInput : public ProgramTest {};
+
+TEST_F(GoodInput, TheWorldThatTheBadOnesAreMadeFromRuns) {
+  write("good.json", json_world());
+  const Outcome outcome = troupe({"run", "good.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(outcome.out, HasSubstr("5 robots"));
+}
+
+TEST_F(GoodInput, RobotsAndSetChangeIt) {
+  write("good.json", json_world());
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "3"}).out, HasSubstr("3 robots"));
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "bots=7"}).out, HasSubstr("7 robots"));
+  EXPECT_THAT(
+      troupe({"run", "good.json", "--for", "1", "--set", "/populations/0/count=2", "--set", "/tick_s=0.5"})
+          .out,
+      AllOf(HasSubstr("2 robots"), HasSubstr("2 of 0.5 s")));
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "0"}).out, HasSubstr("0 robots"));
+}
+
+TEST_F(GoodInput, NeedsAnEndAllTheSame) {
+  write("good.json", json_world());
+  const Outcome outcome = troupe({"run", "good.json", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ::testing::ElementsAre("good.json: error: nothing says when to stop: give --for SECONDS, or set "
+                             "quit_time_s in the world"));
+  EXPECT_THAT(files(), ::testing::ElementsAre("good.json"));
+  EXPECT_THAT(troupe({"run", "good.json", "--set", "/quit_time_s=0.7"}).out, HasSubstr("7 of 0.1 s"));
+}
+
+class NoWorld : public ProgramTest {};
+
+TEST_F(NoWorld, IsNamed) {
+  const Outcome outcome = troupe({"run", "none.world", "--for", "1", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(lines_of(outcome.err), ::testing::ElementsAre(StartsWith("none.world: error: ")));
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(NoWorld, EveryErrorOfAWorldIsReportedAtOnce) {
+  write("bad.json", json_world("\"count\": 5", "\"cuont\": 5, \"colour\": 1"));
+  EXPECT_GE(lines_of(troupe({"run", "bad.json", "--for", "1"}).err).size(), 2u);
+}
+
+}  // namespace
+}  // namespace troupe::apps

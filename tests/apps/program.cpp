@@ -1,0 +1,160 @@
+#include "tests/apps/program.hpp"
+
+#include <fcntl.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <thread>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+fs::path fresh_folder() {
+  std::string name = (fs::temp_directory_path() / "troupe_apps_XXXXXX").string();
+  if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+  return name;
+}
+
+int create(const fs::path& file) {
+  return open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+}
+
+}  // namespace
+
+ProgramTest::ProgramTest() : folder_(fresh_folder()), streams_(fresh_folder()) {}
+
+ProgramTest::~ProgramTest() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  fs::remove_all(streams_, ignored);
+}
+
+void ProgramTest::write(const std::string& name, std::string_view text) {
+  std::ofstream(folder_ / name, std::ios::binary) << text;
+}
+
+std::string ProgramTest::read(const std::string& name) const {
+  EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  return content(folder_ / name);
+}
+
+std::vector<std::string> ProgramTest::files() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+int ProgramTest::start(const std::vector<std::string>& arguments, int out, int err) const {
+  std::vector<std::string> words{TROUPE_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  const int process = fork();
+  if (process == 0) {
+    dup2(out, STDOUT_FILENO);
+    dup2(err, STDERR_FILENO);
+    if (chdir(folder_.c_str()) == 0) execv(TROUPE_PROGRAM, argv.data());
+    _exit(127);
+  }
+  return process;
+}
+
+Outcome ProgramTest::finish(int process) const {
+  int status = 0;
+  waitpid(process, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), content(streams_ / "out"),
+          content(streams_ / "err")};
+}
+
+Outcome ProgramTest::troupe(const std::vector<std::string>& arguments) const {
+  const int out = create(streams_ / "out");
+  const int err = create(streams_ / "err");
+  const int process = start(arguments, out, err);
+  close(out);
+  close(err);
+  return finish(process);
+}
+
+Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, const std::string& file,
+                                  std::size_t lines, int signal) const {
+  const int out = create(streams_ / "out");
+  const int err = create(streams_ / "err");
+  const int process = start(arguments, out, err);
+  close(out);
+  close(err);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (lines_of(content(folder_ / file)).size() < lines && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(process, signal);
+  return finish(process);
+}
+
+Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {
+  int terminal = -1;
+  int program_side = -1;
+  if (openpty(&terminal, &program_side, nullptr, nullptr, nullptr) != 0)
+    throw std::runtime_error("no terminal");
+  fcntl(terminal, F_SETFD, FD_CLOEXEC);
+  const int out = create(streams_ / "out");
+  const int process = start(arguments, out, program_side);
+  close(out);
+  close(program_side);
+  std::string shown;
+  char bytes[4096];
+  for (ssize_t n = 0; (n = ::read(terminal, bytes, sizeof bytes)) > 0;)
+    shown.append(bytes, static_cast<std::size_t>(n));
+  close(terminal);
+  Outcome outcome = finish(process);
+  outcome.err = shown;
+  return outcome;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+const std::string_view k_room = R"(interval_sim 100
+define wall model ( color "gray" )
+wall( name "north" pose [0 4 0 0] size [8 0.2 1] )
+wall( name "south" pose [0 -4 0 0] size [8 0.2 1] )
+wall( name "east" pose [4 0 0 0] size [0.2 8 1] )
+wall( name "west" pose [-4 0 0 0] size [0.2 8 1] )
+define bot position (
+  size [0.4 0.3 0.2]
+  ranger( sensor( pose [0 0 0 0] fov 180 samples 9 range [0 3] ) )
+  ctrl "wander"
+)
+bot( pose [-2 -2 0 10] )
+bot( pose [-2 0 0 60] )
+bot( pose [-2 2 0 110] )
+bot( pose [0 -2 0 160] )
+bot( pose [0 0 0 210] )
+bot( pose [0 2 0 260] )
+bot( pose [2 -2 0 310] )
+bot( pose [2 0 0 0] )
+bot( pose [2 2 0 50] )
+bot( pose [1 1 0 100] )
+bot( pose [-1 1 0 150] )
+bot( pose [1 -1 0 200] )
+)";
+
+}  // namespace troupe::apps

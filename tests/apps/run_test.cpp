@@ -1,0 +1,248 @@
+#include "tests/apps/program.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Run : public ProgramTest {
+ protected:
+  Run() { write("room.world", k_room); }
+
+  /// The JSON of a run that must end well.
+  nlohmann::json json(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"run", "room.world", "--json"});
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  }
+
+  /// The lines of a hash log that must agree between runs.
+  std::vector<std::string> ticks(const std::string& log) const {
+    std::vector<std::string> lines = lines_of(read(log));
+    std::erase_if(lines, [](const std::string& line) { return line.starts_with('#'); });
+    return lines;
+  }
+};
+
+TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--threads", "2", "--seed", "7"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("room.world: 12 robots, to 1 s\n"));
+  EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  seed +7")));
+  for (const char* line :
+       {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s", "wall +[0-9.]+ s, after [0-9.]+ s of loading",
+        "times real time +[0-9.]+", "cost +[0-9]+ ns a robot and tick", "beams +108 a tick",
+        "phases +sense [0-9.]+ %, decide [0-9.]+ %, move [0-9.]+ %, index [0-9.]+ %, observe [0-9.]+ %",
+        "threads +2", "peak memory +[0-9.]+ MiB", "stalled +[0-9]+ .[0-9.]+ %.",
+        "mean displacement +[0-9.]+ m", "state hash +[0-9a-f]{16}"})
+    EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  " + std::string(line))));
+}
+
+TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--json", "--seed", "9"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(lines_of(outcome.out).size(), 1u);
+  const auto json = nlohmann::json::parse(outcome.out);
+  for (const auto& [key, value] : json.items()) EXPECT_TRUE(value.is_primitive()) << key;
+  for (const char* key :
+       {"robots", "ticks", "sim_s", "wall_s", "times_real_time", "ns_per_robot_tick", "beams_per_tick",
+        "threads", "stalled", "mean_displacement_m", "load_s", "peak_rss_bytes"})
+    EXPECT_TRUE(json.at(key).is_number()) << key;
+  EXPECT_EQ(json.at("robots"), 12);
+  EXPECT_EQ(json.at("ticks"), 10);
+  EXPECT_DOUBLE_EQ(json.at("sim_s").get<double>(), 1.0);
+  EXPECT_EQ(json.at("beams_per_tick"), 108);
+  EXPECT_EQ(json.at("seed"), 9);
+  EXPECT_GT(json.at("peak_rss_bytes"), 1 << 20);
+  EXPECT_NEAR(json.at("times_real_time").get<double>(), 1.0 / json.at("wall_s").get<double>(), 1e-6);
+  EXPECT_NEAR(json.at("ns_per_robot_tick").get<double>(), json.at("wall_s").get<double>() * 1e9 / 120, 1e-3);
+  EXPECT_THAT(json.at("state_hash").get<std::string>(), MatchesRegex("[0-9a-f]{16}"));
+  EXPECT_FALSE(json.at("stopped_early").get<bool>());
+  double shares = json.at("share_observe");
+  for (const char* phase : {"sense", "decide", "move", "index"})
+    shares += json.at(std::string("share_") + phase).get<double>();
+  EXPECT_NEAR(shares, 1, 1e-6);
+}
+
+TEST_F(Run, QuietPrintsNothing) {
+  const Outcome outcome = troupe({"run", "room.world", "--for", "0.5", "--quiet", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_EQ(ticks("h.log").size(), 6u);
+}
+
+TEST_F(Run, QuietKeepsTheJsonThatWasAskedFor) {
+  const Outcome outcome = troupe({"run", "room.world", "--for", "0.5", "--quiet", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(outcome.out).at("ticks"), 5);
+}
+
+TEST_F(Run, EndsWithTheFirstTickAtOrAfterTheTime) {
+  // 0.1 is not a binary number: 0.3 / 0.1 is below 3, and 3 * 0.1 above 0.3.
+  const std::vector<std::pair<std::string, int>> cases{{"0", 0},   {"0.05", 1}, {"0.1", 1},  {"0.25", 3},
+                                                       {"0.3", 3}, {"0.7", 7},  {"1.1", 11}, {"2.9", 29}};
+  for (const auto& [time, expected] : cases) EXPECT_EQ(json({"--for", time}).at("ticks"), expected) << time;
+}
+
+TEST_F(Run, NoTicksGiveNumbersAndNoInfinities) {
+  const auto summary = json({"--for", "0", "--hash-log", "h.log"});
+  for (const char* key : {"ticks", "sim_s", "times_real_time", "ns_per_robot_tick", "beams_per_tick"})
+    EXPECT_EQ(summary.at(key), 0) << key;
+  EXPECT_EQ(ticks("h.log").size(), 1u);
+  EXPECT_EQ(troupe({"run", "room.world", "--for", "0"}).code, 0);
+}
+
+TEST_F(Run, NoRobotsGiveNumbersAndNoInfinities) {
+  write("empty.world", "model( size [1 1 1] )\n");
+  const Outcome outcome = troupe({"run", "empty.world", "--for", "1", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  for (const char* key : {"robots", "ns_per_robot_tick", "beams_per_tick", "mean_displacement_m"})
+    EXPECT_EQ(summary.at(key), 0) << key;
+  EXPECT_THAT(troupe({"run", "empty.world", "--for", "1"}).out, HasSubstr("stalled            0 (0.0 %)"));
+}
+
+TEST_F(Run, TheWorldsQuitTimeEndsARunUnlessForIsGiven) {
+  write("quit.world", "quit_time 0.7\n" + std::string(k_room));
+  EXPECT_EQ(nlohmann::json::parse(troupe({"run", "quit.world", "--json"}).out).at("ticks"), 7);
+  EXPECT_EQ(nlohmann::json::parse(troupe({"run", "quit.world", "--json", "--for", "1.2"}).out).at("ticks"),
+            12);
+}
+
+TEST_F(Run, WithNoEndAtAllBothWaysAreNamed) {
+  const Outcome outcome =
+      troupe({"run", "room.world", "--hash-log", "h.log", "--snapshot", "p.png", "--quiet"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ElementsAre("room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the "
+                  "world"));
+  EXPECT_THAT(files(), ElementsAre("room.world"));
+}
+
+TEST_F(Run, HashLogHasAHeaderAndOneLineATickFromTickZero) {
+  const auto summary = json({"--for", "2", "--hash-log", "h.log"});
+  std::vector<std::string> lines = lines_of(read("h.log"));
+  const auto first =
+      std::ranges::find_if(lines, [](const std::string& line) { return !line.starts_with('#'); });
+  ASSERT_NE(first, lines.begin());
+  EXPECT_THAT(std::vector(lines.begin(), first), Each(MatchesRegex("# [^:]+: .*")));
+  const std::vector<std::string> rest(first, lines.end());
+  ASSERT_EQ(rest.size(), 21u);
+  for (std::size_t tick = 0; tick < rest.size(); ++tick)
+    EXPECT_THAT(rest[tick],
+                MatchesRegex(std::to_string(tick) + " [0-9a-f]{16} pose=[0-9a-f]{16} velocity=[0-9a-f]{16} "
+                                                    "sensor=[0-9a-f]{16} memory=[0-9a-f]{16}"));
+  EXPECT_THAT(rest.back(), StartsWith("20 " + summary.at("state_hash").get<std::string>() + " "));
+  EXPECT_NE(rest[19].substr(3, 16), rest[20].substr(3, 16));
+}
+
+TEST_F(Run, ThreadsAndTilesDoNotChangeTheHashLog) {
+  std::vector<std::vector<std::string>> logs;
+  for (const char* threads : {"1", "2", "8"})
+    for (const char* tile : {"1", "5"}) {
+      const auto summary =
+          json({"--for", "3", "--threads", threads, "--tile-size", tile, "--hash-log", "h.log"});
+      EXPECT_EQ(summary.at("threads"), std::stoi(threads));
+      logs.push_back(ticks("h.log"));
+    }
+  ASSERT_EQ(logs.front().size(), 31u);
+  EXPECT_THAT(logs, Each(logs.front()));
+}
+
+TEST_F(Run, TheSeedChangesTheRun) {
+  EXPECT_NE(json({"--for", "3", "--seed", "1"}).at("state_hash"),
+            json({"--for", "3", "--seed", "2"}).at("state_hash"));
+  EXPECT_EQ(json({"--for", "3", "--seed", "1"}).at("state_hash"), json({"--for", "3"}).at("state_hash"));
+}
+
+class Signals : public Run, public ::testing::WithParamInterface<int> {};
+
+TEST_P(Signals, EndTheRunAfterTheTickWithEverythingWritten) {
+  const Outcome outcome =
+      troupe_until({"run", "room.world", "--for", "1e9", "--hash-log", "h.log"}, "h.log", 30, GetParam());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("stopped early, at "));
+  EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  state hash +[0-9a-f]{16}")));
+  const std::vector<std::string> log = ticks("h.log");
+  const std::string& last = log.back();
+  EXPECT_THAT(last, MatchesRegex("[0-9]+ [0-9a-f]{16} pose=.* memory=[0-9a-f]{16}"));
+  EXPECT_THAT(outcome.out, HasSubstr(last.substr(last.find(' ') + 1, 16)));
+}
+
+TEST_P(Signals, AreToldInTheJson) {
+  const Outcome outcome = troupe_until({"run", "room.world", "--for", "1e9", "--json", "--hash-log", "h.log"},
+                                       "h.log", 30, GetParam());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_TRUE(nlohmann::json::parse(outcome.out).at("stopped_early").get<bool>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Run, Signals, ::testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Run, ProgressIsShownOnATerminalAndWipedOff) {
+  const Outcome outcome = troupe_on_terminal({"run", "room.world", "--for", "5"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("of 5.0 s"));
+  EXPECT_THAT(outcome.err, HasSubstr("x real time"));
+  EXPECT_THAT(outcome.err, HasSubstr("left"));
+  EXPECT_THAT(outcome.err, ::testing::EndsWith("\r\x1b[K"));
+}
+
+TEST_F(Run, ProgressStaysAwayFromFilesAndQuietRuns) {
+  EXPECT_THAT(troupe({"run", "room.world", "--for", "5"}).err, IsEmpty());
+  EXPECT_THAT(troupe_on_terminal({"run", "room.world", "--for", "5", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(Run, WarningsGoToStandardErrorALineEachUnlessQuiet) {
+  write("warned.world", "colour \"red\"\n" + std::string(k_room));
+  const Outcome outcome = troupe({"run", "warned.world", "--for", "0.1", "--json"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(lines_of(outcome.err), Contains(StartsWith("warned.world:1: warning: ")));
+  EXPECT_EQ(lines_of(outcome.out).size(), 1u);
+  EXPECT_THAT(troupe({"run", "warned.world", "--for", "0.1", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--hash-log", "none/h.log"}, "none/h.log: error: cannot be written: there is no folder none"},
+      {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
+      {{"--hash-log", "/"}, "/: error: cannot be written: it is a folder"},
+      {{"--hash-log", "./room.world"}, "./room.world: error: cannot be written: it is the world"},
+      {{"--hash-log", "p.png", "--snapshot", "./p.png"},
+       "./p.png: error: cannot be written: another output has the same name"},
+  };
+  for (const auto& [options, message] : cases) {
+    std::vector<std::string> arguments{"run", "room.world", "--for", "1"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(message));
+    EXPECT_THAT(files(), ElementsAre("room.world"));
+  }
+  EXPECT_EQ(read("room.world"), k_room);
+}
+
+TEST_F(Run, AFullDiskIsAFailureAndNotASuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--hash-log", "/dev/full"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("/dev/full: error: writing failed at tick 0"));
+}
+
+}  // namespace
+}  // namespace troupe::apps

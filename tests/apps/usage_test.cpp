@@ -1,0 +1,172 @@
+#include "tests/apps/program.hpp"
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+class Usage : public ProgramTest {};
+
+TEST_F(Usage, VersionIsOneLine) {
+  const Outcome outcome = troupe({"--version"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(lines_of(outcome.out), ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"))));
+  EXPECT_THAT(outcome.err, IsEmpty());
+}
+
+TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
+  const Outcome outcome = troupe({"run", "--help"});
+  EXPECT_EQ(outcome.code, 0);
+  for (const char* word :
+       {"WORLD", "--for", "--threads", "--seed", "--robots", "--set", "--tile-size", "--hash-log",
+        "--snapshot", "--size", "--json", "--quiet", "quit_time", "Exit codes", "Examples"})
+    EXPECT_THAT(outcome.out, HasSubstr(word));
+  for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
+}
+
+TEST_F(Usage, HelpNamesTheCommands) {
+  const Outcome outcome = troupe({"--help"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("run"), HasSubstr("describe"), HasSubstr("--version")));
+}
+
+TEST_F(Usage, NoCommandShowsHelpAsAnError) {
+  const Outcome outcome = troupe({});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, HasSubstr("Usage: troupe"));
+}
+
+struct WrongUsage {
+  std::vector<std::string> arguments;
+  std::string message;
+};
+
+class WrongUsages : public ProgramTest, public ::testing::WithParamInterface<WrongUsage> {};
+
+TEST_P(WrongUsages, IsOneLineAndExitCode2) {
+  write("room.world", k_room);
+  const Outcome outcome = troupe(GetParam().arguments);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(lines_of(outcome.err), ElementsAre(GetParam().message));
+  EXPECT_THAT(files(), ElementsAre("room.world"));
+}
+
+std::string in_run(const std::string& message) {
+  return "troupe run: error: " + message + "; see troupe run --help";
+}
+
+std::vector<std::string> room(std::vector<std::string> options) {
+  options.insert(options.begin(), {"run", "room.world"});
+  return options;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Usage, WrongUsages,
+    ::testing::Values(
+        WrongUsage{{"rnu", "room.world"},
+                   "troupe: error: unknown command \"rnu\" (did you mean \"run\"?); see troupe --help"},
+        WrongUsage{
+            {"--versoin"},
+            "troupe: error: unknown option \"--versoin\" (did you mean \"--version\"?); see troupe --help"},
+        WrongUsage{{"run"}, in_run("WORLD is required")},
+        WrongUsage{room({"cave.world"}), in_run("one argument too many: \"cave.world\"")},
+        WrongUsage{room({"--thraeds", "2"}),
+                   in_run("unknown option \"--thraeds\" (did you mean \"--threads\"?)")},
+        WrongUsage{room({"-q"}), in_run("unknown option \"-q\"")},
+        WrongUsage{room({"--for"}), in_run("--for takes one value, once")},
+        WrongUsage{room({"--for", "1", "--for", "2"}), in_run("--for takes one value, once")},
+        WrongUsage{room({"--for", "ten"}), in_run("--for: \"ten\" is not a time in seconds, 0 or more")},
+        WrongUsage{room({"--for", "10s"}), in_run("--for: \"10s\" is not a time in seconds, 0 or more")},
+        WrongUsage{room({"--for", "-1"}), in_run("--for: \"-1\" is not a time in seconds, 0 or more")},
+        WrongUsage{room({"--for", "nan"}), in_run("--for: \"nan\" is not a time in seconds, 0 or more")},
+        WrongUsage{room({"--for", "inf"}), in_run("--for: \"inf\" is not a time in seconds, 0 or more")},
+        WrongUsage{room({"--threads", "0"}),
+                   in_run("--threads: \"0\" is not a number of threads, 1 to 1024")},
+        WrongUsage{room({"--threads", "-2"}),
+                   in_run("--threads: \"-2\" is not a number of threads, 1 to 1024")},
+        WrongUsage{room({"--seed", "1.5"}),
+                   in_run("--seed: \"1.5\" is not a whole number from 0 to 2^64 - 1")},
+        WrongUsage{room({"--seed", "18446744073709551616"}),
+                   in_run("--seed: \"18446744073709551616\" is not a whole number from 0 to 2^64 - 1")},
+        WrongUsage{
+            room({"--robots", "many"}),
+            in_run("--robots: \"many\" is not a number of robots, as in --robots 500, or --robots NAME=500 "
+                   "for one population")},
+        WrongUsage{
+            room({"--robots", "minibots="}),
+            in_run("--robots: \"minibots=\" is not a number of robots, as in --robots 500, or --robots "
+                   "NAME=500 for one population")},
+        WrongUsage{room({"--set", "count=5"}),
+                   in_run("--set: \"count=5\" is not a JSON pointer and a value, as in --set "
+                          "/populations/0/count=500")},
+        WrongUsage{room({"--set", "/count"}),
+                   in_run("--set: \"/count\" is not a JSON pointer and a value, as in --set "
+                          "/populations/0/count=500")},
+        WrongUsage{room({"--tile-size", "0"}),
+                   in_run("--tile-size: \"0\" is not a length in metres, above 0")},
+        WrongUsage{
+            room({"--snapshot", "room.jpg"}),
+            in_run("--snapshot: \"room.jpg\" is not the name of a picture, as in --snapshot crowd.png")},
+        WrongUsage{
+            room({"--snapshot", "room.png", "--size", "640"}),
+            in_run("--size: \"640\" is not a width and a height in pixels, 1 to 16384 each, as in --size "
+                   "1280x720")},
+        WrongUsage{
+            room({"--snapshot", "room.png", "--size", "0x480"}),
+            in_run("--size: \"0x480\" is not a width and a height in pixels, 1 to 16384 each, as in --size "
+                   "1280x720")},
+        WrongUsage{room({"--size", "640x480"}), in_run("--size requires --snapshot")},
+        WrongUsage{room({"--hash-log", "--json"}), in_run("--hash-log: \"--json\" is not a file name")},
+        WrongUsage{room({"--json=no"}), in_run("--json takes no value")},
+        WrongUsage{
+            {"describe", "ranger", "position"},
+            "troupe describe: error: one argument too many: \"position\"; see troupe describe --help"}));
+
+class Describe : public ProgramTest {};
+
+TEST_F(Describe, ListsEveryKindWithALineOfText) {
+  const Outcome outcome = troupe({"describe"});
+  EXPECT_EQ(outcome.code, 0);
+  for (const char* heading : {"models", "sensors", "drives", "controllers", "presets of controllers"})
+    EXPECT_THAT(lines_of(outcome.out), ::testing::Contains(heading));
+  for (const char* kind : {"position", "ranger", "diff", "omni", "car", "expand", "wander", "script",
+                           "expand_pioneer", "expand_swarm"})
+    EXPECT_THAT(lines_of(outcome.out),
+                ::testing::Contains(MatchesRegex("  " + std::string(kind) + " +[^ ].*")));
+}
+
+TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
+  const Outcome outcome = troupe({"describe", "ranger"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("sensor ranger: "));
+  EXPECT_THAT(outcome.out, HasSubstr("model ranger: "));
+  EXPECT_THAT(lines_of(outcome.out), ::testing::Contains(MatchesRegex("  key +default +range +meaning")));
+  EXPECT_THAT(lines_of(outcome.out),
+              ::testing::Contains(MatchesRegex(" +fov_rad .?_deg. +0\\.1 +number .*rad .+")));
+}
+
+TEST_F(Describe, PresetsShowTheirOwnDefaults) {
+  const Outcome outcome = troupe({"describe", "expand_swarm"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("controller expand_swarm: "), HasSubstr("preset of expand")));
+  EXPECT_NE(outcome.out, troupe({"describe", "expand_pioneer"}).out);
+}
+
+TEST_F(Describe, UnknownKindNamesWhatThereIs) {
+  const Outcome outcome = troupe({"describe", "rangre"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, AllOf(StartsWith("troupe describe: error: unknown kind \"rangre\"; known: "),
+                                 HasSubstr("wander"), EndsWith("(did you mean \"ranger\"?)\n")));
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,73 @@
+#include "render/map_furniture.hpp"
+
+#include <gtest/gtest.h>
+
+namespace troupe::render {
+namespace {
+
+TEST(RoundLength, IsTheLargestThatFits) {
+  EXPECT_DOUBLE_EQ(RoundLength::at_most(1.5).metres, 1);
+  EXPECT_DOUBLE_EQ(RoundLength::at_most(4.9).metres, 2);
+  EXPECT_DOUBLE_EQ(RoundLength::at_most(73).metres, 50);
+  EXPECT_DOUBLE_EQ(RoundLength::at_most(0.032).metres, 0.02);
+}
+
+TEST(RoundLength, NamesItselfWithoutExponents) {
+  EXPECT_EQ(RoundLength::at_most(73).text(), "50 m");
+  EXPECT_EQ(RoundLength::at_most(1.7).text(), "1 m");
+  EXPECT_EQ(RoundLength::at_most(0.27).text(), "0.2 m");
+  EXPECT_EQ(RoundLength::at_most(0.06).text(), "0.05 m");
+  EXPECT_EQ(RoundLength::at_most(0.0071).text(), "5 mm");
+  EXPECT_EQ(RoundLength::at_most(0.00025).text(), "0.2 mm");
+  EXPECT_EQ(RoundLength::at_most(2100).text(), "2 km");
+  EXPECT_EQ(RoundLength::at_most(1.2e8).text(), "100000 km");
+}
+
+Framing framing_of(int width, int height) {
+  Framing framing;
+  framing.width = width;
+  framing.height = height;
+  framing.pixels_per_metre = 100;
+  return framing;
+}
+
+TEST(FloorGrid, LiesOnWholePixelsAtRoundWorldCoordinates) {
+  Framing framing = framing_of(400, 200);
+  framing.center = {
+      0.3, 0};  // shows x from -1.7 to 2.3, y from -1 to 1: at 1 m, lines at x -1, 0, 1, 2 and y -1, 0, 1
+  const Mesh mesh = floor_grid(framing);
+  ASSERT_EQ(mesh.size(), 7 * 6);
+  EXPECT_FLOAT_EQ(mesh[0].x + 200,
+                  70 - 0.0F);  // x = -1 is pixel 70: the line fills the pixel that holds it or ends there
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    EXPECT_FLOAT_EQ(mesh[i].x, std::round(mesh[i].x)) << i;
+    EXPECT_FLOAT_EQ(mesh[i].y, std::round(mesh[i].y)) << i;
+  }
+}
+
+TEST(FloorGrid, StaysSparseAtAnyScale) {
+  for (const double scale : {1e-9, 1e-4, 0.03, 1.0, 77.0, 1e5}) {
+    Framing framing = framing_of(1280, 720);
+    framing.pixels_per_metre = scale;
+    const std::size_t lines = floor_grid(framing).size() / 6;
+    EXPECT_GE(lines, 12U) << scale;
+    EXPECT_LE(lines, (1280 + 720) / 48 + 2U) << scale;
+  }
+}
+
+TEST(ScaleAndTime, StayInsideThePicture) {
+  const Framing framing = framing_of(240, 160);
+  const Mesh mesh = scale_and_time(framing, 123456.7);
+  ASSERT_FALSE(mesh.empty());
+  for (const Vertex& v : mesh) {
+    EXPECT_LE(std::abs(v.x + v.offset_x), 120);
+    EXPECT_LE(std::abs(v.y + v.offset_y), 80);
+  }
+}
+
+TEST(ScaleAndTime, AreLeftOutOfThumbnails) {
+  EXPECT_TRUE(scale_and_time(framing_of(239, 400), 1).empty());
+}
+
+}  // namespace
+}  // namespace troupe::render
