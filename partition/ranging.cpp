@@ -53,9 +53,9 @@ bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
     for (std::size_t i = 0; i < beams; ++i) {
       const float ca = e.ax * dy[i] - e.ay * dx[i];
       const float cb = e.bx * dy[i] - e.by * dx[i];
-      const float value = (ca - cb) * per_area;
-      const bool meets = ((ca >= 0) & (cb <= 0)) | ((ca <= 0) & (cb >= 0));
-      const float candidate = meets ? value : 0.0f;
+      float candidate = (ca - cb) * per_area;
+      candidate = std::min(ca, cb) <= 0 ? candidate : 0.0f;
+      candidate = std::max(ca, cb) >= 0 ? candidate : 0.0f;
       inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
     }
     return false;
@@ -70,12 +70,13 @@ bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
       const float area = p - q;
       const float ca = ax * dy[i] - ay * dx[i];
       const float cb = bx * dy[i] - by * dx[i];
-      const float value = (ca - cb) * (1.0f / area);
       const bool thin = std::abs(area) <= k_end_on * (std::abs(p) + std::abs(q));
-      const bool meets = ((ca >= 0) & (cb <= 0)) | ((ca <= 0) & (cb >= 0));
-      const float candidate = meets & !thin ? value : 0.0f;
+      float candidate = (ca - cb) * (1.0f / area);
+      candidate = std::min(ca, cb) <= 0 ? candidate : 0.0f;
+      candidate = std::max(ca, cb) >= 0 ? candidate : 0.0f;
+      candidate = thin ? 0.0f : candidate;
       inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-      end_on |= thin;
+      end_on |= thin ? 1 : 0;
     }
     return end_on != 0;
   }

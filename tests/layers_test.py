@@ -49,6 +49,7 @@ THIRD_PARTY = [
     (r"CLI/", "CLI11", ["apps/*.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
+    (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
     # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
     (r"(dlfcn|fcntl|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
