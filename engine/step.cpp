@@ -11,6 +11,9 @@ namespace {
 constexpr std::size_t k_batch = 64;            // rows a task: a crowded tile is split, small ones are joined
 constexpr std::size_t k_most_sensors = 16;     // a controller reads, at most
 
+/// Where robots may go in a world that does not say.
+const Box k_everywhere = Box::around(Vec2::Zero(), 100e3);
+
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
 }  // namespace
@@ -137,8 +140,8 @@ void World::move() {
       if (motion.moves) motion.to = compose(from, {v.x * dt, v.y * dt, 0, motion.turn});
     }
   });
-  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, spec_.bounds}, scene_, index_, parallel_,
-                    outcomes_);
+  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, spec_.bounds.value_or(k_everywhere)}, scene_,
+                    index_, parallel_, outcomes_);
   conflict_rounds_ += conflicts_.rounds();
   for_batches([&](std::span<const Row> rows, const BodyType&) {
     for (const Row row : rows) {
