@@ -105,7 +105,8 @@ def include_fault(root, folder, path, quote, name):
     """What is wrong with one include, or None."""
     first = name.split("/")[0]
     if quote == '"' or (first in BELOW and (root / name).is_file()):
-        if first not in BELOW or not (root / name).is_file():
+        # A file that the build makes from NAME.in counts as NAME.
+        if first not in BELOW or not ((root / name).is_file() or (root / (name + ".in")).is_file()):
             return f'"{name}" is no file of ours, named from the root'
         if quote == "<" and folder in LIBRARY:
             return f"<{name}> is ours: use quotes"

@@ -129,6 +129,16 @@ TEST(Placement, GridSkipsWhatIsTaken) {
   EXPECT_THAT(poses, ElementsAre(Pose{0, 2, 0, 0}, Pose{0, 3, 0, 0}, Pose{0, 4, 0, 0}));
 }
 
+TEST(Placement, AFullGridSpills) {
+  const PlacementRule rule{
+      .region = region(0, 0, 0, 1), .spill = region(-1, 0, 0, 1), .pitch_m = 1, .heading = 0};
+  EXPECT_EQ(grid_cells(rule), 2 + 4);
+  Crowd crowd;
+  const auto poses = place(rule, box_shape({0.5, 0.5}), 9, 1, "p", std::nullopt, {}, crowd);
+  // The spill covers the region: what is taken there is passed over.
+  EXPECT_THAT(poses, ElementsAre(Pose{0, 0, 0, 0}, Pose{0, 1, 0, 0}, Pose{-1, 0, 0, 0}, Pose{-1, 1, 0, 0}));
+}
+
 TEST(Placement, TouchingIsNotTaken) {
   Crowd crowd;
   const PlacementRule rule{.region = region(0, 0, 1, 1), .pitch_m = 0.5, .heading = 0};

@@ -1,5 +1,7 @@
+#include "troupe/registry.hpp"
+#include "worldio/json_document.hpp"
 #include "worldio/json_types.hpp"
-#include "json_test_world.hpp"
+#include "tests/worldio/json_test_world.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -591,21 +593,22 @@ TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
   EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // no obstacle is in nobody's way
 }
 
-TEST(JsonWorld, GridsSpillIntoTheNextFreeCells) {
-  const std::string spilling =
-      changed("[[0, 0], [1, 1]]", "[[0, 0], [0, 0.5]], \"spill_m\": [[-0.25, 0.25], [0, 0.5]]");
-  const Loaded loaded(changed("\"count\": 4", "\"count\": 5", spilling));
+TEST(JsonWorld, AGridMaySpill) {
+  LoadOptions options;
+  options.robots = {{"", 30}};
+  options.set = {{"/populations/0/place/spill_m", "[[2, 0], [3, 3]]"}};
+  const Loaded loaded(k_world, options);
   ASSERT_THAT(loaded.found, IsEmpty());
-  const auto pose = [&](std::size_t robot) { return loaded.spec.bodies[2 + robot].pose_world_body; };
-  EXPECT_EQ(pose(2), (Pose{0, 0.5, 0, 0}));       // the last cell of the region
-  EXPECT_EQ(pose(3), (Pose{-0.25, 0.25, 0, 0}));  // then the other's, column by column
-  EXPECT_EQ(pose(4), (Pose{-0.25, 0.5, 0, 0}));   // whose second column is taken
-  EXPECT_THAT(Loaded(changed("\"count\": 4", "\"count\": 6", spilling)).found,
-              ElementsAre("maze.json:18: error: /populations/0/place: placed 5 of 6 bodies: the region has no more free "
-                          "cells (of 7)"));
-  EXPECT_THAT(Loaded(changed("[-0.25, 0.25], [0, 0.5]", "[0, 0.5], [-0.25, 0.25]", spilling)).found,
-              ElementsAre("maze.json:18: error: /populations/0/place/spill_m: the corners stand the wrong way round: give "
-                          "[[x_min, y_min], [x_max, y_max]]"));
+  EXPECT_EQ(loaded.spec.bodies[2 + 24].pose_world_body, (Pose{1, 1, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[2 + 25].pose_world_body, (Pose{2, 0, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[2 + 29].pose_world_body, (Pose{2, 1, 0, 0}));
+
+  options.set = {{"/populations/0/place/spill_m", "[[2, 0], [1, 3]]"}};
+  EXPECT_THAT(
+      Loaded(k_world, options).found,
+      ElementsAre(
+          "--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: the corners stand "
+          "the wrong way round: give [[x_min, y_min], [x_max, y_max]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
@@ -621,39 +624,66 @@ TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
   std::printf("1,000,000 robots in %.2f s\n", took.count());
 }
 
-RC_GTEST_PROP(JsonWorldFuzz, MutatedWorldsNeverCrash, ()) {
-  static const char* const k_scraps[] = {"{",
-                                         "}",
-                                         "[",
-                                         "]",
-                                         ",",
-                                         ":",
-                                         "\"",
-                                         "null",
-                                         "-",
-                                         "1e5",
-                                         "0",
-                                         "\n",
-                                         "\\",
-                                         "\"x\"",
-                                         "{}",
-                                         "[]",
-                                         "true",
-                                         "\xff",
-                                         "\"heading\": 1,",
-                                         "9"};
-  std::string text = k_world;
-  const int edits = *rc::gen::inRange(1, 6);
-  for (int i = 0; i < edits; ++i) {
-    const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
-    const auto gone = *rc::gen::inRange<std::size_t>(0, 12);
-    text.replace(at, gone,
-                 *rc::gen::elementOf(std::vector<std::string>(std::begin(k_scraps), std::end(k_scraps))));
+TEST(JsonWorld, EveryWorldWeShipLoads) {
+  std::size_t worlds = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
+    if (entry.path().extension() != ".json") continue;
+    Diagnostics diagnostics;
+    const WorldSpec spec = load_world(entry.path(), make_registry(), {}, diagnostics);
+    EXPECT_THAT(findings(diagnostics), IsEmpty());
+    EXPECT_GT(spec.bodies.size(), 100u) << entry.path();
+    ++worlds;
   }
-  if (text.find("\"count\": 4,") == std::string::npos) return;  // a mutated count is legal, but may take long
-  const Loaded loaded(text);
-  if (loaded.found.empty()) RC_ASSERT(loaded.spec.bodies.size() >= 1u);
-  for (const std::string& line : loaded.found) RC_ASSERT(line.starts_with("maze.json:"));
+  EXPECT_GE(worlds, 6u);
+}
+
+/// A document with a few bytes cut out and scraps of JSON put in.
+std::string mutated(std::string text) {
+  static const std::vector<std::string> k_scraps{"{",
+                                                 "}",
+                                                 "[",
+                                                 "]",
+                                                 ",",
+                                                 ":",
+                                                 "\"",
+                                                 "null",
+                                                 "-",
+                                                 "1e5",
+                                                 "0",
+                                                 "\n",
+                                                 "\\",
+                                                 "\"x\"",
+                                                 "{}",
+                                                 "[]",
+                                                 "true",
+                                                 "\xff",
+                                                 "\"heading\": 1,",
+                                                 "9"};
+  for (int i = *rc::gen::inRange(1, 6); i > 0; --i) {
+    const auto at = *rc::gen::resize(100, rc::gen::inRange<std::size_t>(0, text.size()));
+    const auto gone = *rc::gen::resize(100, rc::gen::inRange<std::size_t>(0, 12));
+    text.replace(at, gone, *rc::gen::elementOf(k_scraps));
+  }
+  return text;
+}
+
+RC_GTEST_PROP(JsonWorldFuzz, MutatedWorldsNeverCrash, ()) {
+  for (int i = 0; i < 50; ++i) {
+    const std::string text = mutated(k_world);
+    if (text.find("\"count\": 4,") == std::string::npos)
+      continue;  // another count is legal, but may take long
+    const Loaded loaded(text);
+    for (const std::string& line : loaded.found) RC_ASSERT(line.starts_with("maze.json:"));
+  }
+}
+
+RC_GTEST_PROP(JsonWorldFuzz, MutatedDocumentsNeverCrash, ()) {
+  for (int i = 0; i < 50; ++i) {
+    Diagnostics diagnostics;
+    const auto root =
+        parse_json(mutated(k_world), {diagnostics.files()->add("maze.json"), 0}, false, diagnostics);
+    RC_ASSERT(root.has_value() == !diagnostics.has_errors());
+  }
 }
 
 RC_GTEST_PROP(JsonWorldFuzz, ValuesOfTheWrongKindNeverCrash, ()) {
