@@ -128,10 +128,7 @@ class Projector {
       : fan_(fan), reference_(reference), inverse_(inverse), returns_(returns) {}
 
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
-    partition::RayEdge& edge = edges_[count_];
-    partition::relative(a, reference_, edge.ax, edge.ay);
-    partition::relative(b, reference_, edge.bx, edge.by);
-    edge.ranger_return = ranger_return;
+    edges_[count_] = partition::relative_edge(a, b, reference_, ranger_return);
     if (++count_ == edges_.size()) flush();
   }
   void flush() {
@@ -183,8 +180,8 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
   std::ranges::fill(returns, 0.0f);
   Projector projector(fan, reference, inverse, returns);
 
-  // A cull may keep too much but never too little: its margin is far above what rounding can take away.
-  const double reach = ranger.reach * (1 + 1e-6) + 1e-6;
+  // A cull may keep too much but never too little: its margin is above what rounding can take away.
+  const double reach = ranger.reach * (1 + partition::k_range_slack) + 1e-6;
   const Box near = Box::around(reference, reach);
   const partition::StaticScene& scene = world.scene();
   scene.ranger_edges().for_each_run(near, [&](std::span<const partition::FixedEdge> edges) {
