@@ -128,21 +128,29 @@ bool project_apart(const RayEdge& e, const Fan& fan, float* __restrict inverse) 
 
 }  // namespace
 
-RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
-  constexpr double k_noise = 0x1p-50;
-  const Vec2 from = a - reference;
-  const Vec2 to = b - reference;
-  const double p = from.x() * to.y();
-  const double q = from.y() * to.x();
-  const bool on_line = std::abs(p - q) <= k_noise * (std::abs(p) + std::abs(q));
-  return {static_cast<float>(from.x()),
-          static_cast<float>(from.y()),
-          static_cast<float>(to.x()),
-          static_cast<float>(to.y()),
-          static_cast<float>(b.x() - a.x()),
-          static_cast<float>(b.y() - a.y()),
-          on_line ? 0.0f : static_cast<float>(p - q),
-          ranger_return};
+bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse) {
+  const std::size_t beams = fan.dx.size();
+  const float* __restrict dx = fan.dx.data();
+  const float* __restrict dy = fan.dy.data();
+  const float* __restrict ox = fan.ox.data();
+  const float* __restrict oy = fan.oy.data();
+  const float* __restrict met = inverse.data();
+  // Float errors of sides grow with the distance; ten times their bound, and a little for the origin's
+  // neighbourhood.
+  const float r = radius * (1 + 1e-5f) + (std::abs(x) + std::abs(y)) * 2e-6f + 1e-6f;
+  constexpr float k_met = 1 + static_cast<float>(k_range_slack);
+  int any = 0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float ex = x - ox[i];
+    const float ey = y - oy[i];
+    const float aside = std::abs(ex * dy[i] - ey * dx[i]);
+    const float along = ex * dx[i] + ey * dy[i];
+    int meets = aside <= r ? 1 : 0;
+    meets = along >= -r ? meets : 0;
+    meets = (along - r) * met[i] <= k_met ? meets : 0;
+    any |= meets;
+  }
+  return any != 0;
 }
 
 float inverse_range(const RayEdge& e, float dx, float dy, float ox, float oy) {

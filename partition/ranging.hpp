@@ -2,6 +2,7 @@
 
 #include "base/pose.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -47,12 +48,30 @@ struct RayEdge {
   float ranger_return;
 };
 
-/// The share of its distance by which an edge may be met short of its nearest point: 2^-15 by rounding at the
-/// least angle that counts as no grazing, and 2^-14 where origins differ. Culls by distance leave twice that.
+/// The share of its distance by which an edge may be met short of its nearest point: at most 2^-14 by
+/// rounding at the least angle that counts as no grazing, and 2^-14 of an origin's offset. Culls by distance
+/// leave twice that.
 constexpr double k_range_slack = 1.0 / 4096;
 
 /// An edge, given in the world's frame.
-RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return);
+inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
+  constexpr double k_noise = 0x1p-50;
+  const Vec2 from = a - reference;
+  const Vec2 to = b - reference;
+  const double p = from.x() * to.y();
+  const double q = from.y() * to.x();
+  const bool on_line = std::abs(p - q) <= k_noise * (std::abs(p) + std::abs(q));
+  RayEdge edge;
+  edge.ax = static_cast<float>(from.x());
+  edge.ay = static_cast<float>(from.y());
+  edge.bx = static_cast<float>(to.x());
+  edge.by = static_cast<float>(to.y());
+  edge.ex = static_cast<float>(b.x() - a.x());
+  edge.ey = static_cast<float>(b.y() - a.y());
+  edge.area = on_line ? 0.0f : static_cast<float>(p - q);
+  edge.ranger_return = ranger_return;
+  return edge;
+}
 
 /// Raises inverse[i] to the inverse range at which beam i meets one of the edges, where that is larger.
 /// sizes  inverse: one a beam
@@ -62,6 +81,10 @@ void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> in
 /// larger.
 void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse,
              std::span<float> returns);
+
+/// False only when no beam of the fan can meet anything within the circle nearer than it has met something
+/// already: a cull of whole bodies, with a margin far above rounding.
+bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse);
 
 /// The inverse range of one beam and one edge: the formula itself, 0 where they do not meet. Infinity when
 /// the beam starts on the edge.
