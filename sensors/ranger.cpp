@@ -128,10 +128,7 @@ class Projector {
       : fan_(fan), reference_(reference), inverse_(inverse), returns_(returns) {}
 
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
-    partition::RayEdge& edge = edges_[count_];
-    partition::relative(a, reference_, edge.ax, edge.ay);
-    partition::relative(b, reference_, edge.bx, edge.by);
-    edge.ranger_return = ranger_return;
+    edges_[count_] = partition::relative_edge(a, b, reference_, ranger_return);
     if (++count_ == edges_.size()) flush();
   }
   void flush() {
@@ -254,9 +251,9 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
   std::ranges::fill(returns, 0.0f);
   Projector projector(fan, reference, inverse, returns);
 
-  // Culls may keep too much but never too little: their margins are far above what rounding can take away. Bodies
+  // Culls may keep too much but never too little: their margins are above what rounding can take away. Bodies
   // go first, from near to far, because in a crowd they soon hide everything else.
-  const double reach = ranger.reach * (1 + 1e-6) + 1e-6;
+  const double reach = ranger.reach * (1 + partition::k_range_slack) + 1e-6;
   NearBodies bodies(world, row, reference, reach, z, fan, inverse, projector);
   world.index().for_each_near(Box::around(reference, reach),
                               [&](const partition::BodyEntry& entry) { bodies.add(entry); });
@@ -265,7 +262,7 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
   double sight = 0;  // no beam goes farther now
   for (std::size_t i = 0; i < group.count; ++i)
     sight = std::max<double>(sight, partition::range_of(inverse[i], ranger.range_max[group.first + i]));
-  sight = std::min(reach, (sight + ranger.spread) * (1 + 1e-6) + 1e-6);
+  sight = std::min(reach, (sight + ranger.spread) * (1 + partition::k_range_slack) + 1e-6);
   const partition::StaticScene& scene = world.scene();
   scene.ranger_edges().for_each_run(Box::around(reference, sight), [&](std::span<const partition::FixedEdge> edges) {
     for (const partition::FixedEdge& edge : edges) {
