@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Draws cave.png, a cave of 16 x 16 m: four chambers round a hall, joined by passages, all walls of rough rock.
+"""Draws cave.png, a cave of 16 x 16 m: four chambers round a hall, joined by passages, all walls of rough rock;
+and writes the four worlds of Pioneers in it: cave-simple, cave-complex, and each with -laser.
 
 The rock is what remains when discs are swept along lines and their radius swells and shrinks with smooth noise.
 Only + - * / and whole numbers are used, so that the picture is the same on every machine.
 """
 
+import json
 import os
 
 from drawing import FLOOR, Bitmap
@@ -100,6 +102,120 @@ def cave():
     return bitmap
 
 
+# --- the Pioneer, 0.44 x 0.38 x 0.22 m: its body's middle lies 0.04 m behind the point it turns about ---------
+
+LENGTH, WIDTH, HEIGHT, SHIFT = 0.44, 0.38, 0.22, -0.04
+SONAR_Z, SONAR_RANGE = 0.195, 5
+# x, y (m) and heading (degrees) of the sixteen sonars.
+SONARS = (
+    (0.075, 0.130, 90), (0.115, 0.115, 50), (0.150, 0.080, 30), (0.170, 0.025, 10),
+    (0.170, -0.025, -10), (0.150, -0.080, -30), (0.115, -0.115, -50), (0.075, -0.130, -90),
+    (-0.155, -0.130, -90), (-0.195, -0.115, -130), (-0.230, -0.080, -150), (-0.250, -0.025, -170),
+    (-0.250, 0.025, 170), (-0.230, 0.080, 150), (-0.195, 0.115, 130), (-0.155, 0.130, 90),
+)
+# The laser stands on the robot; its rays pass over other robots and meet their lasers.
+LASER_Z, LASER_RANGE = 0.33, 8
+LASER_SIZE = (0.156, 0.155, 0.19)
+
+
+def mirrored(half):
+    """An outline from its half with y >= 0, given from front to back; points on the axis stay single."""
+    return half + [(x, -y) for x, y in reversed(half) if y > 0]
+
+
+def box(x0, x1, y0, y1):
+    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+
+
+def simple_pioneer():
+    half = [(1, 0.47), (0.6, 1), (-0.6, 1), (-1, 0.47)]
+    return [([(x * LENGTH / 2 + SHIFT, y * WIDTH / 2) for x, y in mirrored(half)], (0, HEIGHT))]
+
+
+def complex_pioneer():
+    """Hull, two sonar cases, two wheels, castor and lid, drawn about the axle and fitted to the size."""
+    lid = [(1, 0.16), (0.96, 0.44), (0.86, 0.68), (0.7, 0.86), (0.46, 0.97), (0, 1)]
+    lid += [(-x, y) for x, y in reversed(lid[:-1])]
+    prisms = [
+        (mirrored([(0.110, 0.105), (0.080, 0.135), (-0.185, 0.135), (-0.215, 0.105)]), (0.059, 0.234)),
+        (mirrored([(-0.135, 0.136), (-0.185, 0.130), (-0.225, 0.100), (-0.250, 0.052), (-0.258, 0)]), (0.184, 0.234)),
+        (mirrored([(0.168, 0), (0.160, 0.052), (0.136, 0.100), (0.096, 0.130), (0.046, 0.136)]), (0.184, 0.234)),
+        (box(-0.083, 0.083, 0.140, 0.177), (0, 0.165)),
+        (box(-0.083, 0.083, -0.177, -0.140), (0, 0.165)),
+        (box(-0.2475, -0.1825, -0.012, 0.012), (0, 0.065)),
+        (mirrored([(x * 0.219 - 0.045, y * 0.190) for x, y in lid]), (0.234, 0.240)),
+    ]
+    stretch, lift = LENGTH / 0.438, HEIGHT / 0.240
+    return [([((x + 0.045) * stretch + SHIFT, y) for x, y in points], (low * lift, high * lift))
+            for points, (low, high) in prisms]
+
+
+def laser_body(boxes):
+    x, y, top = LASER_SIZE[0] / 2, LASER_SIZE[1] / 2, HEIGHT + LASER_SIZE[2]
+    if boxes == 1:
+        return [(box(-x, x, -y, y), (HEIGHT, top))]
+    return [(box(-x, x, -y, y), (HEIGHT, 0.25)),          # base
+            (box(-x, -0.02, -y, y), (0.25, 0.37)),        # back
+            (box(-0.02, 0.055, -0.055, 0.055), (0.25, 0.37)),  # head
+            (box(-x, x, -y, y), (0.37, top))]             # top
+
+
+def write_world(path, title, blocks, laser):
+    def number(x):
+        return int(x) if x == int(x) else round(x, 5)
+
+    def line(indent, value):
+        return " " * indent + json.dumps(value)
+
+    bodies = ",\n".join(line(8, {"points_m": [[number(x), number(y)] for x, y in points],
+                                 "z_m": [number(z) for z in heights]}) for points, heights in blocks)
+    sonars = ",\n".join(line(10, {"pose": {"x_m": x, "y_m": y, "heading_deg": heading}, "range_max_m": SONAR_RANGE})
+                        for x, y, heading in SONARS)
+    sensors = f"""\
+        {{"name": "sonar", "kind": "ranger", "pose": {{"z_m": {SONAR_Z}}}, "transducers": [
+{sonars}
+        ]}}"""
+    if laser:
+        sensors += f""",
+        {{"name": "laser", "kind": "ranger", "pose": {{"z_m": {LASER_Z}}}, "transducers": [
+          {{"range_max_m": {LASER_RANGE}, "fov_deg": 180, "samples": 180}}
+        ]}}"""
+    with open(path, "w", newline="\n") as file:
+        file.write(f"""\
+{{
+  "troupe": 1,
+  "title": "{title}",
+  "quit_time_s": 60,
+  "floorplans": [
+    {{"name": "cave", "bitmap": "cave.png", "size_m": [{SIZE}, {SIZE}, 0.6], "color": "gray30",
+     "obstacle": true, "ranger_return": 0.5}}
+  ],
+  "types": {{
+    "pioneer": {{
+      "blocks": [
+{bodies}
+      ],
+      "drive": {{"kind": "diff", "velocity_min_x_mps": -0.5, "velocity_max_x_mps": 0.5,
+                "turn_min_degps": -90, "turn_max_degps": 90}},
+      "sensors": [
+{sensors}
+      ],
+      "controller": {{"kind": "expand_pioneer"}}
+    }}
+  }},
+  "populations": [
+    {{"name": "p", "type": "pioneer", "count": 100, "color": "random",
+     "place": {{"rule": "grid", "region_m": [[-7.2, -7.2], [7.4, -0.4]], "pitch_m": 0.66, "heading_deg": 0}}}}
+  ]
+}}
+""")
+
+
 if __name__ == "__main__":
     here = os.path.dirname(os.path.abspath(__file__))
     cave().write_png(os.path.join(here, "cave.png"))
+    for name, body, boxes in (("simple", simple_pioneer(), 1), ("complex", complex_pioneer(), 4)):
+        title = f"Pioneers of {'one prism' if name == 'simple' else 'seven prisms'} spread through a cave"
+        write_world(os.path.join(here, f"cave-{name}.json"), title, body, False)
+        write_world(os.path.join(here, f"cave-{name}-laser.json"), title + ", each with a laser",
+                    body + laser_body(boxes), True)
