@@ -60,7 +60,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "event_queue", no_effect, "Stage overwrites it"},
     {"model", "friction", no_effect, "Stage stores it and no more"},
     {"model", "map_resolution", no_effect, "Stage stores it and no more"},
-    {"model", "debug", no_effect, ""},
+    {"model", "debug", no_effect, "Stage prints a line"},
     {"model", "fiducial_return", unsupported, ""},
     {"model", "fiducial_key", unsupported, ""},
     {"model", "gripper_return", unsupported, ""},
