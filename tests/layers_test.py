@@ -52,6 +52,7 @@ THIRD_PARTY = [
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
     # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
     (r"(dlfcn|fcntl|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 
 # Standard headers that only some folders may include.
@@ -210,6 +211,7 @@ class PlantedFaults(unittest.TestCase):
             ("render/context.hpp", "#include <GL/gl.h>\n", "OpenGL is not for this file"),
             ("base/text.hpp", "#include <fmt/core.h>\n", "fmt is not for this file"),
             ("engine/boost.cpp", "#include <boost/any.hpp>\n", "<boost/any.hpp> is unknown"),
+            ("engine/tty.cpp", "#include <pty.h>\n", "<pty.h>: this C header is not for this file"),
             ("engine/loud.cpp", "#include <iostream>\n", "<iostream> prints"),
             ("engine/loud.cpp", 'void f() { std::printf("x"); }\n', "`printf` prints"),
             ("engine/loud.cpp", '/* x */ void f() { std::fputs("x", stderr); }\n', "engine/loud.cpp:1: `fputs` prints"),

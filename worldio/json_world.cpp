@@ -548,7 +548,11 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
                           Diagnostics& diagnostics) {
   const Where start{diagnostics.files()->add(file.string()), 0};
   std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
-  if (!document) return {};
+  if (!document) {
+    WorldSpec nothing;
+    nothing.files = diagnostics.files();
+    return nothing;
+  }
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
   return WorldReader(file, registry, diagnostics).read(*document, options.seed);
