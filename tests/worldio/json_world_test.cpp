@@ -600,12 +600,16 @@ TEST(JsonWorld, GridsSpillIntoTheNextFreeCells) {
   EXPECT_EQ(pose(2), (Pose{0, 0.5, 0, 0}));       // the last cell of the region
   EXPECT_EQ(pose(3), (Pose{-0.25, 0.25, 0, 0}));  // then the other's, column by column
   EXPECT_EQ(pose(4), (Pose{-0.25, 0.5, 0, 0}));   // whose second column is taken
-  EXPECT_THAT(Loaded(changed("\"count\": 4", "\"count\": 6", spilling)).found,
-              ElementsAre("maze.json:18: error: /populations/0/place: placed 5 of 6 bodies: the region has no more free "
-                          "cells (of 7)"));
-  EXPECT_THAT(Loaded(changed("[-0.25, 0.25], [0, 0.5]", "[0, 0.5], [-0.25, 0.25]", spilling)).found,
-              ElementsAre("maze.json:18: error: /populations/0/place/spill_m: the corners stand the wrong way round: give "
-                          "[[x_min, y_min], [x_max, y_max]]"));
+  EXPECT_THAT(
+      Loaded(changed("\"count\": 4", "\"count\": 6", spilling)).found,
+      ElementsAre(
+          "maze.json:18: error: /populations/0/place: placed 5 of 6 bodies: the region has no more free "
+          "cells (of 7)"));
+  EXPECT_THAT(
+      Loaded(changed("[-0.25, 0.25], [0, 0.5]", "[0, 0.5], [-0.25, 0.25]", spilling)).found,
+      ElementsAre(
+          "maze.json:18: error: /populations/0/place/spill_m: the corners stand the wrong way round: give "
+          "[[x_min, y_min], [x_max, y_max]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
