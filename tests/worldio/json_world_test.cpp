@@ -1,4 +1,4 @@
-#include "json_test_world.hpp"
+#include "tests/worldio/json_test_world.hpp"
 #include "worldio/json_types.hpp"
 
 #include <fmt/format.h>
