@@ -30,6 +30,11 @@ double cells_along(double length, double pitch) {
          1;  // 3 m at a pitch of 0.1 m are 31 cells, whatever rounding says
 }
 
+double box_cells(const Box& box, double pitch) {
+  if (box.empty()) return 0;
+  return cells_along(box.size().x(), pitch) * cells_along(box.size().y(), pitch);
+}
+
 }  // namespace
 
 partition::ObstacleShape obstacle_shape(const TypeSpec& type) {
@@ -129,8 +134,7 @@ std::vector<std::size_t> Crowd::overlapping(const partition::ObstacleShape& shap
 }
 
 double grid_cells(const PlacementRule& rule) {
-  const Vec2 size = rule.region.size();
-  return cells_along(size.x(), rule.pitch_m) * cells_along(size.y(), rule.pitch_m);
+  return box_cells(rule.region, rule.pitch_m) + box_cells(rule.spill, rule.pitch_m);
 }
 
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
@@ -140,13 +144,17 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   const bool grid = rule.kind == PlacementRule::Kind::grid;
   TROUPE_ASSERT(!grid || grid_cells(rule) < 4294967296.0);
   const auto cells = grid ? static_cast<std::uint64_t>(grid_cells(rule)) : 0;
-  const auto rows = grid ? static_cast<std::uint64_t>(cells_along(rule.region.size().y(), rule.pitch_m)) : 0;
+  const auto region_cells = grid ? static_cast<std::uint64_t>(box_cells(rule.region, rule.pitch_m)) : 0;
   const bool draws = !grid || rule.jitter_m > 0 || !rule.heading;
 
   // The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves nobody.
   const auto candidate = [&](std::uint64_t cell, std::uint32_t body, std::uint32_t trial) {
-    Pose pose{rule.region.min.x(), rule.region.min.y(), rule.z, rule.heading.value_or(0)};
+    const bool spilt = grid && cell >= region_cells;
+    const Box& box = spilt ? rule.spill : rule.region;
+    Pose pose{box.min.x(), box.min.y(), rule.z, rule.heading.value_or(0)};
     if (grid) {
+      const auto rows = static_cast<std::uint64_t>(cells_along(box.size().y(), rule.pitch_m));
+      if (spilt) cell -= region_cells;
       pose.x += rule.pitch_m * static_cast<double>(cell / rows);
       pose.y += rule.pitch_m * static_cast<double>(cell % rows);
     }

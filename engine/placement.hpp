@@ -71,6 +71,7 @@ struct PlacementRule {
   };
   Kind kind = Kind::grid;
   Box region;                     ///< of the bodies' origins, m
+  Box spill;                      ///< grid: filled, cell by cell as well, once the region's cells are used up
   double pitch_m = 1;             ///< grid: between neighbouring cells
   double jitter_m = 0;            ///< grid: each coordinate is moved by up to this much
   std::optional<double> heading;  ///< rad; not given: drawn from all directions

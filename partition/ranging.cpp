@@ -84,6 +84,29 @@ bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
 
 }  // namespace
 
+bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse) {
+  const std::size_t beams = fan.dx.size();
+  const float* __restrict dx = fan.dx.data();
+  const float* __restrict dy = fan.dy.data();
+  const float* __restrict ox = fan.ox.data();
+  const float* __restrict oy = fan.oy.data();
+  const float* __restrict met = inverse.data();
+  // Float errors grow with the distance; ten times their bound, and a little for the origin's neighbourhood.
+  const float r = radius * (1 + 1e-5f) + (std::abs(x) + std::abs(y)) * 2e-6f + 1e-6f;
+  int any = 0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float ex = x - ox[i];
+    const float ey = y - oy[i];
+    const float aside = std::abs(ex * dy[i] - ey * dx[i]);
+    const float along = ex * dx[i] + ey * dy[i];
+    int meets = aside <= r ? 1 : 0;
+    meets = along >= -r ? meets : 0;
+    meets = (along - r) * met[i] <= 1.0f ? meets : 0;
+    any |= meets;
+  }
+  return any != 0;
+}
+
 float inverse_range(const RayEdge& e, float dx, float dy, float ox, float oy) {
   const float ax = e.ax - ox;
   const float ay = e.ay - oy;

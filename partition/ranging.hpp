@@ -50,6 +50,10 @@ void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> in
 /// The same, and returns[i] becomes the ranger_return of the edge that is met; of two at one range, the larger.
 void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse, std::span<float> returns);
 
+/// False only when no beam of the fan can meet anything within the circle nearer than it has met something
+/// already: a cull of whole bodies, with a margin far above rounding.
+bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse);
+
 /// The inverse range of one beam and one edge: the formula itself, 0 where they do not meet. Infinity when the
 /// beam starts on the edge.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);

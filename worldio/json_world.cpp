@@ -316,19 +316,24 @@ PlacementRule WorldReader::read_rule(const JsonCursor& at) {
   const bool known = kind.given();
   if (known && kind.text() == "uniform") rule.kind = PlacementRule::Kind::uniform;
 
-  const JsonNode* region = object.find("region_m");
-  if (region) {
-    const JsonCursor cursor(at, "region_m", *region);
+  const auto read_region = [&](std::string_view key, Box& box) {
+    const JsonNode* node = object.find(key);
+    if (!node) return false;
+    const JsonCursor cursor(at, key, *node);
     const std::vector<Vec2> corners = read_points(cursor, 2, 2);
     if (!corners.empty() && (corners[0].x() > corners[1].x() || corners[0].y() > corners[1].y()))
       cursor.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
-    for (const Vec2& corner : corners) rule.region.extend(corner);
-  } else if (spec_.bounds) {
-    rule.region = *spec_.bounds;
-  } else {
-    object.missing("region_m", "[[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill");
+    for (const Vec2& corner : corners) box.extend(corner);
+    return true;
+  };
+  if (!read_region("region_m", rule.region)) {
+    if (spec_.bounds)
+      rule.region = *spec_.bounds;
+    else
+      object.missing("region_m", "[[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill");
   }
   if (rule.kind == PlacementRule::Kind::grid && known) {
+    read_region("spill_m", rule.spill);
     const engine::FieldTable grid{{
         {.name = "pitch",
          .unit = Unit::meters,
@@ -543,7 +548,11 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
                           Diagnostics& diagnostics) {
   const Where start{diagnostics.files()->add(file.string()), 0};
   std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
-  if (!document) return {};
+  if (!document) {
+    WorldSpec nothing;
+    nothing.files = diagnostics.files();
+    return nothing;
+  }
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
   return WorldReader(file, registry, diagnostics).read(*document, options.seed);

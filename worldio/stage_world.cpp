@@ -5,6 +5,7 @@
 #include "worldio/stage_lint.hpp"
 #include "worldio/stage_models.hpp"
 #include "worldio/stage_parser.hpp"
+#include "worldio/stage_properties.hpp"
 #include "worldio/stage_values.hpp"
 
 #include "base/random.hpp"
@@ -25,7 +26,6 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-constexpr double k_world_limit = 100e3;  // m either way from the origin, as the engine bounds the world
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
 constexpr std::size_t k_deepest_nesting = 200;
 
@@ -160,6 +160,7 @@ class StageWorld {
     std::vector<std::string> global_parts;   ///< names of parts with names of their own
     std::vector<const StageEntity*> inside;  ///< the bodies of macros and entities around the present one
     std::size_t entities = 0;
+    Where where;  ///< of the top-level model
     bool broken = false;
   };
 
@@ -257,6 +258,7 @@ void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string&
   for (const StageProperty& property : entity.properties) {
     const std::string_view name = document_.key(property);
     if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
+    if (is_without_effect(name)) continue;
     add(name);
     if (property.tuple) add("[");
     for (const StageToken& value : document_.values(property)) add(value.text);
@@ -287,18 +289,12 @@ void StageWorld::add_body(const StageEntity& entity) {
   engine::BodySpec body{
       .name = generated, .type = prototype.type, .where = document_.token(entity.word).where()};
   if (own[k_name])
-    if (auto given = values_.text(*own[k_name])) {
+    if (auto given = values_.name(*own[k_name])) {
       if (given->starts_with('/')) given->remove_prefix(1);
       body.name = *given;
     }
   if (own[k_pose])
-    if (const auto pose = values_.pose(*own[k_pose])) {
-      body.pose_world_body = *pose;
-      if (std::max({std::abs(pose->x), std::abs(pose->y), std::abs(pose->z)}) > k_world_limit)
-        values_.error(values_.where(*own[k_pose]),
-                      fmt::format("\"{}\" lies outside the world, which ends {} km from its origin",
-                                  body.name, k_world_limit / 1000));
-    }
+    if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
   body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
   if (!prototype.usable) return;
 
@@ -328,7 +324,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   for (std::size_t i = 0; i < prototype.inherited.size(); ++i)
     prototype.inherited[i] = inherited.find(document_, k_own_keys[i]);
 
-  Draft draft;
+  Draft draft{.where = model->where};
   add_part(*model, Pose{}, engine::PartSpec{}, draft);
   if (draft.broken) return prototype;
   prototype.global_parts = std::move(draft.global_parts);
@@ -367,7 +363,7 @@ void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, e
   std::vector<std::pair<StageModel, const StageEntity*>> children;
   for (const StageModel::Child& child : model.children()) {
     if (++draft.entities > k_most_entities || draft.inside.size() >= k_deepest_nesting) {
-      values_.error(model.where,
+      values_.error(draft.where,
                     draft.entities > k_most_entities
                         ? fmt::format("its macros expand to more than {} entities", k_most_entities)
                         : fmt::format("its macros nest deeper than {}", k_deepest_nesting));
@@ -478,7 +474,7 @@ void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, e
     child_part.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
     bool is_global = has_own_name;
     if (const StageProperty* property = child.find(document_, "name"))
-      if (auto given = values_.text(*property)) {
+      if (auto given = values_.name(*property)) {
         child_part.alias = std::move(child_part.name);
         is_global = is_global || given->starts_with('/');
         child_part.name = given->starts_with('/') ? std::string(given->substr(1)) : below(*given);

@@ -9,7 +9,8 @@ import os
 
 HALF = 7.5      # inner half width of the yard, m
 WALL = 0.3
-PILLARS = ((-4.5, -4.5), (4.5, -4.5), (-4.5, 4.5), (4.5, 4.5), (0, 0), (-4.5, 0.6), (4.5, -0.6), (0.6, 4.5), (-0.6, -4.5))
+PILLARS = ((-4.5, -4.5), (4.5, -4.5), (-4.5, 4.5), (4.5, 4.5), (0, 0), (-4.5, 0.6), (4.5, -0.6), (0.6, 4.5),
+           (-0.6, -4.5))
 OCTAGON = ((0.35, 0.145), (0.145, 0.35), (-0.145, 0.35), (-0.35, 0.145),
            (-0.35, -0.145), (-0.145, -0.35), (0.145, -0.35), (0.35, -0.145))
 DODECAGON = ((0.2, 0), (0.173, 0.1), (0.1, 0.173), (0, 0.2), (-0.1, 0.173), (-0.173, 0.1),
@@ -45,7 +46,7 @@ def expand(speed, clearance, cone=60):
 
 def wander(cruise, min_front=0.5):
     return {"kind": "wander", "cruise_speed_mps": cruise, "avoid_speed_mps": 0.2, "avoid_turn_radps": 1.5,
-            "min_front_m": min_front, "stop_m": 0.1}
+            "min_front_m": min_front, "stop_m": 0.3}
 
 
 TYPES = {
@@ -53,28 +54,28 @@ TYPES = {
     "side_wall": {"size_m": [WALL, 2 * HALF, 0.5], "color": "gray30"},
     "pillar": {"blocks": [block(OCTAGON, 0, 0.5)], "color": "gray30"},
     "crumb": {"size_m": [0.12, 0.12, 0.15], "color": "gold", "drive": drive("diff", 2, 180),
-              "sensors": ring(0.1), "controller": expand(2, 0.15)},
+              "sensors": ring(0.1), "controller": expand(2, 0.25)},
     "brick": {"size_m": [0.3, 0.2, 0.2], "color": "red", "drive": drive("diff", 1, 120),
-              "sensors": ring(0.1), "controller": expand(0.6, 0.25)},
+              "sensors": ring(0.1), "controller": expand(0.6, 0.35, 40)},
     "plank": {"size_m": [0.75, 0.1, 0.25], "color": "wheat", "drive": drive("diff", 1, 180),
-              "sensors": ring(0.2, 12), "controller": expand(0.8, 0.45, 90)},
+              "sensors": ring(0.2, 12), "controller": expand(0.8, 0.7, 45)},
     "ell": {"blocks": [box(-0.2, -0.2, 0.2, -0.05, 0, 0.2), box(-0.2, -0.05, -0.05, 0.25, 0, 0.3)], "color": "orange",
-            "drive": drive("diff", 1, 90), "sensors": ring(0.1), "controller": expand(0.7, 0.3)},
+            "drive": drive("diff", 1, 90), "sensors": ring(0.1), "controller": expand(0.7, 0.5, 40)},
     "plus": {"blocks": [box(-0.25, -0.07, 0.25, 0.07, 0, 0.2), box(-0.07, -0.25, 0.07, 0.25, 0, 0.2)], "color": "green",
              "drive": drive("omni", 1.5, 120), "sensors": scanner(0.15, 12, 270, 2), "controller": wander(1.2)},
     "disc": {"blocks": [block(DODECAGON, 0, 0.2)], "color": "cyan", "drive": drive("omni", 1, 90),
-             "sensors": ring(0.1), "controller": expand(0.9, 0.3)},
+             "sensors": ring(0.1), "controller": expand(0.9, 0.4)},
     "cart": {"size_m": [0.45, 0.25, 0.25], "color": "violet", "drive": drive("car", 2, 120, wheelbase_m=0.3),
              "sensors": scanner(0.2, 24, 180, 2.5), "controller": wander(2, 0.7)},
     "crawler": {"size_m": [0.25, 0.18, 0.08], "color": "blue", "drive": drive("diff", 1.5, 180),
-                "sensors": ring(0.05), "controller": expand(1.5, 0.2)},
+                "sensors": ring(0.05), "controller": expand(1.5, 0.35)},
     "canopy": {"blocks": [block([(2.5 * x, 2.5 * y) for x, y in DODECAGON[::2]], 0.32, 0.4),
                           box(-0.06, -0.06, 0.06, 0.06, 0, 0.32)],
                "color": "magenta", "drive": drive("diff", 0.5, 60), "sensors": ring(0.36, 8, 2),
                "controller": expand(0.4, 0.6)},
 }
-COUNTS = (("canopy", 12), ("plank", 60), ("cart", 45), ("plus", 50), ("ell", 55), ("disc", 50), ("brick", 70),
-          ("crawler", 60), ("crumb", 100))
+COUNTS = (("canopy", 12), ("plank", 35), ("cart", 35), ("plus", 40), ("ell", 35), ("disc", 45), ("brick", 60),
+          ("crawler", 50), ("crumb", 88))
 
 
 def models():

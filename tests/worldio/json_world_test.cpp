@@ -1,5 +1,5 @@
-#include "tests/worldio/json_test_world.hpp"
 #include "worldio/json_types.hpp"
+#include "tests/worldio/json_test_world.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -121,7 +121,8 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
-  const Loaded loaded(R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "exact",
+  const Loaded loaded(
+      R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "exact",
     "seed": 18446744073709551615,
     "types": {"t": {"size_m": [1, 2, 3], "color": [0.5, 0.25, 0, 0.75], "obstacle": false, "ranger_return": -1,
       "drive": {"kind": "car", "wheelbase_cm": 50, "period_ms": 200},
@@ -164,7 +165,8 @@ TEST(JsonWorld, BlocksAreTakenAsTheyAre) {
   ASSERT_THAT(loaded.found, IsEmpty());
   const engine::PartSpec& part = loaded.spec.types[1].parts[0];
   ASSERT_EQ(part.solids.size(), 2u);
-  EXPECT_EQ(part.solids[0], (Solid{{{{1, 0}, {1, 2}, {0, 2}, {0, 0}}}, {0.5, 1}}));  // turned counter-clockwise
+  EXPECT_EQ(part.solids[0],
+            (Solid{{{{1, 0}, {1, 2}, {0, 2}, {0, 0}}}, {0.5, 1}}));  // turned counter-clockwise
   EXPECT_EQ(part.solids[1].z.max, 0.2);
   EXPECT_EQ(part.size, Eigen::Vector3d(2, 2, 1.1));
 }
@@ -222,108 +224,243 @@ TEST_P(JsonWorldError, SaysWhatAndWhere) {
   EXPECT_THAT(Loaded(changed(GetParam().from, GetParam().to)).found, ElementsAre(GetParam().message));
 }
 
-INSTANTIATE_TEST_SUITE_P(TopLevel, JsonWorldError, testing::Values(
-  Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": the version of the format, 1)"},
-  Wrong{R"("troupe": 1)", R"("troupe": 2)", "maze.json:2: error: /troupe: format version 2 is not known: this version reads 1"},
-  Wrong{R"("troupe": 1)", R"("troupe": "1")", R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
-  Wrong{R"("seed": 7)", R"("sede": 7)", R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
-  Wrong{R"("seed": 7)", R"("seed": -7)", "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
-  Wrong{R"("seed": 7)", R"("seed": 7.5)", "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.5"},
-  Wrong{R"("seed": 7)", R"("title": 7)", "maze.json:3: error: /title: expected the world's title, found the number 7"},
-  Wrong{R"("seed": 7)", R"("tick_s": 0)", "maze.json:3: error: /tick_s: must be above 0 and at most 3600 s, found 0"},
-  Wrong{R"("seed": 7)", R"("tick_ms": 4e6)", "maze.json:3: error: /tick_ms: must be above 0 and at most 3600000 ms, found 4000000"},
-  Wrong{R"("seed": 7)", R"("tick": 0.1)", R"(maze.json:3: error: "tick" needs its unit: write "tick_s" or "tick_ms")"},
-  Wrong{R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)", R"(maze.json:3: error: /tick_ms: said twice: give only one of "tick_s" or "tick_ms")"},
-  Wrong{R"("seed": 7)", R"("tick_s": "fast")", R"(maze.json:3: error: /tick_s: expected a number in s, found the text "fast")"},
-  Wrong{R"("seed": 7)", R"("quit_time_s": -1)", "maze.json:3: error: /quit_time_s: must be above 0 and at most 1000000000 s, found -1"},
-  Wrong{R"("seed": 7)", R"("ranging": "exakt")", R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact (did you mean "exact"?))"},
-  Wrong{R"("seed": 7)", R"("floorplans": {})", "maze.json:3: error: /floorplans: expected a list, found an object"}));
+INSTANTIATE_TEST_SUITE_P(
+    TopLevel, JsonWorldError,
+    testing::Values(
+        Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": the version of the format, 1)"},
+        Wrong{R"("troupe": 1)", R"("troupe": 2)",
+              "maze.json:2: error: /troupe: format version 2 is not known: this version reads 1"},
+        Wrong{R"("troupe": 1)", R"("troupe": "1")",
+              R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
+        Wrong{
+            R"("seed": 7)", R"("sede": 7)",
+            R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
+        Wrong{R"("seed": 7)", R"("seed": -7)",
+              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
+        Wrong{R"("seed": 7)", R"("seed": 7.5)",
+              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.5"},
+        Wrong{R"("seed": 7)", R"("title": 7)",
+              "maze.json:3: error: /title: expected the world's title, found the number 7"},
+        Wrong{R"("seed": 7)", R"("tick_s": 0)",
+              "maze.json:3: error: /tick_s: must be above 0 and at most 3600 s, found 0"},
+        Wrong{R"("seed": 7)", R"("tick_ms": 4e6)",
+              "maze.json:3: error: /tick_ms: must be above 0 and at most 3600000 ms, found 4000000"},
+        Wrong{R"("seed": 7)", R"("tick": 0.1)",
+              R"(maze.json:3: error: "tick" needs its unit: write "tick_s" or "tick_ms")"},
+        Wrong{R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)",
+              R"(maze.json:3: error: /tick_ms: said twice: give only one of "tick_s" or "tick_ms")"},
+        Wrong{R"("seed": 7)", R"("tick_s": "fast")",
+              R"(maze.json:3: error: /tick_s: expected a number in s, found the text "fast")"},
+        Wrong{R"("seed": 7)", R"("quit_time_s": -1)",
+              "maze.json:3: error: /quit_time_s: must be above 0 and at most 1000000000 s, found -1"},
+        Wrong{
+            R"("seed": 7)", R"("ranging": "exakt")",
+            R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact (did you mean "exact"?))"},
+        Wrong{R"("seed": 7)", R"("floorplans": {})",
+              "maze.json:3: error: /floorplans: expected a list, found an object"}));
 
-INSTANTIATE_TEST_SUITE_P(Types, JsonWorldError, testing::Values(
-  Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})", R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box) or "blocks")"},
-  Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)", "maze.json:11: error: /types/crate: expected an object, found the number 3"},
-  Wrong{"[1, 1, 1]", "[1, 0, 1]", "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found 0"},
-  Wrong{"[1, 1, 1]", "[1, -1, 1]", "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found -1"},
-  Wrong{"[1, 1, 1]", "[1, 1]", "maze.json:11: error: /types/crate/size_m: expected a list of 3 numbers in m, found a list of 2"},
-  Wrong{"[1, 1, 1]", "[1, null, 1]", "maze.json:11: error: /types/crate/size_m/1: expected a number in m, found null"},
-  Wrong{R"({"size_m": [1, 1, 1]})", R"({"size": [1, 1, 1]})", R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")", R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blocks, color, controller, controllers, drive, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")", R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 2, 0])", "maze.json:11: error: /types/crate/color/1: must be from 0 to 1, found 2"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 1])", "maze.json:11: error: /types/crate/color: expected a color: an X11 name, [r, g, b] or [r, g, b, a], found a list of 2"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "obstacle": 1)", "maze.json:11: error: /types/crate/obstacle: expected true or false, found the number 1"},
-  Wrong{R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})", R"(maze.json:11: error: /types/crate: a controller needs a "drive" to command)"},
-  Wrong{R"("kind": "diff")", R"("kind": "hover")", R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "hover"; known: car, diff, omni)"},
-  Wrong{R"("kind": "diff")", R"("kind": "onmi")", R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "onmi"; known: car, diff, omni (did you mean "omni"?))"},
-  Wrong{R"("kind": "diff")", R"("kind": "car")", R"(maze.json:7: error: /types/minibot/drive: missing "wheelbase_m", "wheelbase_cm" or "wheelbase_mm": between the axles)"},
-  Wrong{R"("kind": "diff", )", "", R"(maze.json:7: error: /types/minibot/drive: missing "kind": one of car, diff, omni)"},
-  Wrong{R"("speed_max_mps": 0.5)", R"("speed_max_mps": -0.5)", "maze.json:7: error: /types/minibot/drive/speed_max_mps: must be at least 0 m/s, found -0.5"},
-  Wrong{R"("kind": "ranger")", R"("kind": 4)", "maze.json:8: error: /types/minibot/sensors/0/kind: expected the name of a sensor, found the number 4"},
-  Wrong{R"(, "transducers": [{"range_max_m": 2}])", "", R"(maze.json:8: error: /types/minibot/sensors/0: missing "transducers": fans of beams)"},
-  Wrong{R"("range_max_m": 2)", R"("fov_deg": 361)", "maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: must be from 0 to 360 deg, found 361"},
-  Wrong{R"("range_max_m": 2)", R"("fov": 1)", R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0: "fov" needs its unit: write "fov_rad" or "fov_deg")"},
-  Wrong{R"("range_max_m": 2)", R"("fov_deg": 1, "fov_rad": 1)", R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: said twice: give only one of "fov_rad" or "fov_deg")"},
-  Wrong{R"("range_max_m": 2)", R"("samples": 2.5)", "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: expected a whole number, found the number 2.5"},
-  Wrong{R"("range_max_m": 2)", R"("samples": 0)", "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, found 0"},
-  Wrong{R"("range_max_m": 2)", R"("samples": 18446744073709551615)", "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, found 18446744073709551615"},
-  Wrong{R"("range_max_m": 2)", R"("pose": {"x_m": 1e6})", "maze.json:8: error: /types/minibot/sensors/0/transducers/0/pose/x_m: must be from -100000 to 100000 m, found 1000000"},
-  Wrong{R"("transducers")", R"("name": "ir"}, {"name": "x", "kind": "ranger", "period_s": -1, "transducers")", R"(maze.json:8: error: the key "name" already stands on line 8)"},
-  Wrong{R"({"name": "ir", "kind": "ranger", )", R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )", R"(maze.json:8: error: /types/minibot/sensors/1/name: the type has a sensor "ir" already)"},
-  Wrong{R"("kind": "expand_swarm")", R"("kind": "expand_sworm")", R"(maze.json:9: error: /types/minibot/controller/kind: unknown controller "expand_sworm"; known: expand, expand_swarm (did you mean "expand_swarm"?))"},
-  Wrong{R"("kind": "expand_swarm")", R"("kind": "expand", "law": "fat")", R"(maze.json:9: error: /types/minibot/controller/law: unknown law "fat"; known: far, near (did you mean "far"?))"},
-  Wrong{R"("kind": "expand_swarm")", R"("kind": "expand", "law": 1)", "maze.json:9: error: /types/minibot/controller/law: expected one of near, far, found the number 1"},
-  Wrong{R"("kind": "expand_swarm"})", R"("kind": "expand_swarm"}, "controllers": [])", R"(maze.json:9: error: /types/minibot: give "controller" or "controllers", not both)"}));
+INSTANTIATE_TEST_SUITE_P(
+    Types, JsonWorldError,
+    testing::Values(
+        Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
+              R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box) or "blocks")"},
+        Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
+              "maze.json:11: error: /types/crate: expected an object, found the number 3"},
+        Wrong{"[1, 1, 1]", "[1, 0, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found 0"},
+        Wrong{"[1, 1, 1]", "[1, -1, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found -1"},
+        Wrong{
+            "[1, 1, 1]", "[1, 1]",
+            "maze.json:11: error: /types/crate/size_m: expected a list of 3 numbers in m, found a list of 2"},
+        Wrong{"[1, 1, 1]", "[1, null, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: expected a number in m, found null"},
+        Wrong{
+            R"({"size_m": [1, 1, 1]})", R"({"size": [1, 1, 1]})",
+            R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
+        Wrong{
+            R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blocks, color, controller, controllers, drive, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+        Wrong{
+            R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
+            R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 2, 0])",
+              "maze.json:11: error: /types/crate/color/1: must be from 0 to 1, found 2"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 1])",
+              "maze.json:11: error: /types/crate/color: expected a color: an X11 name, [r, g, b] or [r, g, "
+              "b, a], found a list of 2"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "obstacle": 1)",
+              "maze.json:11: error: /types/crate/obstacle: expected true or false, found the number 1"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})",
+              R"(maze.json:11: error: /types/crate: a controller needs a "drive" to command)"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "hover")",
+            R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "hover"; known: car, diff, omni)"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "onmi")",
+            R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "onmi"; known: car, diff, omni (did you mean "omni"?))"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "car")",
+            R"(maze.json:7: error: /types/minibot/drive: missing "wheelbase_m", "wheelbase_cm" or "wheelbase_mm": between the axles)"},
+        Wrong{R"("kind": "diff", )", "",
+              R"(maze.json:7: error: /types/minibot/drive: missing "kind": one of car, diff, omni)"},
+        Wrong{R"("speed_max_mps": 0.5)", R"("speed_max_mps": -0.5)",
+              "maze.json:7: error: /types/minibot/drive/speed_max_mps: must be at least 0 m/s, found -0.5"},
+        Wrong{R"("kind": "ranger")", R"("kind": 4)",
+              "maze.json:8: error: /types/minibot/sensors/0/kind: expected the name of a sensor, found the "
+              "number 4"},
+        Wrong{R"(, "transducers": [{"range_max_m": 2}])", "",
+              R"(maze.json:8: error: /types/minibot/sensors/0: missing "transducers": fans of beams)"},
+        Wrong{R"("range_max_m": 2)", R"("fov_deg": 361)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: must be from 0 to 360 "
+              "deg, found 361"},
+        Wrong{
+            R"("range_max_m": 2)", R"("fov": 1)",
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0: "fov" needs its unit: write "fov_rad" or "fov_deg")"},
+        Wrong{
+            R"("range_max_m": 2)", R"("fov_deg": 1, "fov_rad": 1)",
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: said twice: give only one of "fov_rad" or "fov_deg")"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 2.5)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: expected a whole number, "
+              "found the number 2.5"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 0)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, "
+              "found 0"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 18446744073709551615)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, "
+              "found 18446744073709551615"},
+        Wrong{R"("range_max_m": 2)", R"("pose": {"x_m": 1e6})",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/pose/x_m: must be from -100000 to "
+              "100000 m, found 1000000"},
+        Wrong{R"("transducers")",
+              R"("name": "ir"}, {"name": "x", "kind": "ranger", "period_s": -1, "transducers")",
+              R"(maze.json:8: error: the key "name" already stands on line 8)"},
+        Wrong{R"({"name": "ir", "kind": "ranger", )",
+              R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )",
+              R"(maze.json:8: error: /types/minibot/sensors/1/name: the type has a sensor "ir" already)"},
+        Wrong{
+            R"("kind": "expand_swarm")", R"("kind": "expand_sworm")",
+            R"(maze.json:9: error: /types/minibot/controller/kind: unknown controller "expand_sworm"; known: expand, expand_swarm (did you mean "expand_swarm"?))"},
+        Wrong{
+            R"("kind": "expand_swarm")", R"("kind": "expand", "law": "fat")",
+            R"(maze.json:9: error: /types/minibot/controller/law: unknown law "fat"; known: far, near (did you mean "far"?))"},
+        Wrong{R"("kind": "expand_swarm")", R"("kind": "expand", "law": 1)",
+              "maze.json:9: error: /types/minibot/controller/law: expected one of near, far, found the "
+              "number 1"},
+        Wrong{R"("kind": "expand_swarm"})", R"("kind": "expand_swarm"}, "controllers": [])",
+              R"(maze.json:9: error: /types/minibot: give "controller" or "controllers", not both)"}));
 
-INSTANTIATE_TEST_SUITE_P(Blocks, JsonWorldError, testing::Values(
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0]], "z_m": [0, 1]}])", "maze.json:11: error: /types/crate/blocks/0/points_m: expected 3 to 1000 points, found 2"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1, 1]], "z_m": [0, 1]}])", "maze.json:11: error: /types/crate/blocks/0/points_m/2: expected a list of 2 numbers in m, found a list of 3"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])", R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights between which the block stands, [min, max])"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"z_m": [0, 1]}])", R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])", R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must rise from min to max, found 1 and 1)"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])", "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
-  Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 1], [1, 0], [0, 1]], "z_m": [0, 1]}])", "maze.json:11: error: /types/crate/blocks/0/points_m: the outline crosses or touches itself: the edges from points 0 and 2"}));
+INSTANTIATE_TEST_SUITE_P(
+    Blocks, JsonWorldError,
+    testing::Values(
+        Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: expected 3 to 1000 points, found 2"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1, 1]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m/2: expected a list of 2 numbers in m, "
+              "found a list of 3"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights between which the block stands, [min, max])"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"z_m": [0, 1]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must rise from min to max, found 1 and 1)"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 1], [1, 0], [0, 1]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline crosses or touches itself: "
+              "the edges from points 0 and 2"}));
 
-INSTANTIATE_TEST_SUITE_P(Bodies, JsonWorldError, testing::Values(
-  Wrong{R"("name": "c0", )", "", R"(maze.json:14: error: /models/0: missing "name": the model's name)"},
-  Wrong{R"("name": "c0")", R"("name": "")", R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
-  Wrong{R"("name": "c0")", R"("name": "r2")", R"(maze.json:17: error: the name "r2" is taken by the body of line 14)"},
-  Wrong{R"("name": "c0")", R"("name": "_ground_model")", R"(maze.json:14: error: the name "_ground_model" is taken)"},
-  Wrong{R"("type": "crate", )", "", R"(maze.json:14: error: /models/0: missing "type": the name of one of /types)"},
-  Wrong{R"("type": "crate")", R"("type": "create")", R"(maze.json:14: error: /models/0/type: unknown type "create"; known: crate, minibot (did you mean "crate"?))"},
-  Wrong{R"("x_m": 5)", R"("x": 5)", R"(maze.json:14: error: /models/0/pose: "x" needs its unit: write "x_m", "x_cm" or "x_mm")"},
-  Wrong{R"("x_m": 5)", R"("heading_deg": 5000)", "maze.json:14: error: /models/0/pose/heading_deg: must be from -3600 to 3600 deg, found 5000"},
-  Wrong{R"({"x_m": 5, "y_m": 5})", "[5, 5]", "maze.json:14: error: /models/0/pose: expected an object, found a list of 2"},
-  Wrong{R"("y_m": 5}})", R"("y_m": 5}},
-    {"name": "c1", "type": "crate", "pose": {"x_m": 5.5, "y_m": 5.5}})", R"(maze.json:15: error: /models/1: "c1" overlaps "c0" at the start)"},
-  Wrong{R"("count": 4)", R"("count": -4)", "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found -4"},
-  Wrong{R"("count": 4)", R"("count": 20000000)", "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found 20000000"},
-  Wrong{R"("count": 4)", R"("count": 10000000)", "maze.json:17: error: the world would hold 10000002 bodies; at most 10000000 are allowed"},
-  Wrong{R"("count": 4,)", "", R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
-  Wrong{R"("count": 4)", R"("count": 26)", "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more free cells (of 25)"},
-  Wrong{R"("rule": "grid", )", "", R"(maze.json:18: error: /populations/0/place: missing "rule": grid or uniform)"},
-  Wrong{R"("rule": "grid")", R"("rule": "gird")", R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: grid, uniform (did you mean "grid"?))"},
-  Wrong{R"("rule": "grid")", R"("rule": "uniform")", R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, region_m, rule, z_cm, z_m, z_mm)"},
-  Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)", R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])", "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 draws found no free place for the next"},
-  Wrong{R"("region_m": [[0, 0], [1, 1]], )", "", R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill)"},
-  Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]", "maze.json:18: error: /populations/0/place/region_m: the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]"},
-  Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]", "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
-  Wrong{R"(, "pitch_m": 0.25)", "", R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbours)"},
-  Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0)", "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, found 0"},
-  Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)", "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most 100000000 are looked at"},
-  Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)", R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},
-  Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": 3)", R"(maze.json:18: error: /populations/0/place: "heading" needs its unit: write "heading_rad" or "heading_deg")"}));
+INSTANTIATE_TEST_SUITE_P(
+    Bodies, JsonWorldError,
+    testing::Values(
+        Wrong{R"("name": "c0", )", "", R"(maze.json:14: error: /models/0: missing "name": the model's name)"},
+        Wrong{R"("name": "c0")", R"("name": "")",
+              R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
+        Wrong{R"("name": "c0")", R"("name": "r2")",
+              R"(maze.json:17: error: the name "r2" is taken by the body of line 14)"},
+        Wrong{R"("name": "c0")", R"("name": "_ground_model")",
+              R"(maze.json:14: error: the name "_ground_model" is taken)"},
+        Wrong{R"("type": "crate", )", "",
+              R"(maze.json:14: error: /models/0: missing "type": the name of one of /types)"},
+        Wrong{
+            R"("type": "crate")", R"("type": "create")",
+            R"(maze.json:14: error: /models/0/type: unknown type "create"; known: crate, minibot (did you mean "crate"?))"},
+        Wrong{R"("x_m": 5)", R"("x": 5)",
+              R"(maze.json:14: error: /models/0/pose: "x" needs its unit: write "x_m", "x_cm" or "x_mm")"},
+        Wrong{R"("x_m": 5)", R"("heading_deg": 5000)",
+              "maze.json:14: error: /models/0/pose/heading_deg: must be from -3600 to 3600 deg, found 5000"},
+        Wrong{R"({"x_m": 5, "y_m": 5})", "[5, 5]",
+              "maze.json:14: error: /models/0/pose: expected an object, found a list of 2"},
+        Wrong{R"("y_m": 5}})", R"("y_m": 5}},
+    {"name": "c1", "type": "crate", "pose": {"x_m": 5.5, "y_m": 5.5}})",
+              R"(maze.json:15: error: /models/1: "c1" overlaps "c0" at the start)"},
+        Wrong{R"("count": 4)", R"("count": -4)",
+              "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found -4"},
+        Wrong{R"("count": 4)", R"("count": 20000000)",
+              "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found 20000000"},
+        Wrong{R"("count": 4)", R"("count": 10000000)",
+              "maze.json:17: error: the world would hold 10000002 bodies; at most 10000000 are allowed"},
+        Wrong{R"("count": 4,)", "",
+              R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
+        Wrong{R"("count": 4)", R"("count": 26)",
+              "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
+              "free cells (of 25)"},
+        Wrong{R"("rule": "grid", )", "",
+              R"(maze.json:18: error: /populations/0/place: missing "rule": grid or uniform)"},
+        Wrong{
+            R"("rule": "grid")", R"("rule": "gird")",
+            R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: grid, uniform (did you mean "grid"?))"},
+        Wrong{
+            R"("rule": "grid")", R"("rule": "uniform")",
+            R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, region_m, rule, z_cm, z_m, z_mm)"},
+        Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
+              R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
+              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 draws found no free "
+              "place for the next"},
+        Wrong{
+            R"("region_m": [[0, 0], [1, 1]], )", "",
+            R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill)"},
+        Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
+              "maze.json:18: error: /populations/0/place/region_m: the corners stand the wrong way round: "
+              "give [[x_min, y_min], [x_max, y_max]]"},
+        Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]",
+              "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
+        Wrong{
+            R"(, "pitch_m": 0.25)", "",
+            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbours)"},
+        Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0)",
+              "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
+              "found 0"},
+        Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
+              "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most "
+              "100000000 are looked at"},
+        Wrong{
+            R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
+            R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},
+        Wrong{
+            R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": 3)",
+            R"(maze.json:18: error: /populations/0/place: "heading" needs its unit: write "heading_rad" or "heading_deg")"}));
 
 TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
-  EXPECT_THAT(Loaded("{\n\"troupe\": 3,\n\"types\": {\n\"a\": {\"size_m\": 1, \"drive\": {\"kind\": \"x\"}}},\n\"record\": {},\n"
-                     "\"models\": [{\"name\": \"m\", \"type\": \"b\"}, 4]}")
-                  .found,
-              ElementsAre("maze.json:2: error: /troupe: format version 3 is not known: this version reads 1",
-                          "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
-                          "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
-                          "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
-                          "maze.json:6: error: /models/1: expected an object, found the number 4",
-                          "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
-                          "quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types"));
+  EXPECT_THAT(
+      Loaded("{\n\"troupe\": 3,\n\"types\": {\n\"a\": {\"size_m\": 1, \"drive\": {\"kind\": "
+             "\"x\"}}},\n\"record\": {},\n"
+             "\"models\": [{\"name\": \"m\", \"type\": \"b\"}, 4]}")
+          .found,
+      ElementsAre(
+          "maze.json:2: error: /troupe: format version 3 is not known: this version reads 1",
+          "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
+          "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
+          "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
+          "maze.json:6: error: /models/1: expected an object, found the number 4",
+          "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
+          "quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 
@@ -331,23 +468,30 @@ TEST(JsonWorld, FloorPlanErrors) {
   const auto file = write_picture("white.pgm", {"..", ".."});
   write_picture("dark.pgm", {"##", "#."});
   const auto wrong = [&](const std::string& plan) {
-    const Loaded loaded("{\"troupe\": 1, \"types\": {\"t\": {\"size_m\": [1, 1, 1], \"drive\": {\"kind\": \"diff\"}}},\n"
-                        "\"floorplans\": [" + plan + "],\n"
-                        "\"models\": [{\"name\": \"m\", \"type\": \"t\"}]}", {}, file);
+    const Loaded loaded(
+        "{\"troupe\": 1, \"types\": {\"t\": {\"size_m\": [1, 1, 1], \"drive\": {\"kind\": \"diff\"}}},\n"
+        "\"floorplans\": [" +
+            plan +
+            "],\n"
+            "\"models\": [{\"name\": \"m\", \"type\": \"t\"}]}",
+        {}, file);
     std::string text;
     for (const std::string& line : loaded.found) text += (text.empty() ? "" : "\n") + line;
     for (std::size_t at; (at = text.find(file.parent_path().string() + "/")) != std::string::npos;)
       text.erase(at, file.parent_path().string().size() + 1);
     return text;
   };
-  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
-            "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel: nothing of it is solid");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
+      "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel: nothing of it is solid");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm"})"),
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
-  EXPECT_EQ(wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
-            R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, relative to the world file)");
-  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
-            R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
+      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, relative to the world file)");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
+      R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");
   EXPECT_THAT(wrong(R"({"name": "a", "bitmap": "none.pgm", "size_m": [4, 4, 1]})"),
               testing::AllOf(testing::StartsWith("maze.json:2: error: "), testing::HasSubstr("none.pgm")));
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
@@ -360,9 +504,11 @@ TEST(JsonWorld, FloorPlanErrors) {
 TEST(JsonWorld, OutlineFaults) {
   EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}), "");  // need not be convex
   EXPECT_EQ(outline_fault({{0, 0}, {0, 0}, {2, 1}}), "point 1 repeats point 0");
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {0, 0}}), "the last point repeats the first: the outline is closed anyway");
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {0, 0}}),
+            "the last point repeats the first: the outline is closed anyway");
   EXPECT_EQ(outline_fault({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}), "the outline has no area");
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}), "the outline turns back on itself at point 3");
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}),
+            "the outline turns back on itself at point 3");
   EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}),  // a corner touches an edge
             "the outline crosses or touches itself: the edges from points 0 and 2");
 }
@@ -370,7 +516,8 @@ TEST(JsonWorld, OutlineFaults) {
 TEST(JsonWorld, SetAndSeed) {
   LoadOptions options;
   options.seed = 99;
-  options.set = {{"/populations/0/count", "6"}, {"/types/minibot/color", "blue"}, {"/populations/0/color", "random"}};
+  options.set = {
+      {"/populations/0/count", "6"}, {"/types/minibot/color", "blue"}, {"/populations/0/color", "random"}};
   const Loaded loaded(k_world, options);
   ASSERT_THAT(loaded.found, IsEmpty());
   EXPECT_EQ(loaded.spec.seed, 99u);
@@ -381,20 +528,25 @@ TEST(JsonWorld, SetAndSeed) {
   options.seed = 98;
   EXPECT_NE(c, Loaded(k_world, options).spec.bodies[3].color);
 
-  options.set = {{"/populations/0/count", "many"}, {"/populations/0/pitch_m", "1"}, {"/types/minibot/drive/kind", "fly"}};
-  EXPECT_THAT(Loaded(k_world, options).found,
-              ElementsAre("--set /types/minibot/drive/kind: error: /types/minibot/drive/kind: unknown drive \"fly\"; known: "
-                          "car, diff, omni",
-                          "--set /populations/0/count: error: /populations/0/count: expected a whole number, found the text "
-                          "\"many\"",
-                          "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
-                          "count, name, place, type"));
+  options.set = {{"/populations/0/count", "many"},
+                 {"/populations/0/pitch_m", "1"},
+                 {"/types/minibot/drive/kind", "fly"}};
+  EXPECT_THAT(
+      Loaded(k_world, options).found,
+      ElementsAre(
+          "--set /types/minibot/drive/kind: error: /types/minibot/drive/kind: unknown drive \"fly\"; known: "
+          "car, diff, omni",
+          "--set /populations/0/count: error: /populations/0/count: expected a whole number, found the text "
+          "\"many\"",
+          "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
+          "count, name, place, type"));
 }
 
 TEST(JsonWorld, RobotsSetAPopulation) {
-  const std::string two = changed("\"pitch_m\": 0.25}}",
-                                  "\"pitch_m\": 0.25}},\n{\"name\": \"s\", \"type\": \"crate\", \"count\": 1, \"place\": "
-                                  "{\"rule\": \"uniform\", \"region_m\": [[20, 20], [30, 30]]}}");
+  const std::string two =
+      changed("\"pitch_m\": 0.25}}",
+              "\"pitch_m\": 0.25}},\n{\"name\": \"s\", \"type\": \"crate\", \"count\": 1, \"place\": "
+              "{\"rule\": \"uniform\", \"region_m\": [[20, 20], [30, 30]]}}");
   const auto load = [](const std::string& text, std::vector<std::pair<std::string, std::size_t>> robots) {
     LoadOptions options;
     options.robots = std::move(robots);
@@ -404,22 +556,29 @@ TEST(JsonWorld, RobotsSetAPopulation) {
   EXPECT_EQ(load(changed("\"count\": 4,", ""), {{"", 9}}).spec.bodies.size(), 2u + 9);
   EXPECT_EQ(load(two, {{"s", 3}}).spec.bodies.size(), 2u + 4 + 3);
   EXPECT_EQ(load(two, {{"s", 3}, {"r", 0}}).spec.bodies.size(), 2u + 3);
-  EXPECT_THAT(load(two, {{"", 3}}).found,
-              ElementsAre("--robots 3: error: the world has 2 populations: say which, NAME=COUNT with NAME one of r, s"));
+  EXPECT_THAT(
+      load(two, {{"", 3}}).found,
+      ElementsAre(
+          "--robots 3: error: the world has 2 populations: say which, NAME=COUNT with NAME one of r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
   EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,
               ElementsAre("--robots 3: error: the world has no population whose size could be set"));
-  EXPECT_THAT(load(k_world, {{"r", ~std::size_t{0}}}).found,
-              ElementsAre("--robots r=18446744073709551615: error: /populations/0/count: must be from 0 to 10000000, found "
-                          "18446744073709551615"));
-  EXPECT_THAT(load(k_world, {{"", 100}}).found,
-              ElementsAre("maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no more free "
-                          "cells (of 25)"));
+  EXPECT_THAT(
+      load(k_world, {{"r", ~std::size_t{0}}}).found,
+      ElementsAre(
+          "--robots r=18446744073709551615: error: /populations/0/count: must be from 0 to 10000000, found "
+          "18446744073709551615"));
+  EXPECT_THAT(
+      load(k_world, {{"", 100}}).found,
+      ElementsAre(
+          "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no more free "
+          "cells (of 25)"));
 }
 
 TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
-  const Loaded loaded(R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}, "ghost": {"size_m": [1, 1, 1], "obstacle": false}},
+  const Loaded loaded(
+      R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}, "ghost": {"size_m": [1, 1, 1], "obstacle": false}},
     "models": [{"name": "m", "type": "t", "pose": {"y_m": 1}}],
     "populations": [
       {"name": "a", "type": "t", "count": 2, "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}},
@@ -430,6 +589,23 @@ TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
   EXPECT_EQ(loaded.spec.bodies[3].pose_world_body, (Pose{0, 2, 0, 0}));  // the model stands at (0, 1)
   EXPECT_EQ(loaded.spec.bodies[4].pose_world_body, (Pose{0, 3, 0, 0}));
   EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // no obstacle is in nobody's way
+}
+
+TEST(JsonWorld, GridsSpillIntoTheNextFreeCells) {
+  const std::string spilling =
+      changed("[[0, 0], [1, 1]]", "[[0, 0], [0, 0.5]], \"spill_m\": [[-0.25, 0.25], [0, 0.5]]");
+  const Loaded loaded(changed("\"count\": 4", "\"count\": 5", spilling));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const auto pose = [&](std::size_t robot) { return loaded.spec.bodies[2 + robot].pose_world_body; };
+  EXPECT_EQ(pose(2), (Pose{0, 0.5, 0, 0}));       // the last cell of the region
+  EXPECT_EQ(pose(3), (Pose{-0.25, 0.25, 0, 0}));  // then the other's, column by column
+  EXPECT_EQ(pose(4), (Pose{-0.25, 0.5, 0, 0}));   // whose second column is taken
+  EXPECT_THAT(Loaded(changed("\"count\": 4", "\"count\": 6", spilling)).found,
+              ElementsAre("maze.json:18: error: /populations/0/place: placed 5 of 6 bodies: the region has no more free "
+                          "cells (of 7)"));
+  EXPECT_THAT(Loaded(changed("[-0.25, 0.25], [0, 0.5]", "[0, 0.5], [-0.25, 0.25]", spilling)).found,
+              ElementsAre("maze.json:18: error: /populations/0/place/spill_m: the corners stand the wrong way round: give "
+                          "[[x_min, y_min], [x_max, y_max]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
@@ -446,14 +622,33 @@ TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
 }
 
 RC_GTEST_PROP(JsonWorldFuzz, MutatedWorldsNeverCrash, ()) {
-  static const char* const k_scraps[] = {"{", "}", "[", "]", ",", ":", "\"", "null", "-", "1e5", "0", "\n", "\\", "\"x\"",
-                                         "{}", "[]", "true", "\xff", "\"heading\": 1,", "9"};
+  static const char* const k_scraps[] = {"{",
+                                         "}",
+                                         "[",
+                                         "]",
+                                         ",",
+                                         ":",
+                                         "\"",
+                                         "null",
+                                         "-",
+                                         "1e5",
+                                         "0",
+                                         "\n",
+                                         "\\",
+                                         "\"x\"",
+                                         "{}",
+                                         "[]",
+                                         "true",
+                                         "\xff",
+                                         "\"heading\": 1,",
+                                         "9"};
   std::string text = k_world;
   const int edits = *rc::gen::inRange(1, 6);
   for (int i = 0; i < edits; ++i) {
     const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
     const auto gone = *rc::gen::inRange<std::size_t>(0, 12);
-    text.replace(at, gone, *rc::gen::elementOf(std::vector<std::string>(std::begin(k_scraps), std::end(k_scraps))));
+    text.replace(at, gone,
+                 *rc::gen::elementOf(std::vector<std::string>(std::begin(k_scraps), std::end(k_scraps))));
   }
   if (text.find("\"count\": 4,") == std::string::npos) return;  // a mutated count is legal, but may take long
   const Loaded loaded(text);
@@ -462,16 +657,51 @@ RC_GTEST_PROP(JsonWorldFuzz, MutatedWorldsNeverCrash, ()) {
 }
 
 RC_GTEST_PROP(JsonWorldFuzz, ValuesOfTheWrongKindNeverCrash, ()) {
-  static const std::vector<std::string> k_pointers{
-      "/troupe", "/seed", "/types", "/types/minibot", "/types/minibot/size_m", "/types/minibot/size_m/1", "/types/minibot/drive",
-      "/types/minibot/drive/kind", "/types/minibot/sensors", "/types/minibot/sensors/0", "/types/minibot/sensors/0/transducers",
-      "/types/minibot/sensors/0/transducers/0", "/types/minibot/controller", "/models", "/models/0", "/models/0/pose",
-      "/models/0/pose/x_m", "/populations", "/populations/0", "/populations/0/place", "/populations/0/place/region_m",
-      "/populations/0/place/region_m/1", "/populations/0/place/rule", "/populations/0/name", "/populations/0/color", "/floorplans",
-      "/types/crate/blocks", "/types/crate/color"};
-  static const std::vector<std::string> k_values{"null", "true", "-1", "0", "1e300", "18446744073709551615", "\"\"", "\"diff\"",
-                                                 "[]", "[[]]", "[[0,0],[1,1]]", "[1,2,3]", "{}", "{\"kind\": \"omni\"}", "[{}]",
-                                                 "{\"name\": 3, \"type\": []}", "text"};
+  static const std::vector<std::string> k_pointers{"/troupe",
+                                                   "/seed",
+                                                   "/types",
+                                                   "/types/minibot",
+                                                   "/types/minibot/size_m",
+                                                   "/types/minibot/size_m/1",
+                                                   "/types/minibot/drive",
+                                                   "/types/minibot/drive/kind",
+                                                   "/types/minibot/sensors",
+                                                   "/types/minibot/sensors/0",
+                                                   "/types/minibot/sensors/0/transducers",
+                                                   "/types/minibot/sensors/0/transducers/0",
+                                                   "/types/minibot/controller",
+                                                   "/models",
+                                                   "/models/0",
+                                                   "/models/0/pose",
+                                                   "/models/0/pose/x_m",
+                                                   "/populations",
+                                                   "/populations/0",
+                                                   "/populations/0/place",
+                                                   "/populations/0/place/region_m",
+                                                   "/populations/0/place/region_m/1",
+                                                   "/populations/0/place/rule",
+                                                   "/populations/0/name",
+                                                   "/populations/0/color",
+                                                   "/floorplans",
+                                                   "/types/crate/blocks",
+                                                   "/types/crate/color"};
+  static const std::vector<std::string> k_values{"null",
+                                                 "true",
+                                                 "-1",
+                                                 "0",
+                                                 "1e300",
+                                                 "18446744073709551615",
+                                                 "\"\"",
+                                                 "\"diff\"",
+                                                 "[]",
+                                                 "[[]]",
+                                                 "[[0,0],[1,1]]",
+                                                 "[1,2,3]",
+                                                 "{}",
+                                                 "{\"kind\": \"omni\"}",
+                                                 "[{}]",
+                                                 "{\"name\": 3, \"type\": []}",
+                                                 "text"};
   LoadOptions options;
   for (int i = *rc::gen::inRange(1, 5); i > 0; --i)
     options.set.emplace_back(*rc::gen::elementOf(k_pointers), *rc::gen::elementOf(k_values));
