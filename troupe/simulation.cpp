@@ -181,7 +181,7 @@ Model Simulation::find(std::string_view name) {
     return spec.types[spec.bodies[body.index()].type.index()].parts;
   };
   const auto place = [&](BodyId body, std::size_t part) {
-    return Model(std::make_shared<Model::Place>(&world, body, part, std::string(name)));
+    return Model(std::make_shared<Model::Place>(Model::Place{&world, body, part, std::string(name)}));
   };
   if (const BodyId body = world.find(name); body.valid()) return place(body, 0);
   if (const auto global = spec.part_aliases.find(std::string(name)); global != spec.part_aliases.end()) {
