@@ -14,12 +14,12 @@ constexpr double k_straight = 1e-9;
 /// Corners whose heights differ by less than this part of the solid's extent lie on one level.
 constexpr double k_level = 1e-12;
 
-/// True when the way a, b, c turns left or goes straight on at b.
+/// True when the way a, b, c turns left or goes straight on at b; false when it goes straight back.
 bool turns_left(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 in = b - a;
   const Vec2 out = c - b;
   const double turn = cross(in, out);
-  return turn >= 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
+  return turn > 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
 }
 
 /// Without vertices that repeat the one before.
@@ -252,18 +252,18 @@ bool is_convex(const Ring& ring) {
   const Ring corners = distinct(ring);
   const std::size_t n = corners.size();
   if (n < 3 || !(signed_area(corners) > 0)) return false;
-  // A ring that winds once goes right once and left once: its edges' directions, with up and down counted as
-  // right and left, change sides twice.
-  const auto goes_right = [&](std::size_t i) {
-    const Vec2 edge = corners[(i + 1) % n] - corners[i % n];
-    return edge.x() > 0 || (edge.x() == 0 && edge.y() > 0);
-  };
-  int changes = 0;
+  // Left turns all of them, a pentagram's too: the ring is convex when they add up to one full turn, not to
+  // more.
+  double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (!turns_left(corners[i], corners[(i + 1) % n], corners[(i + 2) % n])) return false;
-    changes += goes_right(i) != goes_right(i + 1);
+    const Vec2& corner = corners[(i + 1) % n];
+    const Vec2& next = corners[(i + 2) % n];
+    if (!turns_left(corners[i], corner, next)) return false;
+    const Vec2 in = corner - corners[i];
+    const Vec2 out = next - corner;
+    turned += atan2(cross(in, out), in.dot(out));
   }
-  return changes == 2;
+  return turned < 3 * k_pi;
 }
 
 double convex_width(const Ring& ring) {

@@ -8,7 +8,8 @@ namespace troupe {
 /// is wrong. A library linked with -ffast-math by gcc switches flush-to-zero on for the thread that loads it.
 std::string fp_environment_fault();
 
-/// Restores round-to-nearest and denormals for the calling thread.
+/// Restores round-to-nearest and denormals for the calling thread, and with them the rest of the default
+/// environment: exceptions are masked and their flags cleared.
 void restore_fp_environment();
 
 }  // namespace troupe

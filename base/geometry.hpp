@@ -82,16 +82,20 @@ struct ConvexPrism {
 
 double signed_area(const Ring& ring);
 Box bounds(const Ring& ring);
-/// True when each vertex turns left or goes straight on, and the ring winds once.
+/// True when each vertex turns left or goes straight on (to 1e-9 rad, since corners on one line rarely stay
+/// on it in floating point), and the ring winds once. False for a clockwise ring and for one without area.
 bool is_convex(const Ring& ring);
-/// Smallest distance between two parallel lines that enclose the convex ring.
+/// Smallest distance between two parallel lines that enclose the convex, counter-clockwise ring; 0 without
+/// area.
 double convex_width(const Ring& ring);
 /// True when an odd number of contours wind around the point; points on an edge may go either way.
 bool contains(const Solid& solid, const Vec2& point);
 
 /// Convex pieces that together cover the even-odd region of a solid and overlap in no area.
 /// A convex contour comes back whole; others are cut into trapezoids between horizontal lines and merged
-/// where the union stays convex. Empty when the region has no area.
+/// where the union stays convex. Contours may cross, touch and coincide; corners are moved by at most 1e-12
+/// of the largest coordinate. Empty when the region has no area. A fixed order: from the bottom up, then from
+/// left to right.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

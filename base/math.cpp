@@ -173,8 +173,8 @@ SinCos sincos_reduced(const Reduced& angle) {
   const double half_z = 0.5 * z;
   const double one_less = 1.0 - half_z;
 
-  const double sin_poly =
-      (k_sin[0] + k_sin[1] * z) + z2 * ((k_sin[2] + k_sin[3] * z) + z2 * (k_sin[4] + k_sin[5] * z));
+  const double sin_poly = (k_sin[0] + k_sin[1] * z) +
+                          z2 * ((k_sin[2] + k_sin[3] * z) + z2 * ((k_sin[4] + k_sin[5] * z) + z2 * k_sin[6]));
   const double sine = r + (r * z * sin_poly + angle.rest.lo * one_less);
 
   const double cos_poly =
@@ -304,8 +304,7 @@ double exp(double x) {
   const Rounded n = nearest(x * k_32_over_ln2);
   const double r = (x - n.value * k_ln2_over_32_hi) - n.value * k_ln2_over_32_lo;
   const double z = r * r;
-  const double poly =
-      (k_exp[0] + k_exp[1] * r) + z * ((k_exp[2] + k_exp[3] * r) + z * (k_exp[4] + k_exp[5] * r));
+  const double poly = (k_exp[0] + k_exp[1] * r) + z * ((k_exp[2] + k_exp[3] * r) + z * k_exp[4]);
   const double* row = k_exp_table + 2 * (n.integer & 31);
   const double value = row[0] + (row[1] + row[0] * (r + z * poly));
   // In two steps, since 2^1024 is no number and 2^-1075 none either.

@@ -34,9 +34,10 @@ inline constexpr std::uint32_t k_two_over_pi_digits[42] = {
 };
 
 /// (sin(x)/x - 1)/x^2 in powers of x^2 for |x| <= pi/4.
-inline constexpr double k_sin[6] = {
-    -0x1.5555555555555p-3, 0x1.1111111110bb2p-7, -0x1.a01a019e83a9ep-13,
-    0x1.71de379688c12p-19, -0x1.ae600b015927bp-26, 0x1.5e0b197af9741p-33,
+inline constexpr double k_sin[7] = {
+    -0x1.5555555555555p-3, 0x1.1111111111110p-7, -0x1.a01a01a019938p-13,
+    0x1.71de3a5460950p-19, -0x1.ae645412c4390p-26, 0x1.61217f0a95ad6p-33,
+    -0x1.ab17d37ab5989p-41,
 };
 
 /// (cos(x) - 1 + x^2/2)/x^4 in powers of x^2 for |x| <= pi/4.
@@ -99,9 +100,9 @@ inline constexpr double k_ln2_over_32_lo = 0x1.cf79abc9e3b3ap-45;
 inline constexpr double k_32_over_ln2 = 0x1.71547652b82fep+5;
 
 /// (exp(x) - 1 - x)/x^2 in powers of x for |x| <= ln(2)/64.
-inline constexpr double k_exp[6] = {
-    0x1.0000000000000p-1, 0x1.5555555555555p-3, 0x1.555555554e8d8p-5,
-    0x1.111111110e0d9p-7, 0x1.6c170c8a93dbdp-10, 0x1.a01a4465dd5fap-13,
+inline constexpr double k_exp[5] = {
+    0x1.0000000000000p-1, 0x1.555555554dccap-3, 0x1.5555555551910p-5,
+    0x1.11114faa79fd2p-7, 0x1.6c1700057e56ap-10,
 };
 
 /// For j = 0 .. 31: 2^(j/32) as a sum of two doubles.

@@ -35,7 +35,7 @@ def array(text, name, xs, columns):
 
 
 def polynomial(text, name, f, low, high, terms):
-    """Interpolates f at the Chebyshev nodes of [low, high], which is near the best polynomial; lowest power first."""
+    """Interpolates f at the Chebyshev nodes of [low, high], near the best polynomial; lowest power first."""
     nodes = [
         (low + high) / 2 + (high - low) / 2 * mp.cos(mp.pi * (2 * i + 1) / (2 * terms)) for i in range(terms)
     ]
@@ -58,7 +58,9 @@ for lowest in (-32, -65, -98):
     part = cut(rest, lowest)
     parts.append(part)
     rest -= part
-array("pi/2 in three short parts and a rest; the parts times an integer below 2^20 are exact.", "k_half_pi_parts", parts + [rest], 2)
+array(
+    "pi/2 in three short parts and a rest; the parts times an integer below 2^20 are exact.",
+    "k_half_pi_parts", parts + [rest], 2)
 hi = mp.mpf(rounded(mp.pi / 2))
 array("pi/2 as an unevaluated sum of two doubles.", "k_half_pi", [hi, mp.pi / 2 - hi], 2)
 constant("2/pi.", "k_two_over_pi", 2 / mp.pi)
@@ -72,15 +74,10 @@ for i in range(0, len(words), 8):
 print("};")
 
 
-def series(f, limit):
-    """f, with its limit where it is 0/0."""
-    return lambda z: limit if z == 0 else f(z)
-
-
 top = (mp.pi / 4 + mp.mpf(2) ** -20) ** 2
 polynomial(
     "(sin(x)/x - 1)/x^2 in powers of x^2 for |x| <= pi/4.", "k_sin",
-    lambda z: (mp.sin(mp.sqrt(z)) / mp.sqrt(z) - 1) / z, mp.mpf(0), top, 6)
+    lambda z: (mp.sin(mp.sqrt(z)) / mp.sqrt(z) - 1) / z, mp.mpf(0), top, 7)
 polynomial(
     "(cos(x) - 1 + x^2/2)/x^4 in powers of x^2 for |x| <= pi/4.", "k_cos",
     lambda z: (mp.cos(mp.sqrt(z)) - 1 + z / 2) / z**2, mp.mpf(0), top, 6)
@@ -104,7 +101,7 @@ constant("32/ln(2).", "k_32_over_ln2", 32 / mp.log(2))
 edge = mp.log(2) / 64 * mp.mpf("1.001")
 polynomial(
     "(exp(x) - 1 - x)/x^2 in powers of x for |x| <= ln(2)/64.", "k_exp",
-    lambda x: (mp.exp(x) - 1 - x) / x**2, -edge, edge, 6)
+    lambda x: (mp.exp(x) - 1 - x) / x**2 if abs(x) > mp.mpf(10) ** -50 else mp.mpf(0.5), -edge, edge, 5)
 rows = []
 for j in range(32):
     value = mp.mpf(2) ** (mp.mpf(j) / 32)

@@ -32,7 +32,7 @@ class Rule {
  public:
   Rule(const Conflicts::Crowd& crowd, const partition::StaticScene& scene) : crowd_(crowd), scene_(scene) {}
 
-  bool leaves_world(const Motion& m) const { return crowd_.bounds && !crowd_.bounds->contains(m.to.position()); }
+  bool leaves_world(const Motion& m) const { return !crowd_.bounds.contains(m.to.position()); }
 
   bool scene_refuses(std::size_t row) const {
     if (!scene_.has_obstacles()) return false;

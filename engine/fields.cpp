@@ -26,7 +26,8 @@ Record FieldTable::defaults() const {
 
 std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   constexpr double k_deg = k_pi / 180.0;
-  static constexpr std::array<UnitSuffix, 3> meters{{{"_m", "m", 1}, {"_cm", "cm", 0.01}, {"_mm", "mm", 0.001}}};
+  static constexpr std::array<UnitSuffix, 3> meters{
+      {{"_m", "m", 1}, {"_cm", "cm", 0.01}, {"_mm", "mm", 0.001}}};
   static constexpr std::array<UnitSuffix, 2> angle{{{"_rad", "rad", 1}, {"_deg", "deg", k_deg}}};
   static constexpr std::array<UnitSuffix, 2> seconds{{{"_s", "s", 1}, {"_ms", "ms", 0.001}}};
   static constexpr std::array<UnitSuffix, 1> speed{{{"_mps", "m/s", 1}}};
@@ -34,23 +35,42 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   static constexpr std::array<UnitSuffix, 1> rate{{{"_per_s", "1/s", 1}}};
   static constexpr std::array<UnitSuffix, 1> bare{{{"", "", 1}}};
   switch (unit) {
-    case Unit::meters: return meters;
-    case Unit::radians: return angle;
-    case Unit::seconds: return seconds;
-    case Unit::meters_per_second: return speed;
-    case Unit::radians_per_second: return turn;
-    case Unit::per_second: return rate;
-    case Unit::none: break;
+    case Unit::meters:
+      return meters;
+    case Unit::radians:
+      return angle;
+    case Unit::seconds:
+      return seconds;
+    case Unit::meters_per_second:
+      return speed;
+    case Unit::radians_per_second:
+      return turn;
+    case Unit::per_second:
+      return rate;
+    case Unit::none:
+      break;
   }
   return bare;
 }
 
 const FieldTable& pose_fields() {
+  constexpr double k_reach = 100000;     // m: how far a world reaches
+  constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
   static const FieldTable table{{
-      {.name = "x", .unit = Unit::meters, .fallback = 0.0, .text = "forward"},
-      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .text = "left"},
-      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .text = "up"},
-      {.name = "heading", .unit = Unit::radians, .fallback = 0.0, .text = "counter-clockwise from +x"},
+      {.name = "x",
+       .unit = Unit::meters,
+       .fallback = 0.0,
+       .min = -k_reach,
+       .max = k_reach,
+       .text = "forward"},
+      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "left"},
+      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "up"},
+      {.name = "heading",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = -k_turns,
+       .max = k_turns,
+       .text = "counter-clockwise from +x"},
   }};
   return table;
 }

@@ -163,10 +163,13 @@ void World::report_overlaps(Diagnostics& diagnostics) {
 }
 
 BodyId World::find(std::string_view name) const {
-  for (std::size_t b = spec_.bodies.size(); b-- > 0;)
-    if (spec_.bodies[b].name == name) return BodyId(b);
-  const auto alias = spec_.aliases.find(std::string(name));
-  return alias == spec_.aliases.end() ? BodyId() : alias->second;
+  if (names_.empty()) {
+    names_.reserve(spec_.bodies.size());
+    for (const auto& [alias, body] : spec_.aliases) names_[alias] = body;
+    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_[spec_.bodies[b].name] = BodyId(b);
+  }
+  const auto found = names_.find(name);
+  return found == names_.end() ? BodyId() : found->second;
 }
 
 Pose World::pose(BodyId body) const {

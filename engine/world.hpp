@@ -49,6 +49,8 @@ class World {
   /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
   /// at the start, once, with a count.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
   void step();
@@ -75,7 +77,7 @@ class World {
   const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }
   /// Position of a row among those of its type: its row in the type's tables.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
-  /// Body id by name or alias; not valid when there is none.
+  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -141,7 +143,7 @@ class World {
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
   partition::BodyIndex index_;
-  std::unordered_map<std::string_view, BodyId> names_;  // into spec_.bodies
+  mutable std::unordered_map<std::string_view, BodyId> names_;  // into spec_; made at the first find()
 
   std::vector<BodyId> row_bodies_;
   std::vector<Row> body_rows_;

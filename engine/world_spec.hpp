@@ -25,7 +25,8 @@ struct Returns {
 
 /// One model of a type's tree, rigidly attached to the root.
 struct PartSpec {
-  std::string name;  ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string name;   ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string alias;  ///< its generated name, where the world gave it another; else empty
   std::string kind;  ///< model kind: "position", "ranger", ...
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
@@ -77,6 +78,12 @@ struct BodySpec {
 
 enum class RangingEngine { exact };
 
+/// A part of a body that the world gave a name of its own, not one below the body's.
+struct PartName {
+  BodyId body;
+  std::string part;  ///< PartSpec::name
+};
+
 struct WorldSpec {
   std::string title;
   std::shared_ptr<SourceFiles> files;  ///< what the Where of each value points into; may be null
@@ -91,6 +98,8 @@ struct WorldSpec {
   std::vector<BodySpec> bodies;
   /// Other names of bodies (Stage keeps generated names as aliases): name -> body.
   std::unordered_map<std::string, BodyId> aliases;
+  /// Parts with names of their own (Stage's `name "/x"` in a child).
+  std::unordered_map<std::string, PartName> part_aliases;
 };
 
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.

@@ -21,18 +21,18 @@ namespace {
 constexpr int k_tile = 2048;
 constexpr int k_samples = 4;
 
-#define TROUPE_GL_FUNCTIONS(X)                                                                            \
-  X(glAttachShader)                                                                                       \
-  X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray) X(glBlendFuncSeparate)  \
-      X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) X(glClear) X(glClearColor)         \
-          X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDepthFunc) X(glDrawArraysInstanced) \
-              X(glEnable) X(glEnableVertexAttribArray) X(glFramebufferRenderbuffer) X(glGenBuffers)       \
-                  X(glGenFramebuffers) X(glGenRenderbuffers) X(glGenVertexArrays) X(glGetError)           \
-                      X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) X(glGetUniformLocation)   \
-                          X(glLinkProgram) X(glPixelStorei) X(glReadPixels)                               \
-                              X(glRenderbufferStorageMultisample) X(glShaderSource) X(glUniform2f)        \
-                                  X(glUseProgram) X(glVertexAttribDivisor) X(glVertexAttribIPointer)      \
-                                      X(glVertexAttribPointer) X(glViewport)
+// clang-format off
+#define TROUPE_GL_FUNCTIONS(X) \
+  X(glAttachShader) X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray) \
+  X(glBlendFuncSeparate) X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) \
+  X(glClear) X(glClearColor) X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDepthFunc) \
+  X(glDrawArraysInstanced) X(glEnable) X(glEnableVertexAttribArray) X(glFramebufferRenderbuffer) \
+  X(glGenBuffers) X(glGenFramebuffers) X(glGenRenderbuffers) X(glGenVertexArrays) X(glGetError) \
+  X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) X(glGetUniformLocation) \
+  X(glLinkProgram) X(glPixelStorei) X(glReadPixels) X(glRenderbufferStorageMultisample) \
+  X(glShaderSource) X(glUniform2f) X(glUseProgram) X(glVertexAttribDivisor) \
+  X(glVertexAttribIPointer) X(glVertexAttribPointer) X(glViewport)
+// clang-format on
 
 struct Gl {
 #define TROUPE_GL_MEMBER(name) decltype(&::name) name;

@@ -13,7 +13,7 @@ constexpr Rgba k_grid_line = {233, 227, 214, 255};
 constexpr Rgba k_ink = {92, 86, 75, 255};
 constexpr Rgba k_halo = {250, 247, 240, 230};
 
-constexpr double k_grid_pitch = 48;      // pixels, at least
+constexpr double k_grid_pitch = 48;      // at least, strokes
 constexpr double k_cap_height = 11;      // of the lettering, strokes
 constexpr double k_margin = 14;          // of the furniture from the picture's edges, strokes
 constexpr double k_longest_scale = 150;  // strokes

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csetjmp>
 #include <cstdio>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 

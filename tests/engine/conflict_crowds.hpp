@@ -253,7 +253,8 @@ inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
   partition::BodyIndex index(grid);
   index.rebuild(positions, radii, parallel);
   std::vector<engine::Conflicts::Outcome> outcomes(crowd.size());
-  conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick, crowd.bounds}, scene,
+  conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick,
+                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))}, scene,
                    index, parallel, outcomes);
   return outcomes;
 }

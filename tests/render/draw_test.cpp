@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cfenv>
 #include <cmath>
@@ -225,8 +226,8 @@ TEST(Draw, TheRegionReachesThePicturesEdges) {
 
 TEST(Draw, ShapesKeepTheirProportions) {
   Stage stage;
-  stage.view.region =
-      Box{{-2, -2}, {2, 2}};  // half as wide as the picture: more of the world is seen on both sides
+  // Half as wide as the picture: more of the world is seen on both sides.
+  stage.view.region = Box{{-2, -2}, {2, 2}};
   stage.frame.mobile = {body_at(0, {3.5, 0.5, 0, 0}, k_blue)};
   stage.draw();
   EXPECT_EQ(stage.at(3.4, 0.5), k_blue_pixel);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace troupe::render {
 namespace {
 
@@ -33,12 +35,11 @@ Framing framing_of(int width, int height) {
 
 TEST(FloorGrid, LiesOnWholePixelsAtRoundWorldCoordinates) {
   Framing framing = framing_of(400, 200);
-  framing.center = {
-      0.3, 0};  // shows x from -1.7 to 2.3, y from -1 to 1: at 1 m, lines at x -1, 0, 1, 2 and y -1, 0, 1
+  framing.center = {0.3, 0};
+  // Shown: x from -1.7 to 2.3, y from -1 to 1. Lines a metre apart: four across, three along.
   const Mesh mesh = floor_grid(framing);
-  ASSERT_EQ(mesh.size(), 7 * 6);
-  EXPECT_FLOAT_EQ(mesh[0].x + 200,
-                  70 - 0.0F);  // x = -1 is pixel 70: the line fills the pixel that holds it or ends there
+  ASSERT_EQ(mesh.size(), 7U * 6);
+  EXPECT_FLOAT_EQ(mesh[0].x + 200, 70);  // x = -1
   for (std::size_t i = 0; i < mesh.size(); ++i) {
     EXPECT_FLOAT_EQ(mesh[i].x, std::round(mesh[i].x)) << i;
     EXPECT_FLOAT_EQ(mesh[i].y, std::round(mesh[i].y)) << i;

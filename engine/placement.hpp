@@ -1,0 +1,95 @@
+#pragma once
+
+#include "base/geometry.hpp"
+#include "engine/world_spec.hpp"
+#include "partition/overlap.hpp"
+#include "partition/static_scene.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The obstacle solids of all parts of a type, for overlap tests; empty where nothing of it blocks.
+partition::ObstacleShape obstacle_shape(const TypeSpec& type);
+
+/// Bodies that stand somewhere, found by where they are. A body lies in the cell of its centre, at the level
+/// whose cells are as wide as the body, so that one truck does not widen every query; the cells change no
+/// answer.
+class Crowd {
+ public:
+  /// Adds body number size(). The shape is referred to and must outlive the crowd. A shape without pieces is
+  /// counted and never met.
+  void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
+  std::size_t size() const { return bodies_.size(); }
+
+  /// True when no body of the crowd overlaps a later one of this shape at this pose.
+  bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
+  /// The numbers of those that do, ascending.
+  std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
+                                       const Pose& pose_world_body) const;
+
+ private:
+  static constexpr std::uint32_t k_none = ~0u;
+
+  struct Body {
+    Pose pose;
+    const partition::ObstacleShape* shape;
+    std::uint32_t next;  // in the same cell
+  };
+  struct Slot {
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+    std::uint32_t first = k_none;
+  };
+  /// All bodies of about one width: an open-addressed hash of its cells that hold any.
+  struct Level {
+    int exponent = 0;  // cells are 2^exponent m wide: at least as wide as the bodies
+    double cell_m = 1;
+    std::vector<std::uint32_t> bodies;
+    std::vector<Slot> slots;
+    std::size_t used = 0;
+  };
+
+  /// Position of the slot that holds a cell, or of the free one where it belongs.
+  static std::size_t slot_of(const std::vector<Slot>& slots, std::int64_t x, std::int64_t y);
+  template <class Visit>  // bool visit(body): false ends the search
+  bool each_near(double radius, const Pose& pose, Visit visit) const;
+
+  std::vector<Body> bodies_;
+  std::vector<Level> levels_;
+};
+
+/// How the bodies of a population are placed.
+struct PlacementRule {
+  enum class Kind : std::uint8_t {
+    grid,     ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
+    uniform,  ///< anywhere in the region, up to `trials` draws for each body
+  };
+  Kind kind = Kind::grid;
+  Box region;                     ///< of the bodies' origins, m
+  Box spill;                      ///< grid: filled, cell by cell as well, once the region's cells are used up
+  double pitch_m = 1;             ///< grid: between neighbouring cells
+  double jitter_m = 0;            ///< grid: each coordinate is moved by up to this much
+  std::optional<double> heading;  ///< rad; not given: drawn from all directions
+  double z = 0;                   ///< m
+  std::uint32_t trials = 1000;    ///< uniform
+};
+
+/// Cells of a grid rule, as a floating number because a region may hold any count.
+double grid_cells(const PlacementRule& rule);
+
+/// Poses for bodies 0, 1, ... of a population, one after another, each free of the static scene, of the crowd
+/// and of those before it; they join the crowd. Stops where one finds no place: the result is then shorter
+/// than `count`. The pose of body k does not depend on `count`, nor on any cell size: its draws are those of
+/// (seed, population, k, trial).
+/// Time is linear in the count plus the grid cells passed over. Poses outside of `bounds` are not free.
+/// The caller keeps grid_cells() below 2^32.
+std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
+                        std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
+                        const partition::StaticScene& scene, Crowd& crowd);
+
+}  // namespace troupe::engine

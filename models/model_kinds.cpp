@@ -1,0 +1,45 @@
+#include "models/model_kinds.hpp"
+
+namespace troupe::models {
+
+std::vector<engine::ModelKind> model_kinds() {
+  // Defaults are those of Stage 4.3's code, which world files rely on; its manual names others.
+  const Eigen::Vector3d base(0.4, 0.4, 1.0);
+  const Color red{1, 0, 0, 1};
+  return {
+      {.name = "actuator",
+       .text = "a joint that carries its children; it does not move yet",
+       .size = base,
+       .color = red},
+      {.name = "blinkenlight", .text = "a light", .size = {0.02, 0.02, 0.02}, .color = {0, 1, 0, 1}},
+      {.name = "blobfinder",
+       .text = "finds blobs of colour; it does not sense yet",
+       .size = base,
+       .color = red,
+       .has_default_body = false},
+      {.name = "bumper", .text = "feels contact; it does not sense yet", .size = base, .color = red},
+      {.name = "camera",
+       .text = "takes pictures; it does not yet",
+       .size = {0.1, 0.07, 0.05},
+       .color = {0, 0, 0, 1}},
+      {.name = "fiducial",
+       .text = "finds marked models; it does not sense yet",
+       .size = {0, 0, 0},
+       .color = red,
+       .has_default_body = false},
+      {.name = "gripper",
+       .text = "a base and two paddles; they do not grip yet",
+       .size = {0.2, 0.3, 0.2},
+       .color = {0.3f, 0.3f, 0.3f, 1}},
+      {.name = "lightindicator", .text = "a light", .size = base, .color = red},
+      {.name = "model", .text = "a body: what all other models are too", .size = base, .color = red},
+      {.name = "position", .text = "a body with a drive", .size = base, .color = red},
+      {.name = "ranger",
+       .text = "carries the transducers of a ranging sensor",
+       .size = {0.15, 0.15, 0.2},
+       .color = {0, 0, 0.5f, 1},
+       .has_default_body = false},
+  };
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,6 @@
+// What the test of the libraries' symbols must find.
+#include <cmath>
+
+double calls_libm(double x) {
+  return std::atan2(std::sin(x), x);
+}

@@ -1,0 +1,128 @@
+#include "base/diagnostics.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+
+std::string thrown_by(const Diagnostics& diagnostics) {
+  try {
+    diagnostics.throw_if_errors();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SourceFiles, TheSameNameGivesTheSameNumber) {
+  SourceFiles files;
+  const std::uint32_t maze = files.add("maze.world");
+  const std::uint32_t robots = files.add("robots.inc");
+  EXPECT_NE(maze, robots);
+  EXPECT_EQ(files.add("maze.world"), maze);
+  EXPECT_EQ(files.name(maze), "maze.world");
+  EXPECT_EQ(files.name(robots), "robots.inc");
+}
+
+TEST(Diagnostics, NothingFoundThrowsNothing) {
+  Diagnostics diagnostics;
+  diagnostics.warning({}, "odd");
+  EXPECT_FALSE(diagnostics.has_errors());
+  EXPECT_NO_THROW(diagnostics.throw_if_errors());
+}
+
+TEST(Diagnostics, AnErrorNamesFileAndLine) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.world");
+  diagnostics.error({file, 41}, "robot \"r3\": unknown drive \"hover\"; known: car, diff, omni");
+  EXPECT_TRUE(diagnostics.has_errors());
+  EXPECT_EQ(thrown_by(diagnostics),
+            "maze.world:41: error: robot \"r3\": unknown drive \"hover\"; known: car, diff, omni");
+}
+
+TEST(Diagnostics, LineZeroIsTheFileAsAWhole) {
+  Diagnostics diagnostics;
+  diagnostics.error({diagnostics.files()->add("maze.world"), 0}, "cannot be read");
+  EXPECT_EQ(thrown_by(diagnostics), "maze.world: error: cannot be read");
+}
+
+TEST(Diagnostics, WithoutAFileOnlyTheMessageStands) {
+  Diagnostics diagnostics;
+  diagnostics.error({}, "no end: give --for");
+  EXPECT_EQ(thrown_by(diagnostics), "error: no end: give --for");
+}
+
+TEST(Diagnostics, AllErrorsAreThrownInOrderWithoutTheWarnings) {
+  Diagnostics diagnostics;
+  const std::uint32_t a = diagnostics.files()->add("a.world");
+  const std::uint32_t b = diagnostics.files()->add("b.inc");
+  diagnostics.error({a, 7}, "one");
+  diagnostics.warning({a, 8}, "between");
+  diagnostics.error({b, 2}, "two");
+  EXPECT_EQ(thrown_by(diagnostics), "a.world:7: error: one\nb.inc:2: error: two");
+  EXPECT_THAT(diagnostics.warnings(), ElementsAre("a.world:8: warning: between"));
+  EXPECT_EQ(diagnostics.findings().size(), 3u);
+}
+
+TEST(Diagnostics, ManyErrorsAreCounted) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("a.world");
+  for (std::uint32_t line = 1; line <= 50; ++line) diagnostics.error({file, line}, "bad");
+  EXPECT_TRUE(thrown_by(diagnostics).ends_with("a.world:50: error: bad"));
+  diagnostics.error({file, 51}, "bad");
+  EXPECT_TRUE(thrown_by(diagnostics).ends_with("a.world:50: error: bad\n... and 1 more error"));
+  diagnostics.error({file, 52}, "bad");
+  EXPECT_TRUE(thrown_by(diagnostics).ends_with("a.world:50: error: bad\n... and 2 more errors"));
+}
+
+TEST(Diagnostics, AWarningForManyPlacesIsReportedOnce) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("a.world");
+  for (std::uint32_t line = 1; line <= 100; ++line) {
+    diagnostics.warning_once({file, line}, "property \"mass\" is not supported yet");
+    if (line == 3) diagnostics.warning_once({file, 3}, "property \"watts\" is not supported yet");
+    if (line < 3) diagnostics.warning({file, line}, "odd");
+  }
+  EXPECT_THAT(diagnostics.warnings(),
+              ElementsAre("a.world:1: warning: property \"mass\" is not supported yet (and 99 more)",
+                          "a.world:1: warning: odd", "a.world:2: warning: odd",
+                          "a.world:3: warning: property \"watts\" is not supported yet"));
+}
+
+constexpr std::array<std::string_view, 5> k_drives = {"car", "diff", "omni", "tricycle", "velocity"};
+
+TEST(DidYouMean, NamesTheNearest) {
+  EXPECT_EQ(did_you_mean("onmi", k_drives), " (did you mean \"omni\"?)");          // neighbours swapped
+  EXPECT_EQ(did_you_mean("omn", k_drives), " (did you mean \"omni\"?)");           // one missing
+  EXPECT_EQ(did_you_mean("difff", k_drives), " (did you mean \"diff\"?)");         // one too many
+  EXPECT_EQ(did_you_mean("tricicle", k_drives), " (did you mean \"tricycle\"?)");  // one wrong
+  EXPECT_EQ(did_you_mean("valocety", k_drives), " (did you mean \"velocity\"?)");  // two wrong of eight
+}
+
+TEST(DidYouMean, IsSilentWhenNothingIsNear) {
+  EXPECT_EQ(did_you_mean("hover", k_drives), "");
+  EXPECT_EQ(did_you_mean("", k_drives), "");
+  EXPECT_EQ(did_you_mean("omni", {}), "");
+  constexpr std::array<std::string_view, 2> k_axes = {"x", "y"};
+  EXPECT_EQ(did_you_mean("z", k_axes), "");
+}
+
+TEST(DidYouMean, OfEquallyNearNamesTakesTheFirst) {
+  constexpr std::array<std::string_view, 2> k_names = {"laser_b", "laser_a"};
+  EXPECT_EQ(did_you_mean("laser_c", k_names), " (did you mean \"laser_b\"?)");
+}
+
+TEST(CommaList, JoinsNames) {
+  EXPECT_EQ(comma_list(k_drives), "car, diff, omni, tricycle, velocity");
+  EXPECT_EQ(comma_list({}), "");
+}
+
+}  // namespace
+}  // namespace troupe

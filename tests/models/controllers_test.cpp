@@ -1,0 +1,218 @@
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace troupe::models {
+namespace {
+
+using engine::Command;
+
+/// One decision of a controller kind on readings given by hand: a ring of single beams, or one scanner.
+struct Decision {
+  engine::SensorKind::Prepared layout;
+  engine::ControllerKind kind;
+  engine::ControllerKind::Prepared prepared;
+  std::vector<std::byte> memory;
+  std::string fault;
+  Command command{9, 9, 9};
+  std::uint32_t tick = 1;
+
+  static engine::SensorKind::Prepared ring(const std::vector<double>& headings) {
+    engine::SensorKind::Prepared layout;
+    for (const double heading : headings) {
+      layout.transducers.push_back(layout.bearings.size());
+      layout.transducer_headings.push_back(heading);
+      layout.bearings.push_back(heading);
+    }
+    return layout;
+  }
+  static engine::SensorKind::Prepared scanner(std::size_t samples) {
+    engine::SensorKind::Prepared layout;
+    layout.transducers = {0};
+    layout.transducer_headings = {0};
+    layout.bearings.assign(samples, 0);
+    return layout;
+  }
+
+  Decision(engine::SensorKind::Prepared sensor, const std::string& name, const engine::Record& params)
+      : layout(std::move(sensor)), kind(*test::registry().controller(name)) {
+    const engine::SensorInfo info{"sensor", "ranger", layout};
+    std::vector<bool> claimed(1, false);
+    prepared = kind.prepare(params, {&info, 1}, claimed, fault);
+    memory.resize(kind.memory_bytes);
+    kind.start(memory.data());
+  }
+
+  Command operator()(const std::vector<float>& ranges) {
+    const std::span<const float> view(ranges);
+    Random random(1, 2, 3, tick);
+    engine::Actions actions{command};
+    kind.decide(prepared.data, {tick, 0.1 * tick, 0.1, 3, {&view, 1}}, memory.data(), random, actions);
+    ++tick;
+    return command;
+  }
+};
+
+std::vector<double> swarm_headings() {
+  std::vector<double> headings;
+  for (int i = 0; i < 12; ++i) headings.push_back(radians(30 * i));
+  return headings;
+}
+
+std::vector<double> pioneer_headings() {
+  std::vector<double> headings;
+  for (const double d : {90, 50, 30, 10, -10, -30, -50, -90, -90, -130, -150, -170, 170, 150, 130, 90})
+    headings.push_back(radians(d));
+  return headings;
+}
+
+engine::Record preset(const std::string& name) {
+  const engine::Registry::Preset* preset = test::registry().preset(name);
+  const engine::FieldTable& table = test::registry().controller(preset->kind)->params;
+  engine::Record record = table.defaults();
+  for (const auto& [field, value] : preset->params) record.at(static_cast<std::size_t>(table.find(field))) = value;
+  return record;
+}
+
+TEST(Expand, TurnsTowardsTheVectorSumWithGainOne) {
+  Decision decide(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
+  std::vector<float> ranges(12, 1.0f);
+  ranges[3] = 2.0f;  // free to the left
+  ranges[0] = 2.0f;
+  const Command c = decide(ranges);
+  EXPECT_NEAR(c.turn, std::atan2(1.0, 1.0), 1e-6);
+  EXPECT_EQ(c.x, 0) << "the sum lies outside the cone";
+}
+
+TEST(Expand, SwarmPresetLooksAtExactlyItsSevenBeams) {
+  // Of 12 beams 0, 1, 2, 3, 9, 10 and 11 are looked at, and each by its own limit; comparisons are strict.
+  const double d = 0.5;
+  const std::vector<std::pair<int, double>> limits = {{0, d},     {1, d / 1.5},  {2, d / 3},     {3, d / 5},
+                                                      {9, d / 5}, {10, d / 3}, {11, d / 1.5}};
+  for (int beam = 0; beam < 12; ++beam) {
+    const auto limit = std::ranges::find(limits, beam, &std::pair<int, double>::first);
+    for (const double factor : {0.98, 1.02}) {
+      Decision decide(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
+      std::vector<float> ranges(12, 1.9f);
+      ranges[0] = 2.0f;
+      ranges[3] = 1.95f;  // no sum of exactly 0
+      const double reading = factor * (limit == limits.end() ? 0.05 : limit->second);
+      ranges[static_cast<std::size_t>(beam)] = static_cast<float>(reading);
+      ranges[static_cast<std::size_t>((beam + 6) % 12)] = static_cast<float>(reading) + 0.1f;  // sum stays ahead
+      if (limits.end() != std::ranges::find(limits, (beam + 6) % 12, &std::pair<int, double>::first)) continue;
+      const Command c = decide(ranges);
+      if (std::abs(c.turn) >= 0.5) continue;
+      EXPECT_EQ(c.x, limit != limits.end() && factor < 1 ? 0 : 0.3) << "beam " << beam << " at " << reading;
+    }
+  }
+}
+
+TEST(Expand, PioneerPresetHasTheNumbersOfTheCaveBenchmark) {
+  const double d = 0.75;
+  const std::vector<std::pair<int, double>> limits = {{1, d / 4}, {2, d / 2}, {3, d},
+                                                      {4, d},     {5, d / 2}, {6, d / 4}};
+  for (const auto& [beam, limit] : limits) {
+    for (const double factor : {0.999, 1.001}) {
+      Decision decide(Decision::ring(pioneer_headings()), "expand", preset("expand_pioneer"));
+      std::vector<float> ranges(16, 0.1f);
+      for (int front = 1; front <= 6; ++front) ranges[static_cast<std::size_t>(front)] = 4;
+      ranges[3] = 5;
+      ranges[static_cast<std::size_t>(beam)] = static_cast<float>(limit * factor);
+      const Command c = decide(ranges);
+      if (std::abs(c.turn) < 0.5) {
+        EXPECT_EQ(c.x, factor < 1 ? 0 : 0.2) << "beam " << beam;
+      }
+    }
+  }
+}
+
+TEST(Expand, ASumOfExactlyZeroLeavesTheLastCommand) {
+  Decision decide(Decision::ring({0}), "expand", preset("expand_swarm"));
+  EXPECT_EQ(decide({1.0f}).x, 9) << "one beam ahead: the sum has no sideways part at all";
+}
+
+TEST(Expand, InvertTurnsTheSumAround) {
+  engine::Record params = preset("expand_swarm");
+  const engine::FieldTable& table = test::registry().controller("expand")->params;
+  params.at(static_cast<std::size_t>(table.find("invert"))) = true;
+  Decision gather(Decision::ring(swarm_headings()), "expand", params);
+  std::vector<float> ranges(12, 1.0f);
+  ranges[4] = 2;  // free at 120 degrees: gathering goes to -60
+  EXPECT_NEAR(gather(ranges).turn, radians(-60), 1e-6);
+}
+
+TEST(Expand, WithoutARangerItSaysWhatItNeeds) {
+  Decision decide({}, "expand", preset("expand_swarm"));
+  EXPECT_EQ(decide.fault, "needs a ranger that no other controller of the robot reads");
+}
+
+TEST(Wander, CruisesWithAFreeWay) {
+  Decision decide(Decision::scanner(180), "wander", test::registry().controller("wander")->params.defaults());
+  const Command c = decide(std::vector<float>(180, 8.0f));
+  EXPECT_EQ(c.x, 0.4);
+  EXPECT_EQ(c.turn, 0);
+}
+
+TEST(Wander, TurnsAwayFromTheNearerSideForTenToNineteenScans) {
+  for (const bool left_nearer : {true, false}) {
+    Decision decide(Decision::scanner(180), "wander", test::registry().controller("wander")->params.defaults());
+    std::vector<float> scan(180, 8.0f);
+    scan[left_nearer ? 95 : 85] = 0.9f;  // scans run counter-clockwise: the upper half is the left
+    const Command c = decide(scan);
+    EXPECT_EQ(c.x, 0.05);
+    EXPECT_EQ(c.turn, left_nearer ? -0.5 : 0.5);
+    int scans = 1;
+    while (decide(std::vector<float>(180, 8.0f)).x == 0.05) ++scans;
+    EXPECT_GE(scans, 10);
+    EXPECT_LE(scans, 19);
+  }
+}
+
+TEST(Wander, StopsWhatIsTooNear) {
+  Decision decide(Decision::scanner(9), "wander", test::registry().controller("wander")->params.defaults());
+  EXPECT_EQ(decide({8, 8, 8, 8, 0.2f, 8, 8, 8, 8}).x, 0);
+}
+
+TEST(Wander, OutsideTheMiddleThirdNothingObstructs) {
+  Decision decide(Decision::scanner(9), "wander", test::registry().controller("wander")->params.defaults());
+  EXPECT_EQ(decide({0.1f, 0.1f, 0.1f, 0.1f, 8, 8, 0.1f, 0.1f, 0.1f}).x, 0.4);
+}
+
+TEST(Wander, NeedsMoreThanEightSamples) {
+  Decision decide(Decision::scanner(8), "wander", test::registry().controller("wander")->params.defaults());
+  EXPECT_EQ(decide.fault, "needs a ranger whose first transducer has more than 8 samples");
+}
+
+TEST(Script, WaveFollowsItsLaw) {
+  const engine::FieldTable& table = test::registry().controller("script")->params;
+  Decision decide({}, "script", test::record(table, {{"law", "wave"}}));
+  for (int n = 1; n <= 120; ++n) {
+    const Command c = decide({});
+    EXPECT_DOUBLE_EQ(c.x, 0.2 + 0.1 * ((n / 7) % 3));
+    EXPECT_DOUBLE_EQ(c.turn, 0.4 * ((n / 11) % 5 - 2));
+  }
+}
+
+TEST(Script, TimedLegsFollowOneAnotherAndThenItStands) {
+  const engine::FieldTable& table = test::registry().controller("script")->params;
+  const engine::FieldTable& leg = *table.fields[1].record;
+  Decision decide({}, "script",
+                  test::record(table, {{"legs", std::vector<engine::Record>{
+                                                    test::record(leg, {{"until", 0.25}, {"forward", 1.0}}),
+                                                    test::record(leg, {{"until", 0.35}, {"turn", 0.5}})}}}));
+  EXPECT_EQ(decide({}).x, 1);
+  EXPECT_EQ(decide({}).x, 1);
+  EXPECT_EQ(decide({}).turn, 0.5);
+  EXPECT_EQ(decide({}).turn, 0);
+}
+
+TEST(Script, TimedWithoutLegsIsAFault) {
+  Decision decide({}, "script", test::registry().controller("script")->params.defaults());
+  EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");
+}
+
+}  // namespace
+}  // namespace troupe::models

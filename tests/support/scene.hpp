@@ -1,0 +1,114 @@
+#pragma once
+
+#include "engine/world.hpp"
+#include "models/drives.hpp"
+#include "models/expand.hpp"
+#include "models/script.hpp"
+#include "models/wander.hpp"
+#include "sensors/ranger.hpp"
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Worlds built by hand, for tests of what lies below the readers of world files.
+namespace troupe::test {
+
+inline const engine::Registry& registry() {
+  static const engine::Registry kinds = [] {
+    engine::Registry r;
+    r.sensors = {sensors::ranger_kind()};
+    r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
+    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+    r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
+    return r;
+  }();
+  return kinds;
+}
+
+inline Ring rectangle(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+
+inline Ring box_ring(double size_x, double size_y) {
+  return rectangle(-size_x / 2, -size_y / 2, size_x / 2, size_y / 2);
+}
+
+/// Defaults of a table with some fields set by name.
+inline engine::Record record(const engine::FieldTable& table,
+                             std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
+  engine::Record out = table.defaults();
+  for (const auto& [name, value] : values) out.at(static_cast<std::size_t>(table.find(name))) = value;
+  return out;
+}
+
+struct Transducer {
+  Pose pose;
+  double range_max = 5;
+  double fov = 0;
+  int samples = 1;
+};
+
+inline engine::SensorSpec ranger(std::string name, const std::vector<Transducer>& transducers, bool intensity = false) {
+  const engine::FieldTable& table = registry().sensor("ranger")->params;
+  const engine::FieldTable& fields = *table.fields[0].record;
+  std::vector<engine::Record> records;
+  for (const Transducer& t : transducers) {
+    records.push_back(record(
+        fields, {{"pose", std::vector<engine::Record>{{t.pose.x, t.pose.y, t.pose.z, t.pose.heading}}},
+                 {"range_max", t.range_max},
+                 {"fov", t.fov},
+                 {"samples", t.samples}}));
+  }
+  return {.name = std::move(name),
+          .kind = "ranger",
+          .params = record(table, {{"transducers", records}, {"intensity", intensity}}),
+          .active = true};
+}
+
+inline engine::DriveSpec drive(std::string kind,
+                               std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+  return {.kind = kind, .params = record(registry().drive(kind)->params, values)};
+}
+
+inline engine::ControllerSpec controller(std::string kind,
+                                         std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+  return {.kind = kind, .params = record(registry().controller(kind)->params, values)};
+}
+
+/// Collects a WorldSpec: a ground, then what is added.
+class SceneBuilder {
+ public:
+  SceneBuilder() { engine::add_ground(spec); }
+
+  TypeId type(std::string name, std::vector<Solid> solids, engine::Returns returns = {}) {
+    engine::TypeSpec t;
+    t.name = std::move(name);
+    t.parts.push_back({.kind = "model", .solids = std::move(solids), .returns = returns});
+    spec.types.push_back(std::move(t));
+    return TypeId(spec.types.size() - 1);
+  }
+  TypeId robot(std::string name, std::vector<Solid> solids, std::string drive_kind = "diff") {
+    const TypeId id = type(std::move(name), std::move(solids));
+    spec.types[id.index()].drive = drive(std::move(drive_kind));
+    return id;
+  }
+  engine::TypeSpec& operator[](TypeId id) { return spec.types[id.index()]; }
+
+  BodyId body(std::string name, TypeId type, Pose pose = {}) {
+    spec.bodies.push_back({.name = std::move(name), .type = type, .pose_world_body = pose});
+    return BodyId(spec.bodies.size() - 1);
+  }
+  BodyId wall(double x0, double y0, double x1, double y1, engine::Returns returns = {}) {
+    const std::string name = "wall" + std::to_string(spec.bodies.size());
+    return body(name, type(name, {Solid{{rectangle(x0, y0, x1, y1)}, {0, 1}}}, returns));
+  }
+
+  engine::World world(engine::WorldOptions options = {.threads = 2}) const {
+    Diagnostics diagnostics;
+    return engine::World(spec, registry(), options, diagnostics);
+  }
+
+  engine::WorldSpec spec;
+};
+
+}  // namespace troupe::test

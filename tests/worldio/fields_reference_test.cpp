@@ -1,0 +1,73 @@
+#include "worldio/fields_reference.hpp"
+
+#include "troupe/registry.hpp"
+#include "tests/worldio/json_test_world.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace troupe::worldio {
+namespace {
+
+using testing::HasSubstr;
+
+std::string document() {
+  std::ifstream file(TROUPE_SOURCE_DIR "/docs/world-format.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+TEST(WorldFormatReference, ShowsKeysLimitsAndDefaults) {
+  const std::string text = world_format_reference(json_test_registry());
+  EXPECT_THAT(
+      text,
+      HasSubstr("| `heading_rad`, `heading_deg` | number, from -62.83185307 to 62.83185307 rad | 0 rad | "
+                "counter-clockwise from +x |\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("### Drive `car`\n\nmoves\n\n| key | value | default | meaning |\n|---|---|---|---|\n"
+                "| `speed_max_mps` | number, at least 0 m/s | 1 m/s | limit |\n"
+                "| `wheelbase_m`, `wheelbase_cm`, `wheelbase_mm` | number, above 0 m | required | between "
+                "the axles |\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("| `transducers` | list of objects | required | fans of beams |\n"
+                "| `intensity` | true or false | false | brightness too |\n\nEach of `transducers`:\n"));
+  EXPECT_THAT(text, HasSubstr("| `pose` | object | its defaults | where it looks |\n"));
+  EXPECT_THAT(text, HasSubstr("| `samples` | whole number, from 1 to 1000 | 1 | beams |\n"));
+  EXPECT_THAT(text, HasSubstr("| `law` | near, far | \"near\" | which |\n"));
+  EXPECT_THAT(text,
+              HasSubstr("### Controller `expand_swarm`\n\nwith numbers: `expand` with other defaults.\n\n"
+                        "| key | default |\n|---|---|\n| `gain_per_s` | 2.5 1/s |\n"));
+}
+
+TEST(WorldFormatReference, StandsInTheDocument) {
+  const std::string reference = world_format_reference(make_registry());
+  if (document().find(reference) == std::string::npos) {
+    const std::string made = TROUPE_BINARY_DIR "/world-format-reference.md";
+    std::ofstream(made) << reference;
+    ADD_FAILURE() << "docs/world-format.md does not hold what the field tables say; put in the contents of "
+                  << made;
+  }
+}
+
+TEST(WorldFormatReference, TheDocumentsExampleLoads) {
+  const std::string text = document();
+  const std::string fence = "```json\n";
+  const std::size_t begin = text.find(fence);
+  ASSERT_NE(begin, std::string::npos);
+  const std::string example =
+      text.substr(begin + fence.size(), text.find("```", begin + fence.size()) - begin - fence.size());
+  Diagnostics diagnostics;
+  const engine::WorldSpec spec =
+      load_json_world(TROUPE_SOURCE_DIR "/worlds/example.json", example, make_registry(), {}, diagnostics);
+  EXPECT_THAT(findings(diagnostics), testing::IsEmpty());
+  EXPECT_EQ(spec.bodies.size(), 1u + 1 + 2 + 50 + 10);
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,144 @@
+#include "worldio/json_document.hpp"
+
+#include "tests/worldio/json_test_world.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace troupe::worldio {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+struct Parsed {
+  Diagnostics diagnostics;
+  std::optional<JsonNode> root;
+  std::vector<std::string> errors;
+
+  explicit Parsed(std::string_view text) {
+    root = parse_json(text, {diagnostics.files()->add("maze.json"), 0}, false, diagnostics);
+    errors = findings(diagnostics);
+  }
+};
+
+TEST(JsonDocument, KnowsTheLineOfEveryValue) {
+  const Parsed parsed(
+      "{\n"
+      "  \"a\": 1,\n"
+      "  \"b\": 2.5\n"
+      ",\n"
+      "  \"c\": [\n"
+      "    3\n"
+      "    ,\"x\",\n"
+      "    true], \"d\": {\n"
+      "    \"e\":\n"
+      "      null}}\n");
+  ASSERT_THAT(parsed.errors, IsEmpty());
+  const JsonNode& root = *parsed.root;
+  EXPECT_EQ(root.where.line, 1u);
+  EXPECT_EQ(root.find("a")->where.line, 2u);
+  EXPECT_EQ(root.find("b")->where.line, 3u);  // the number ends with its line
+  EXPECT_EQ(root.find("c")->where.line, 5u);
+  const JsonNode::List& list = *root.find("c")->list();
+  EXPECT_EQ(list[0].where.line, 6u);
+  EXPECT_EQ(list[1].where.line, 7u);
+  EXPECT_EQ(list[2].where.line, 8u);
+  EXPECT_EQ(root.find("d")->where.line, 8u);
+  EXPECT_EQ((*root.find("d")->object())[0].where.line, 9u);  // the key
+  EXPECT_EQ(root.find("d")->find("e")->where.line, 10u);     // its value
+  EXPECT_EQ(std::get<std::int64_t>(root.find("a")->value), 1);
+  EXPECT_EQ(std::get<double>(root.find("b")->value), 2.5);
+}
+
+TEST(JsonDocument, KeepsWholeNumbersWhole) {
+  const Parsed parsed("[-9223372036854775808, 9223372036854775807, 18446744073709551615, 1e3]");
+  const JsonNode::List& list = *parsed.root->list();
+  EXPECT_EQ(std::get<std::int64_t>(list[0].value), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(std::get<std::int64_t>(list[1].value), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(std::get<std::uint64_t>(list[2].value), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(std::get<double>(list[3].value), 1000);
+}
+
+TEST(JsonDocument, SyntaxErrorsNameTheLine) {
+  const auto error = [](std::string_view text) {
+    const Parsed parsed(text);
+    EXPECT_FALSE(parsed.root);
+    return parsed.errors.empty() ? std::string("none") : parsed.errors[0];
+  };
+  EXPECT_EQ(
+      error("{\n  \"a\": 1\n  \"b\": 2\n}"),
+      "maze.json:3: error: syntax error while parsing object - unexpected string literal; expected '}'");
+  EXPECT_EQ(
+      error("{\n  \"a\": 1,\n}"),
+      "maze.json:3: error: syntax error while parsing object key - unexpected '}'; expected string literal");
+  EXPECT_EQ(error("{\n\"a\": NaN}"),
+            "maze.json:2: error: syntax error while parsing value - invalid literal; last read: '\"a\": N'");
+  EXPECT_EQ(error("{\n\"a\": [1,\n"),
+            "maze.json:3: error: syntax error while parsing value - unexpected end of input; expected '[', "
+            "'{', or a "
+            "literal");
+  EXPECT_EQ(error("{\n\"a\": \"b\n\"}"),
+            "maze.json:2: error: syntax error while parsing value - invalid string: control character U+000A "
+            "(LF) must "
+            "be escaped to \\u000A or \\n; last read: '\"b<U+000A>'");
+  EXPECT_EQ(error("{\n\"a\": 1e999\n}"), "maze.json:2: error: number overflow parsing '1e999'");
+  EXPECT_EQ(error(""),
+            "maze.json:1: error: syntax error while parsing value - unexpected end of input; expected '[', "
+            "'{', or a literal");
+  EXPECT_EQ(error("{} {}"),
+            "maze.json:1: error: syntax error while parsing value - unexpected '{'; expected end of input");
+}
+
+TEST(JsonDocument, RepeatedKeysAreErrors) {
+  EXPECT_THAT(Parsed("{\n\"a\": 1,\n\"b\": {\"a\": 2},\n\"a\": 3,\n\"a\": 4}").errors,
+              ElementsAre("maze.json:4: error: the key \"a\" already stands on line 2",
+                          "maze.json:5: error: the key \"a\" already stands on line 2"));
+}
+
+TEST(JsonDocument, DepthIsBounded) {
+  EXPECT_TRUE(Parsed(std::string(64, '[') + std::string(64, ']')).root);
+  EXPECT_THAT(Parsed("\n" + std::string(100000, '[')).errors,
+              ElementsAre("maze.json:2: error: nested deeper than 64 levels"));
+}
+
+TEST(JsonDocument, SetReplacesAndAdds) {
+  Parsed parsed(R"({"a": {"b": [1, 2]}, "x/y": 1, "m~n": 2})");
+  Diagnostics& diagnostics = parsed.diagnostics;
+  set_json_value(*parsed.root, "/a/b/1", "7", diagnostics);
+  set_json_value(*parsed.root, "/a/b/-", "8", diagnostics);
+  set_json_value(*parsed.root, "/a/b/3", "[9]", diagnostics);
+  set_json_value(*parsed.root, "/a/new", "red", diagnostics);
+  set_json_value(*parsed.root, "/x~1y", "{\"k\": null}", diagnostics);
+  set_json_value(*parsed.root, "/m~0n", "\"3\"", diagnostics);
+  EXPECT_THAT(findings(diagnostics), IsEmpty());
+  const JsonNode::List& list = *parsed.root->find("a")->find("b")->list();
+  ASSERT_EQ(list.size(), 4u);
+  EXPECT_EQ(std::get<std::int64_t>(list[1].value), 7);
+  EXPECT_EQ(std::get<std::int64_t>(list[2].value), 8);
+  EXPECT_EQ(std::get<std::int64_t>((*list[3].list())[0].value), 9);
+  EXPECT_EQ(*parsed.root->find("a")->find("new")->text(), "red");  // not JSON: a text
+  EXPECT_NE(parsed.root->find("x/y")->find("k"), nullptr);
+  EXPECT_EQ(*parsed.root->find("m~n")->text(), "3");
+}
+
+TEST(JsonDocument, SetSaysWhatIsWrong) {
+  Parsed parsed(R"({"count": 3, "list": [{"name": "a"}]})");
+  Diagnostics& diagnostics = parsed.diagnostics;
+  for (const char* pointer :
+       {"", "count", "/list/1/name", "/list/2", "/list/x", "/lst/0", "/count/x", "/a~2"})
+    set_json_value(*parsed.root, pointer, "1", diagnostics);
+  EXPECT_THAT(
+      findings(diagnostics),
+      ElementsAre("--set : error: not a JSON pointer: write it as in --set /populations/0/count=500",
+                  "--set count: error: not a JSON pointer: write it as in --set /populations/0/count=500",
+                  "--set /list/1/name: error: /list has 1 entries, there is no /list/1",
+                  "--set /list/2: error: /list has 1 entries, there is no /list/2",
+                  "--set /list/x: error: /list is a list: \"x\" is no position in it",
+                  "--set /lst/0: error: the world has no \"lst\" (did you mean \"list\"?)",
+                  "--set /count/x: error: /count is the number 3: nothing stands below it",
+                  "--set /a~2: error: not a JSON pointer: write it as in --set /populations/0/count=500"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio

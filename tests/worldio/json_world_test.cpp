@@ -1,0 +1,745 @@
+#include "troupe/registry.hpp"
+#include "worldio/json_document.hpp"
+#include "worldio/json_types.hpp"
+#include "tests/worldio/json_test_world.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::WorldSpec;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const std::string k_world = R"({
+  "troupe": 1,
+  "seed": 7,
+  "types": {
+    "minibot": {
+      "size_m": [0.2, 0.2, 0.1],
+      "drive": {"kind": "diff", "speed_max_mps": 0.5},
+      "sensors": [{"name": "ir", "kind": "ranger", "transducers": [{"range_max_m": 2}]}],
+      "controller": {"kind": "expand_swarm"}
+    },
+    "crate": {"size_m": [1, 1, 1]}
+  },
+  "models": [
+    {"name": "c0", "type": "crate", "pose": {"x_m": 5, "y_m": 5}}
+  ],
+  "populations": [
+    {"name": "r", "type": "minibot", "count": 4,
+     "place": {"rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25}}
+  ]
+})";
+
+struct Loaded {
+  Diagnostics diagnostics;
+  WorldSpec spec;
+  std::vector<std::string> found;
+
+  explicit Loaded(const std::string& text, const LoadOptions& options = {},
+                  const std::filesystem::path& file = "maze.json") {
+    spec = load_json_world(file, text, json_test_registry(), options, diagnostics);
+    found = findings(diagnostics);
+  }
+};
+
+std::string changed(const std::string& from, const std::string& to, std::string text = k_world) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// A one-channel picture, binary PNM; '#' is solid.
+std::filesystem::path write_picture(const std::string& name, const std::vector<std::string>& rows) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "json_world_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream out(folder / name, std::ios::binary);
+  out << "P5\n" << rows[0].size() << ' ' << rows.size() << "\n255\n";
+  for (const std::string& row : rows)
+    for (const char c : row) out.put(c == '#' ? '\0' : '\xff');
+  return folder / "maze.json";
+}
+
+TEST(JsonWorld, AWorldIsReadAsItStands) {
+  const Loaded loaded(k_world);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const WorldSpec& spec = loaded.spec;
+  EXPECT_EQ(spec.title, "maze");
+  EXPECT_EQ(spec.seed, 7u);
+  EXPECT_EQ(spec.tick_s, 0.1);
+  EXPECT_FALSE(spec.quit_time_s);
+  EXPECT_FALSE(spec.bounds);
+  ASSERT_EQ(spec.types.size(), 3u);  // the ground, then the document's order
+  EXPECT_EQ(spec.types[1].name, "minibot");
+  EXPECT_EQ(spec.types[2].name, "crate");
+
+  const engine::TypeSpec& minibot = spec.types[1];
+  ASSERT_EQ(minibot.parts.size(), 1u);
+  EXPECT_EQ(minibot.parts[0].kind, "position");
+  EXPECT_EQ(minibot.parts[0].size, Eigen::Vector3d(0.2, 0.2, 0.1));
+  ASSERT_EQ(minibot.parts[0].solids.size(), 1u);
+  EXPECT_EQ(minibot.parts[0].solids[0],
+            (Solid{{{{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}}}, {0, 0.1}}));
+  ASSERT_TRUE(minibot.drive);
+  EXPECT_EQ(minibot.drive->kind, "diff");
+  EXPECT_EQ(minibot.drive->params, engine::Record{0.5});
+  EXPECT_EQ(minibot.drive->where.line, 7u);
+  ASSERT_EQ(minibot.sensors.size(), 1u);
+  EXPECT_EQ(minibot.sensors[0].name, "ir");
+  EXPECT_TRUE(minibot.sensors[0].active);
+  const engine::Record no_pose{0.0, 0.0, 0.0, 0.0};
+  const engine::Record transducer{std::vector<engine::Record>{no_pose}, 2.0, 0.1, 1};
+  EXPECT_EQ(minibot.sensors[0].params, (engine::Record{std::vector<engine::Record>{transducer}, false}));
+  ASSERT_EQ(minibot.controllers.size(), 1u);
+  EXPECT_EQ(minibot.controllers[0].kind, "expand");  // of which expand_swarm is a preset
+  EXPECT_EQ(minibot.controllers[0].params[0], engine::Value(2.5));
+  EXPECT_EQ(spec.types[2].parts[0].kind, "model");
+  EXPECT_FALSE(spec.types[2].drive);
+
+  ASSERT_EQ(spec.bodies.size(), 6u);
+  EXPECT_EQ(spec.bodies[0].name, "_ground_model");
+  EXPECT_EQ(spec.bodies[1].name, "c0");
+  EXPECT_EQ(spec.bodies[1].type, TypeId(2));
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{5, 5, 0, 0}));
+  EXPECT_EQ(spec.bodies[1].where.line, 14u);
+  const double y[] = {0, 0.25, 0.5, 0.75};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(spec.bodies[2 + i].name, fmt::format("r{}", i));
+    EXPECT_EQ(spec.bodies[2 + i].type, TypeId(1));
+    EXPECT_EQ(spec.bodies[2 + i].pose_world_body, (Pose{0, y[i], 0, 0}));
+    EXPECT_EQ(spec.bodies[2 + i].color, (Color{1, 0, 0, 1}));
+    EXPECT_EQ(spec.bodies[2 + i].where.line, 17u);
+  }
+  EXPECT_EQ(loaded.diagnostics.files()->name(spec.bodies[1].where.file), "maze.json");
+}
+
+TEST(JsonWorld, SettingsAndUnits) {
+  const Loaded loaded(
+      R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "exact",
+    "seed": 18446744073709551615,
+    "types": {"t": {"size_m": [1, 2, 3], "color": [0.5, 0.25, 0, 0.75], "obstacle": false, "ranger_return": -1,
+      "drive": {"kind": "car", "wheelbase_cm": 50, "period_ms": 200},
+      "sensors": [{"kind": "ranger", "transducers": [{"fov_deg": 360, "pose": {"x_mm": 10, "heading_deg": 90}}], "period_s": 0.5,
+                   "pose": {"z_m": 0.1}, "active": false, "intensity": true},
+                  {"kind": "ranger", "transducers": []}],
+      "controllers": [{"kind": "expand", "clearances_cm": [50, 25], "law": "far"}, {"kind": "expand"}]}},
+    "models": [{"name": "a", "type": "t", "pose": {"heading_deg": 450}}, {"name": "b", "type": "t", "color": "SteelBlue"}]})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const WorldSpec& spec = loaded.spec;
+  EXPECT_EQ(spec.title, "A maze");
+  EXPECT_EQ(spec.seed, ~std::uint64_t{0});
+  EXPECT_EQ(spec.tick_s, 50 * 0.001);
+  EXPECT_EQ(spec.quit_time_s, 60.0);
+  const engine::TypeSpec& type = spec.types[1];
+  EXPECT_EQ(type.parts[0].returns, (engine::Returns{false, -1}));
+  EXPECT_EQ(type.drive->period_s, 0.2);
+  EXPECT_EQ(type.drive->params, (engine::Record{1.0, 0.5}));
+  EXPECT_EQ(type.sensors[0].name, "ranger:0");
+  EXPECT_EQ(type.sensors[1].name, "ranger:1");
+  EXPECT_EQ(type.sensors[0].period_s, 0.5);
+  EXPECT_FALSE(type.sensors[0].active);
+  EXPECT_EQ(type.sensors[0].pose_body_sensor, (Pose{0, 0, 0.1, 0}));
+  const engine::Record& transducer = type.sensors[0].params[0].records()[0];
+  EXPECT_EQ(transducer[2].number(), 2 * k_pi);  // the limit itself, in degrees
+  EXPECT_EQ(transducer[0].records()[0][0].number(), 0.01);
+  EXPECT_EQ(transducer[0].records()[0][3].number(), radians(90));
+  EXPECT_TRUE(type.sensors[0].params[1].boolean());
+  ASSERT_EQ(type.controllers.size(), 2u);
+  EXPECT_EQ(type.controllers[0].params, (engine::Record{1.0, std::vector<double>{0.5, 0.25}, "far"}));
+  EXPECT_DOUBLE_EQ(spec.bodies[1].pose_world_body.heading, radians(90));
+  EXPECT_EQ(spec.bodies[1].color, (Color{0.5f, 0.25f, 0, 0.75f}));
+  EXPECT_EQ(spec.bodies[2].color, (Color{70 / 255.f, 130 / 255.f, 180 / 255.f, 1}));
+}
+
+TEST(JsonWorld, BlocksAreTakenAsTheyAre) {
+  const Loaded loaded(R"({"troupe": 1, "types": {"t": {"blocks": [
+      {"points_m": [[0, 0], [0, 2], [1, 2], [1, 0]], "z_m": [0.5, 1]},
+      {"points_m": [[-1, 0], [0, 0], [0, 1]], "z_cm": [-10, 20]}]}}})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::PartSpec& part = loaded.spec.types[1].parts[0];
+  ASSERT_EQ(part.solids.size(), 2u);
+  EXPECT_EQ(part.solids[0],
+            (Solid{{{{1, 0}, {1, 2}, {0, 2}, {0, 0}}}, {0.5, 1}}));  // turned counter-clockwise
+  EXPECT_EQ(part.solids[1].z.max, 0.2);
+  EXPECT_EQ(part.size, Eigen::Vector3d(2, 2, 1.1));
+}
+
+TEST(JsonWorld, FloorPlans) {
+  const auto file = write_picture("plan.pgm", {".....", ".###.", ".#.#.", ".....", "....."});
+  const std::string text = R"({"troupe": 1, "floorplans": [
+    {"name": "a", "bitmap": "plan.pgm", "size_m": [6, 4, 2], "pose": {"x_m": 10, "heading_deg": 90}},
+    {"name": "b", "bitmap": "plan.pgm", "size_m": [5, 10, 1], "margins": "keep", "color": "red", "obstacle": false,
+     "ranger_return": 0.5, "boundary": true}]})";
+  const Loaded loaded(text, {}, file);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const WorldSpec& spec = loaded.spec;
+  ASSERT_EQ(spec.bodies.size(), 3u);
+  EXPECT_EQ(spec.bodies[1].name, "a");
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{10, 0, 0, radians(90)}));
+
+  const engine::PartSpec& trimmed = spec.types[spec.bodies[1].type.index()].parts[0];
+  ASSERT_EQ(trimmed.solids.size(), 1u);
+  EXPECT_EQ(trimmed.solids[0].z, (ZInterval{0, 2}));
+  ASSERT_EQ(trimmed.solids[0].contours.size(), 1u);  // the arch of dark pixels fills the size
+  EXPECT_EQ(bounds(trimmed.solids[0].contours[0]).min, Vec2(-3, -2));
+  EXPECT_EQ(bounds(trimmed.solids[0].contours[0]).max, Vec2(3, 2));
+  EXPECT_FALSE(contains(trimmed.solids[0], Vec2(0, -1)));
+  EXPECT_TRUE(contains(trimmed.solids[0], Vec2(0, 1)));
+
+  const engine::PartSpec& kept = spec.types[spec.bodies[2].type.index()].parts[0];
+  EXPECT_EQ(kept.returns, (engine::Returns{false, 0.5f}));
+  ASSERT_EQ(kept.solids.size(), 5u);  // and four walls
+  EXPECT_EQ(kept.solids[0].z, (ZInterval{0, 1}));
+  const Box arch = bounds(kept.solids[0].contours[0]);  // rows 1 and 2 of 5, of 2 m each
+  EXPECT_TRUE(arch.min.isApprox(Vec2(-1.5, -1)) && arch.max.isApprox(Vec2(1.5, 3)));
+  Box walls;
+  for (std::size_t i = 1; i < 5; ++i) {
+    walls.extend(bounds(kept.solids[i].contours[0]));
+    EXPECT_NEAR(bounds(kept.solids[i].contours[0]).size().minCoeff(), 0.01, 1e-12);
+  }
+  EXPECT_EQ(walls.min, Vec2(-2.5, -5));
+  EXPECT_EQ(walls.max, Vec2(2.5, 5));
+
+  ASSERT_TRUE(spec.bounds);  // of 4 x 6 m about (10, 0) and 5 x 10 m about the origin
+  EXPECT_TRUE(spec.bounds->min.isApprox(Vec2(-2.5, -5)));
+  EXPECT_TRUE(spec.bounds->max.isApprox(Vec2(12, 5)));
+}
+
+struct Wrong {
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+class JsonWorldError : public testing::TestWithParam<Wrong> {};
+
+TEST_P(JsonWorldError, SaysWhatAndWhere) {
+  EXPECT_THAT(Loaded(changed(GetParam().from, GetParam().to)).found, ElementsAre(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TopLevel, JsonWorldError,
+    testing::Values(
+        Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": the version of the format, 1)"},
+        Wrong{R"("troupe": 1)", R"("troupe": 2)",
+              "maze.json:2: error: /troupe: format version 2 is not known: this version reads 1"},
+        Wrong{R"("troupe": 1)", R"("troupe": "1")",
+              R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
+        Wrong{
+            R"("seed": 7)", R"("sede": 7)",
+            R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
+        Wrong{R"("seed": 7)", R"("seed": -7)",
+              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
+        Wrong{R"("seed": 7)", R"("seed": 7.5)",
+              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.5"},
+        Wrong{R"("seed": 7)", R"("title": 7)",
+              "maze.json:3: error: /title: expected the world's title, found the number 7"},
+        Wrong{R"("seed": 7)", R"("tick_s": 0)",
+              "maze.json:3: error: /tick_s: must be above 0 and at most 3600 s, found 0"},
+        Wrong{R"("seed": 7)", R"("tick_ms": 4e6)",
+              "maze.json:3: error: /tick_ms: must be above 0 and at most 3600000 ms, found 4000000"},
+        Wrong{R"("seed": 7)", R"("tick": 0.1)",
+              R"(maze.json:3: error: "tick" needs its unit: write "tick_s" or "tick_ms")"},
+        Wrong{R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)",
+              R"(maze.json:3: error: /tick_ms: said twice: give only one of "tick_s" or "tick_ms")"},
+        Wrong{R"("seed": 7)", R"("tick_s": "fast")",
+              R"(maze.json:3: error: /tick_s: expected a number in s, found the text "fast")"},
+        Wrong{R"("seed": 7)", R"("quit_time_s": -1)",
+              "maze.json:3: error: /quit_time_s: must be above 0 and at most 1000000000 s, found -1"},
+        Wrong{
+            R"("seed": 7)", R"("ranging": "exakt")",
+            R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact (did you mean "exact"?))"},
+        Wrong{R"("seed": 7)", R"("floorplans": {})",
+              "maze.json:3: error: /floorplans: expected a list, found an object"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Types, JsonWorldError,
+    testing::Values(
+        Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
+              R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box) or "blocks")"},
+        Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
+              "maze.json:11: error: /types/crate: expected an object, found the number 3"},
+        Wrong{"[1, 1, 1]", "[1, 0, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found 0"},
+        Wrong{"[1, 1, 1]", "[1, -1, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found -1"},
+        Wrong{
+            "[1, 1, 1]", "[1, 1]",
+            "maze.json:11: error: /types/crate/size_m: expected a list of 3 numbers in m, found a list of 2"},
+        Wrong{"[1, 1, 1]", "[1, null, 1]",
+              "maze.json:11: error: /types/crate/size_m/1: expected a number in m, found null"},
+        Wrong{
+            R"({"size_m": [1, 1, 1]})", R"({"size": [1, 1, 1]})",
+            R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
+        Wrong{
+            R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blocks, color, controller, controllers, drive, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+        Wrong{
+            R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
+            R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 2, 0])",
+              "maze.json:11: error: /types/crate/color/1: must be from 0 to 1, found 2"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 1])",
+              "maze.json:11: error: /types/crate/color: expected a color: an X11 name, [r, g, b] or [r, g, "
+              "b, a], found a list of 2"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "obstacle": 1)",
+              "maze.json:11: error: /types/crate/obstacle: expected true or false, found the number 1"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})",
+              R"(maze.json:11: error: /types/crate: a controller needs a "drive" to command)"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "hover")",
+            R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "hover"; known: car, diff, omni)"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "onmi")",
+            R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "onmi"; known: car, diff, omni (did you mean "omni"?))"},
+        Wrong{
+            R"("kind": "diff")", R"("kind": "car")",
+            R"(maze.json:7: error: /types/minibot/drive: missing "wheelbase_m", "wheelbase_cm" or "wheelbase_mm": between the axles)"},
+        Wrong{R"("kind": "diff", )", "",
+              R"(maze.json:7: error: /types/minibot/drive: missing "kind": one of car, diff, omni)"},
+        Wrong{R"("speed_max_mps": 0.5)", R"("speed_max_mps": -0.5)",
+              "maze.json:7: error: /types/minibot/drive/speed_max_mps: must be at least 0 m/s, found -0.5"},
+        Wrong{R"("kind": "ranger")", R"("kind": 4)",
+              "maze.json:8: error: /types/minibot/sensors/0/kind: expected the name of a sensor, found the "
+              "number 4"},
+        Wrong{R"(, "transducers": [{"range_max_m": 2}])", "",
+              R"(maze.json:8: error: /types/minibot/sensors/0: missing "transducers": fans of beams)"},
+        Wrong{R"("range_max_m": 2)", R"("fov_deg": 361)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: must be from 0 to 360 "
+              "deg, found 361"},
+        Wrong{
+            R"("range_max_m": 2)", R"("fov": 1)",
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0: "fov" needs its unit: write "fov_rad" or "fov_deg")"},
+        Wrong{
+            R"("range_max_m": 2)", R"("fov_deg": 1, "fov_rad": 1)",
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: said twice: give only one of "fov_rad" or "fov_deg")"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 2.5)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: expected a whole number, "
+              "found the number 2.5"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 0)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, "
+              "found 0"},
+        Wrong{R"("range_max_m": 2)", R"("samples": 18446744073709551615)",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: must be from 1 to 1000, "
+              "found 18446744073709551615"},
+        Wrong{R"("range_max_m": 2)", R"("pose": {"x_m": 1e6})",
+              "maze.json:8: error: /types/minibot/sensors/0/transducers/0/pose/x_m: must be from -100000 to "
+              "100000 m, found 1000000"},
+        Wrong{R"("transducers")",
+              R"("name": "ir"}, {"name": "x", "kind": "ranger", "period_s": -1, "transducers")",
+              R"(maze.json:8: error: the key "name" already stands on line 8)"},
+        Wrong{R"({"name": "ir", "kind": "ranger", )",
+              R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )",
+              R"(maze.json:8: error: /types/minibot/sensors/1/name: the type has a sensor "ir" already)"},
+        Wrong{
+            R"("kind": "expand_swarm")", R"("kind": "expand_sworm")",
+            R"(maze.json:9: error: /types/minibot/controller/kind: unknown controller "expand_sworm"; known: expand, expand_swarm (did you mean "expand_swarm"?))"},
+        Wrong{
+            R"("kind": "expand_swarm")", R"("kind": "expand", "law": "fat")",
+            R"(maze.json:9: error: /types/minibot/controller/law: unknown law "fat"; known: far, near (did you mean "far"?))"},
+        Wrong{R"("kind": "expand_swarm")", R"("kind": "expand", "law": 1)",
+              "maze.json:9: error: /types/minibot/controller/law: expected one of near, far, found the "
+              "number 1"},
+        Wrong{R"("kind": "expand_swarm"})", R"("kind": "expand_swarm"}, "controllers": [])",
+              R"(maze.json:9: error: /types/minibot: give "controller" or "controllers", not both)"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Blocks, JsonWorldError,
+    testing::Values(
+        Wrong{R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: expected 3 to 1000 points, found 2"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1, 1]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m/2: expected a list of 2 numbers in m, "
+              "found a list of 3"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights between which the block stands, [min, max])"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"z_m": [0, 1]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
+        Wrong{
+            R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])",
+            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must rise from min to max, found 1 and 1)"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
+        Wrong{R"("size_m": [1, 1, 1])",
+              R"("blocks": [{"points_m": [[0, 0], [1, 1], [1, 0], [0, 1]], "z_m": [0, 1]}])",
+              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline crosses or touches itself: "
+              "the edges from points 0 and 2"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Bodies, JsonWorldError,
+    testing::Values(
+        Wrong{R"("name": "c0", )", "", R"(maze.json:14: error: /models/0: missing "name": the model's name)"},
+        Wrong{R"("name": "c0")", R"("name": "")",
+              R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
+        Wrong{R"("name": "c0")", R"("name": "r2")",
+              R"(maze.json:17: error: the name "r2" is taken by the body of line 14)"},
+        Wrong{R"("name": "c0")", R"("name": "_ground_model")",
+              R"(maze.json:14: error: the name "_ground_model" is taken)"},
+        Wrong{R"("type": "crate", )", "",
+              R"(maze.json:14: error: /models/0: missing "type": the name of one of /types)"},
+        Wrong{
+            R"("type": "crate")", R"("type": "create")",
+            R"(maze.json:14: error: /models/0/type: unknown type "create"; known: crate, minibot (did you mean "crate"?))"},
+        Wrong{R"("x_m": 5)", R"("x": 5)",
+              R"(maze.json:14: error: /models/0/pose: "x" needs its unit: write "x_m", "x_cm" or "x_mm")"},
+        Wrong{R"("x_m": 5)", R"("heading_deg": 5000)",
+              "maze.json:14: error: /models/0/pose/heading_deg: must be from -3600 to 3600 deg, found 5000"},
+        Wrong{R"({"x_m": 5, "y_m": 5})", "[5, 5]",
+              "maze.json:14: error: /models/0/pose: expected an object, found a list of 2"},
+        Wrong{R"("y_m": 5}})", R"("y_m": 5}},
+    {"name": "c1", "type": "crate", "pose": {"x_m": 5.5, "y_m": 5.5}})",
+              R"(maze.json:15: error: /models/1: "c1" overlaps "c0" at the start)"},
+        Wrong{R"("count": 4)", R"("count": -4)",
+              "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found -4"},
+        Wrong{R"("count": 4)", R"("count": 20000000)",
+              "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found 20000000"},
+        Wrong{R"("count": 4)", R"("count": 10000000)",
+              "maze.json:17: error: the world would hold 10000002 bodies; at most 10000000 are allowed"},
+        Wrong{R"("count": 4,)", "",
+              R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
+        Wrong{R"("count": 4)", R"("count": 26)",
+              "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
+              "free cells (of 25)"},
+        Wrong{R"("rule": "grid", )", "",
+              R"(maze.json:18: error: /populations/0/place: missing "rule": grid or uniform)"},
+        Wrong{
+            R"("rule": "grid")", R"("rule": "gird")",
+            R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: grid, uniform (did you mean "grid"?))"},
+        Wrong{
+            R"("rule": "grid")", R"("rule": "uniform")",
+            R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, region_m, rule, z_cm, z_m, z_mm)"},
+        Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
+              R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
+              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 draws found no free "
+              "place for the next"},
+        Wrong{
+            R"("region_m": [[0, 0], [1, 1]], )", "",
+            R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill)"},
+        Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
+              "maze.json:18: error: /populations/0/place/region_m: the corners stand the wrong way round: "
+              "give [[x_min, y_min], [x_max, y_max]]"},
+        Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]",
+              "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
+        Wrong{
+            R"(, "pitch_m": 0.25)", "",
+            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbours)"},
+        Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0)",
+              "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
+              "found 0"},
+        Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
+              "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most "
+              "100000000 are looked at"},
+        Wrong{
+            R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
+            R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},
+        Wrong{
+            R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": 3)",
+            R"(maze.json:18: error: /populations/0/place: "heading" needs its unit: write "heading_rad" or "heading_deg")"}));
+
+TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
+  EXPECT_THAT(
+      Loaded("{\n\"troupe\": 3,\n\"types\": {\n\"a\": {\"size_m\": 1, \"drive\": {\"kind\": "
+             "\"x\"}}},\n\"record\": {},\n"
+             "\"models\": [{\"name\": \"m\", \"type\": \"b\"}, 4]}")
+          .found,
+      ElementsAre(
+          "maze.json:2: error: /troupe: format version 3 is not known: this version reads 1",
+          "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
+          "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
+          "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
+          "maze.json:6: error: /models/1: expected an object, found the number 4",
+          "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
+          "quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types"));
+  EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
+}
+
+TEST(JsonWorld, FloorPlanErrors) {
+  const auto file = write_picture("white.pgm", {"..", ".."});
+  write_picture("dark.pgm", {"##", "#."});
+  const auto wrong = [&](const std::string& plan) {
+    const Loaded loaded(
+        "{\"troupe\": 1, \"types\": {\"t\": {\"size_m\": [1, 1, 1], \"drive\": {\"kind\": \"diff\"}}},\n"
+        "\"floorplans\": [" +
+            plan +
+            "],\n"
+            "\"models\": [{\"name\": \"m\", \"type\": \"t\"}]}",
+        {}, file);
+    std::string text;
+    for (const std::string& line : loaded.found) text += (text.empty() ? "" : "\n") + line;
+    for (std::size_t at; (at = text.find(file.parent_path().string() + "/")) != std::string::npos;)
+      text.erase(at, file.parent_path().string().size() + 1);
+    return text;
+  };
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
+      "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel: nothing of it is solid");
+  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm"})"),
+            R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
+      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, relative to the world file)");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
+      R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");
+  EXPECT_THAT(wrong(R"({"name": "a", "bitmap": "none.pgm", "size_m": [4, 4, 1]})"),
+              testing::AllOf(testing::StartsWith("maze.json:2: error: "), testing::HasSubstr("none.pgm")));
+  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
+            R"(maze.json:3: error: /models/0: "m" overlaps "a" at the start)");
+  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
+  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
+            R"(maze.json:3: error: /models/0: "m" stands outside of the floor plans)");
+}
+
+TEST(JsonWorld, OutlineFaults) {
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}), "");  // need not be convex
+  EXPECT_EQ(outline_fault({{0, 0}, {0, 0}, {2, 1}}), "point 1 repeats point 0");
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {0, 0}}),
+            "the last point repeats the first: the outline is closed anyway");
+  EXPECT_EQ(outline_fault({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}), "the outline has no area");
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}),
+            "the outline turns back on itself at point 3");
+  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}),  // a corner touches an edge
+            "the outline crosses or touches itself: the edges from points 0 and 2");
+}
+
+TEST(JsonWorld, SetAndSeed) {
+  LoadOptions options;
+  options.seed = 99;
+  options.set = {
+      {"/populations/0/count", "6"}, {"/types/minibot/color", "blue"}, {"/populations/0/color", "random"}};
+  const Loaded loaded(k_world, options);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.spec.seed, 99u);
+  EXPECT_EQ(loaded.spec.bodies.size(), 8u);
+  const Color c = loaded.spec.bodies[3].color;
+  EXPECT_NE(c, loaded.spec.bodies[4].color);
+  EXPECT_EQ(c, Loaded(k_world, options).spec.bodies[3].color);
+  options.seed = 98;
+  EXPECT_NE(c, Loaded(k_world, options).spec.bodies[3].color);
+
+  options.set = {{"/populations/0/count", "many"},
+                 {"/populations/0/pitch_m", "1"},
+                 {"/types/minibot/drive/kind", "fly"}};
+  EXPECT_THAT(
+      Loaded(k_world, options).found,
+      ElementsAre(
+          "--set /types/minibot/drive/kind: error: /types/minibot/drive/kind: unknown drive \"fly\"; known: "
+          "car, diff, omni",
+          "--set /populations/0/count: error: /populations/0/count: expected a whole number, found the text "
+          "\"many\"",
+          "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
+          "count, name, place, type"));
+}
+
+TEST(JsonWorld, RobotsSetAPopulation) {
+  const std::string two =
+      changed("\"pitch_m\": 0.25}}",
+              "\"pitch_m\": 0.25}},\n{\"name\": \"s\", \"type\": \"crate\", \"count\": 1, \"place\": "
+              "{\"rule\": \"uniform\", \"region_m\": [[20, 20], [30, 30]]}}");
+  const auto load = [](const std::string& text, std::vector<std::pair<std::string, std::size_t>> robots) {
+    LoadOptions options;
+    options.robots = std::move(robots);
+    return Loaded(text, options);
+  };
+  EXPECT_EQ(load(k_world, {{"", 9}}).spec.bodies.size(), 2u + 9);
+  EXPECT_EQ(load(changed("\"count\": 4,", ""), {{"", 9}}).spec.bodies.size(), 2u + 9);
+  EXPECT_EQ(load(two, {{"s", 3}}).spec.bodies.size(), 2u + 4 + 3);
+  EXPECT_EQ(load(two, {{"s", 3}, {"r", 0}}).spec.bodies.size(), 2u + 3);
+  EXPECT_THAT(
+      load(two, {{"", 3}}).found,
+      ElementsAre(
+          "--robots 3: error: the world has 2 populations: say which, NAME=COUNT with NAME one of r, s"));
+  EXPECT_THAT(load(two, {{"t", 3}}).found,
+              ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
+  EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,
+              ElementsAre("--robots 3: error: the world has no population whose size could be set"));
+  EXPECT_THAT(
+      load(k_world, {{"r", ~std::size_t{0}}}).found,
+      ElementsAre(
+          "--robots r=18446744073709551615: error: /populations/0/count: must be from 0 to 10000000, found "
+          "18446744073709551615"));
+  EXPECT_THAT(
+      load(k_world, {{"", 100}}).found,
+      ElementsAre(
+          "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no more free "
+          "cells (of 25)"));
+}
+
+TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
+  const Loaded loaded(
+      R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}, "ghost": {"size_m": [1, 1, 1], "obstacle": false}},
+    "models": [{"name": "m", "type": "t", "pose": {"y_m": 1}}],
+    "populations": [
+      {"name": "a", "type": "t", "count": 2, "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}},
+      {"name": "b", "type": "t", "count": 1, "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}},
+      {"name": "g", "type": "ghost", "count": 1, "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}}]})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.spec.bodies[2].pose_world_body, (Pose{0, 0, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[3].pose_world_body, (Pose{0, 2, 0, 0}));  // the model stands at (0, 1)
+  EXPECT_EQ(loaded.spec.bodies[4].pose_world_body, (Pose{0, 3, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // no obstacle is in nobody's way
+}
+
+TEST(JsonWorld, AGridMaySpill) {
+  LoadOptions options;
+  options.robots = {{"", 30}};
+  options.set = {{"/populations/0/place/spill_m", "[[2, 0], [3, 3]]"}};
+  const Loaded loaded(k_world, options);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.spec.bodies[2 + 24].pose_world_body, (Pose{1, 1, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[2 + 25].pose_world_body, (Pose{2, 0, 0, 0}));
+  EXPECT_EQ(loaded.spec.bodies[2 + 29].pose_world_body, (Pose{2, 1, 0, 0}));
+
+  options.set = {{"/populations/0/place/spill_m", "[[2, 0], [1, 3]]"}};
+  EXPECT_THAT(
+      Loaded(k_world, options).found,
+      ElementsAre(
+          "--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: the corners stand "
+          "the wrong way round: give [[x_min, y_min], [x_max, y_max]]"));
+}
+
+TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
+  LoadOptions options;
+  options.robots = {{"", 1000000}};
+  options.set = {{"/populations/0/place/region_m", "[[10, 10], [400, 400]]"}};
+  const auto start = std::chrono::steady_clock::now();
+  const Loaded loaded(k_world, options);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  EXPECT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.spec.bodies.size(), 1000002u);
+  RecordProperty("seconds", std::to_string(took.count()));
+  std::printf("1,000,000 robots in %.2f s\n", took.count());
+}
+
+TEST(JsonWorld, EveryWorldWeShipLoads) {
+  std::size_t worlds = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
+    if (entry.path().extension() != ".json") continue;
+    Diagnostics diagnostics;
+    const WorldSpec spec = load_world(entry.path(), make_registry(), {}, diagnostics);
+    EXPECT_THAT(findings(diagnostics), IsEmpty());
+    EXPECT_GT(spec.bodies.size(), 100u) << entry.path();
+    ++worlds;
+  }
+  EXPECT_GE(worlds, 6u);
+}
+
+/// A document with a few bytes cut out and scraps of JSON put in.
+std::string mutated(std::string text) {
+  static const std::vector<std::string> k_scraps{"{",
+                                                 "}",
+                                                 "[",
+                                                 "]",
+                                                 ",",
+                                                 ":",
+                                                 "\"",
+                                                 "null",
+                                                 "-",
+                                                 "1e5",
+                                                 "0",
+                                                 "\n",
+                                                 "\\",
+                                                 "\"x\"",
+                                                 "{}",
+                                                 "[]",
+                                                 "true",
+                                                 "\xff",
+                                                 "\"heading\": 1,",
+                                                 "9"};
+  for (int i = *rc::gen::inRange(1, 6); i > 0; --i) {
+    const auto at = *rc::gen::resize(100, rc::gen::inRange<std::size_t>(0, text.size()));
+    const auto gone = *rc::gen::resize(100, rc::gen::inRange<std::size_t>(0, 12));
+    text.replace(at, gone, *rc::gen::elementOf(k_scraps));
+  }
+  return text;
+}
+
+RC_GTEST_PROP(JsonWorldFuzz, MutatedWorldsNeverCrash, ()) {
+  for (int i = 0; i < 50; ++i) {
+    const std::string text = mutated(k_world);
+    if (text.find("\"count\": 4,") == std::string::npos)
+      continue;  // another count is legal, but may take long
+    const Loaded loaded(text);
+    for (const std::string& line : loaded.found) RC_ASSERT(line.starts_with("maze.json:"));
+  }
+}
+
+RC_GTEST_PROP(JsonWorldFuzz, MutatedDocumentsNeverCrash, ()) {
+  for (int i = 0; i < 50; ++i) {
+    Diagnostics diagnostics;
+    const auto root =
+        parse_json(mutated(k_world), {diagnostics.files()->add("maze.json"), 0}, false, diagnostics);
+    RC_ASSERT(root.has_value() == !diagnostics.has_errors());
+  }
+}
+
+RC_GTEST_PROP(JsonWorldFuzz, ValuesOfTheWrongKindNeverCrash, ()) {
+  static const std::vector<std::string> k_pointers{"/troupe",
+                                                   "/seed",
+                                                   "/types",
+                                                   "/types/minibot",
+                                                   "/types/minibot/size_m",
+                                                   "/types/minibot/size_m/1",
+                                                   "/types/minibot/drive",
+                                                   "/types/minibot/drive/kind",
+                                                   "/types/minibot/sensors",
+                                                   "/types/minibot/sensors/0",
+                                                   "/types/minibot/sensors/0/transducers",
+                                                   "/types/minibot/sensors/0/transducers/0",
+                                                   "/types/minibot/controller",
+                                                   "/models",
+                                                   "/models/0",
+                                                   "/models/0/pose",
+                                                   "/models/0/pose/x_m",
+                                                   "/populations",
+                                                   "/populations/0",
+                                                   "/populations/0/place",
+                                                   "/populations/0/place/region_m",
+                                                   "/populations/0/place/region_m/1",
+                                                   "/populations/0/place/rule",
+                                                   "/populations/0/name",
+                                                   "/populations/0/color",
+                                                   "/floorplans",
+                                                   "/types/crate/blocks",
+                                                   "/types/crate/color"};
+  static const std::vector<std::string> k_values{"null",
+                                                 "true",
+                                                 "-1",
+                                                 "0",
+                                                 "1e300",
+                                                 "18446744073709551615",
+                                                 "\"\"",
+                                                 "\"diff\"",
+                                                 "[]",
+                                                 "[[]]",
+                                                 "[[0,0],[1,1]]",
+                                                 "[1,2,3]",
+                                                 "{}",
+                                                 "{\"kind\": \"omni\"}",
+                                                 "[{}]",
+                                                 "{\"name\": 3, \"type\": []}",
+                                                 "text"};
+  LoadOptions options;
+  for (int i = *rc::gen::inRange(1, 5); i > 0; --i)
+    options.set.emplace_back(*rc::gen::elementOf(k_pointers), *rc::gen::elementOf(k_values));
+  options.robots = {{*rc::gen::elementOf(std::vector<std::string>{"", "r", "x"}), 5}};
+  const Loaded loaded(k_world, options);
+  for (const std::string& line : loaded.found)
+    RC_ASSERT(line.starts_with("maze.json:") || line.starts_with("--set /") || line.starts_with("--robots "));
+}
+
+}  // namespace
+}  // namespace troupe::worldio

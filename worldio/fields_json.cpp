@@ -1,0 +1,231 @@
+#include "worldio/fields_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+using engine::UnitSuffix;
+using engine::Value;
+
+std::optional<double> as_number(const JsonNode& node) {
+  if (const auto* x = std::get_if<double>(&node.value)) return *x;
+  if (const auto* x = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*x);
+  if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return static_cast<double>(*x);
+  return std::nullopt;
+}
+
+std::string limit(double si, const UnitSuffix& suffix) {
+  return fmt::format("{:.10g}", si / suffix.to_si);
+}
+
+std::string with_symbol(std::string text, const UnitSuffix& suffix) {
+  if (!suffix.symbol.empty()) text += fmt::format(" {}", suffix.symbol);
+  return text;
+}
+
+std::string in_unit(std::string text, const UnitSuffix& suffix) {
+  if (!suffix.symbol.empty()) text += fmt::format(" in {}", suffix.symbol);
+  return text;
+}
+
+/// A number of a field in SI units; empty, and reported, where it is none or out of range.
+std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+  const std::optional<double> given = as_number(at.node());
+  if (!given) {
+    at.expected(in_unit("a number", suffix));
+    return std::nullopt;
+  }
+  double si = *given * suffix.to_si;
+  // 360 deg must pass where the limit is 2 pi: a conversion may be off by its rounding.
+  constexpr double k_rounding = 1e-14;
+  if (si > field.max && si <= field.max + k_rounding * std::abs(field.max)) si = field.max;
+  if (si < field.min && si >= field.min - k_rounding * std::abs(field.min)) si = field.min;
+  if (std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min))
+    return si;
+  const std::string limits = limits_text(field, suffix);
+  at.error(fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, *given));
+  return std::nullopt;
+}
+
+Value read_integer(const JsonCursor& at, const Field& field) {
+  constexpr double k_exact = 9007199254740992.0;  // 2^53: beyond it a double is no count
+  std::optional<std::int64_t> given;
+  if (const auto* x = std::get_if<std::int64_t>(&at.node().value)) given = *x;
+  if (const auto* x = std::get_if<double>(&at.node().value))
+    if (*x == std::floor(*x) && std::abs(*x) <= k_exact) given = static_cast<std::int64_t>(*x);
+  const bool too_big = std::holds_alternative<std::uint64_t>(at.node().value);
+  if (!given && !too_big) {
+    at.expected("a whole number");
+    return {};
+  }
+  const UnitSuffix bare{"", "", 1};
+  const double x = given ? static_cast<double>(*given) : std::numeric_limits<double>::infinity();
+  if (too_big || x < field.min || x > field.max || (field.above_min && x == field.min)) {
+    const std::string limits = limits_text(field, bare);
+    at.error(fmt::format("must be {}, found {}", limits.empty() ? "below 2^63" : limits,
+                         at.node().describe().substr(std::string_view("the number ").size())));
+    return {};
+  }
+  return *given;
+}
+
+Value read_text_field(const JsonCursor& at, const Field& field) {
+  const std::string* text = at.node().text();
+  if (!text) {
+    at.expected(field.choices.empty() ? "a text" : fmt::format("one of {}", comma_list(field.choices)));
+    return {};
+  }
+  if (!field.choices.empty() &&
+      std::find(field.choices.begin(), field.choices.end(), *text) == field.choices.end()) {
+    at.error(unknown_name(field.name, *text, field.choices));
+    return {};
+  }
+  return *text;
+}
+
+Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+  const JsonNode::List* list = at.node().list();
+  if (!list || (field.columns > 0 && list->size() != field.columns)) {
+    at.expected(
+        in_unit(field.columns > 0 ? fmt::format("a list of {} numbers", field.columns) : "a list of numbers",
+                suffix));
+    return {};
+  }
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < list->size(); ++i)
+    if (const auto x = read_number(JsonCursor(at, i, (*list)[i]), field, suffix)) numbers.push_back(*x);
+  if (numbers.size() < list->size()) return {};
+  return numbers;
+}
+
+Record read_record(const JsonCursor& at, const FieldTable& table) {
+  JsonObject object(at);
+  Record record = read_fields(object, table);
+  object.finish();
+  return record;
+}
+
+Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+  switch (field.type) {
+    case FieldType::boolean:
+      if (const bool* x = std::get_if<bool>(&at.node().value)) return *x;
+      at.expected("true or false");
+      return {};
+    case FieldType::integer:
+      return read_integer(at, field);
+    case FieldType::number:
+      if (const auto x = read_number(at, field, suffix)) return *x;
+      return {};
+    case FieldType::text:
+      return read_text_field(at, field);
+    case FieldType::numbers:
+      return read_numbers(at, field, suffix);
+    case FieldType::record:
+      return std::vector<Record>{read_record(at, *field.record)};
+    case FieldType::records: {
+      const JsonNode::List* list = read_list(at);
+      if (!list) return {};
+      std::vector<Record> records;
+      for (std::size_t i = 0; i < list->size(); ++i)
+        records.push_back(read_record(JsonCursor(at, i, (*list)[i]), *field.record));
+      return records;
+    }
+  }
+  return {};
+}
+
+/// Looks a field up under each of its keys. `present` tells "absent" from "there, but wrong".
+Value read_under_its_keys(JsonObject& object, const Field& field, bool& present) {
+  Value value;
+  present = false;
+  const auto suffixes = engine::unit_suffixes(field.unit);
+  for (const UnitSuffix& suffix : suffixes) {
+    const std::string key = std::string(field.name) + std::string(suffix.suffix);
+    const JsonNode* node = object.find(key);
+    if (!node) continue;
+    const JsonCursor at(object.at(), key, *node);
+    if (present)
+      at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
+    else
+      value = read_in_unit(at, field, suffix);
+    present = true;
+  }
+  if (field.unit != Unit::none) {
+    const JsonNode::Object* members = object.at().node().object();
+    for (const JsonMember& member : *members) {
+      if (member.key != field.name) continue;
+      object.find(field.name);
+      object.at().error_at(member.where,
+                           fmt::format("\"{}\" needs its unit: write {}", field.name, quoted_keys(field)));
+      present = true;
+    }
+  }
+  return value;
+}
+
+}  // namespace
+
+Value read_field(JsonObject& object, const Field& field) {
+  bool present = false;
+  return object.is_object() ? read_under_its_keys(object, field, present) : Value{};
+}
+
+Value read_value(const JsonCursor& at, const Field& field) {
+  return read_in_unit(at, field, engine::unit_suffixes(field.unit).front());
+}
+
+Record read_fields(JsonObject& object, const FieldTable& table,
+                   std::span<const std::pair<std::string_view, Value>> presets) {
+  Record record = table.defaults();
+  for (const auto& [name, value] : presets)
+    if (const int i = table.find(name); i >= 0) record[static_cast<std::size_t>(i)] = value;
+  if (!object.is_object()) return record;
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const Field& field = table.fields[i];
+    bool present = false;
+    Value value = read_under_its_keys(object, field, present);
+    if (value.given())
+      record[i] = std::move(value);
+    else if (!present && !record[i].given())
+      object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
+  }
+  return record;
+}
+
+std::string quoted_keys(const Field& field) {
+  std::string keys;
+  const auto suffixes = engine::unit_suffixes(field.unit);
+  for (std::size_t i = 0; i < suffixes.size(); ++i) {
+    if (i > 0) keys += i + 1 == suffixes.size() ? " or " : ", ";
+    keys += fmt::format("\"{}{}\"", field.name, suffixes[i].suffix);
+  }
+  return keys;
+}
+
+std::string limits_text(const Field& field, const UnitSuffix& suffix) {
+  const bool low = std::isfinite(field.min);
+  const bool high = std::isfinite(field.max);
+  if (low && high && field.above_min)
+    return with_symbol(
+        fmt::format("above {} and at most {}", limit(field.min, suffix), limit(field.max, suffix)), suffix);
+  if (low && high)
+    return with_symbol(fmt::format("from {} to {}", limit(field.min, suffix), limit(field.max, suffix)),
+                       suffix);
+  if (low)
+    return with_symbol(fmt::format("{} {}", field.above_min ? "above" : "at least", limit(field.min, suffix)),
+                       suffix);
+  if (high) return with_symbol(fmt::format("at most {}", limit(field.max, suffix)), suffix);
+  return {};
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "engine/fields.hpp"
+#include "worldio/json_reader.hpp"
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace troupe::worldio {
+
+/// One field from an object, in SI units and within its limits; not given where the object does not have it
+/// or where what it has is wrong, which is then reported. The unit stands in the key (`fov_rad`, `fov_deg`).
+engine::Value read_field(JsonObject& object, const engine::Field& field);
+
+/// A value that stands by itself (an entry of a list), in SI units and within the field's limits; not given,
+/// and reported, where it is wrong.
+engine::Value read_value(const JsonCursor& at, const engine::Field& field);
+
+/// Every field of a table. What is absent takes its value from `presets` if it stands there, else its
+/// default; a required field that is absent is an error. The record is complete unless errors were reported.
+engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
+                           std::span<const std::pair<std::string_view, engine::Value>> presets = {});
+
+/// The keys under which a field may be written: `"fov_rad" or "fov_deg"`.
+std::string quoted_keys(const engine::Field& field);
+
+/// `from 0 to 360 deg`, `above 0 m`, ...; empty where a field takes any number.
+std::string limits_text(const engine::Field& field, const engine::UnitSuffix& suffix);
+
+}  // namespace troupe::worldio

@@ -1,0 +1,561 @@
+#include "base/math.hpp"
+#include "base/random.hpp"
+#include "engine/placement.hpp"
+#include "worldio/bitmap.hpp"
+#include "worldio/fields_json.hpp"
+#include "worldio/json_document.hpp"
+#include "worldio/json_reader.hpp"
+#include "worldio/json_types.hpp"
+#include "worldio/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::BodySpec;
+using engine::Field;
+using engine::FieldType;
+using engine::PlacementRule;
+using engine::Unit;
+using engine::Value;
+using engine::WorldSpec;
+
+constexpr std::int64_t k_version = 1;
+constexpr double k_max_bodies = 10000000;
+constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
+constexpr double k_wall_m = 0.01;          // thickness of `boundary` walls, as in Stage
+constexpr double k_scene_cell_m = 0.5;
+constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
+constexpr Color k_body_color{1, 0, 0, 1};
+
+struct Model {
+  BodySpec body;
+  std::string pointer;
+};
+
+struct Population {
+  std::string name;
+  TypeId type;
+  std::size_t count = 0;
+  Color color;
+  bool random_color = false;
+  PlacementRule rule;
+  Where where;
+  Where where_place;
+  std::string pointer;
+};
+
+/// Maps the outlines of a bitmap so that the whole image, margins included, fills the size.
+void fit_image(const Bitmap& bitmap, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
+  int top = 0;  // first row with a solid pixel: says where the contours' y begins
+  const auto row_is_free = [&](int y) {
+    for (int x = 0; x < bitmap.width; ++x)
+      if (bitmap.at(x, y)) return false;
+    return true;
+  };
+  while (top < bitmap.height && row_is_free(top)) ++top;
+  Box box;
+  for (const Ring& ring : contours) box.extend(bounds(ring));
+  const double lift = (bitmap.height - top) - box.max.y();
+  for (Ring& ring : contours)
+    for (Vec2& p : ring)
+      p = {(p.x() / bitmap.width - 0.5) * size.x(), ((p.y() + lift) / bitmap.height - 0.5) * size.y()};
+}
+
+/// Four walls that stand just inside the box of a floor plan.
+void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
+  const double x = size.x() / 2, y = size.y() / 2;
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    solids.push_back({{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}, {0, size.z()}});
+  };
+  wall(-x, -y, -x + k_wall_m, y);
+  wall(x - k_wall_m, -y, x, y);
+  wall(-x, -y, x, -y + k_wall_m);
+  wall(-x, y - k_wall_m, x, y);
+}
+
+Solid in_world(Solid solid, const Pose& pose_world_body) {
+  const Transform transform(pose_world_body);
+  for (Ring& ring : solid.contours)
+    for (Vec2& p : ring) p = transform * p;
+  solid.z = solid.z.shifted(pose_world_body.z);
+  return solid;
+}
+
+class WorldReader {
+ public:
+  WorldReader(const std::filesystem::path& file, const engine::Registry& registry, Diagnostics& diagnostics)
+      : file_(file), registry_(registry), diagnostics_(diagnostics) {}
+
+  WorldSpec read(const JsonNode& document, std::optional<std::uint64_t> seed) {
+    spec_.title = file_.stem().string();
+    spec_.files = diagnostics_.files();
+    engine::add_ground(spec_);
+    const JsonCursor root(document, diagnostics_);
+    JsonObject object(root);
+    read_settings(object, seed);
+    each(object, "floorplans", [&](const JsonCursor& at) { read_floorplan(at); });
+    read_types(object);
+    each(object, "models", [&](const JsonCursor& at) { read_model(at); });
+    each(object, "populations", [&](const JsonCursor& at) { read_population(at); });
+    object.finish();
+    // Bodies are placed only in a world that is otherwise right: their findings would follow from the others.
+    if (!diagnostics_.has_errors()) place_bodies();
+    if (!diagnostics_.has_errors()) report_repeated_names();
+    return std::move(spec_);
+  }
+
+ private:
+  template <class Read>
+  void each(JsonObject& object, std::string_view key, Read read) {
+    const JsonNode* node = object.find(key);
+    if (!node) return;
+    const JsonCursor cursor(object.at(), key, *node);
+    const JsonNode::List* list = read_list(cursor);
+    for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
+  }
+
+  void read_settings(JsonObject& object, std::optional<std::uint64_t> seed);
+  void read_floorplan(const JsonCursor& at);
+  std::vector<Solid> read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size, bool keep_margins);
+  void read_types(JsonObject& object);
+  void read_model(const JsonCursor& at);
+  void read_population(const JsonCursor& at);
+  PlacementRule read_rule(const JsonCursor& at);
+  void read_heading(JsonObject& object, PlacementRule& rule);
+  void place_bodies();
+  void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
+  void place_population(const Population& population, const partition::StaticScene& scene,
+                        engine::Crowd& crowd);
+  void report_repeated_names();
+
+  std::string read_name(JsonObject& object, std::string_view what);
+  /// The type that the key `type` names; type 0 is the ground, for when there is none.
+  TypeId read_type_name(JsonObject& object);
+  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(k_body_color); }
+
+  const std::filesystem::path& file_;
+  const engine::Registry& registry_;
+  Diagnostics& diagnostics_;
+  WorldSpec spec_;
+  std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
+  std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
+  std::vector<Model> models_;
+  std::vector<Population> populations_;
+  std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
+};
+
+void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t> seed) {
+  if (const JsonNode* node =
+          object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
+    const auto* version = std::get_if<std::int64_t>(&node->value);
+    const JsonCursor at(object.at(), "troupe", *node);
+    if (!version)
+      at.expected(fmt::format("the version of the format, {}", k_version));
+    else if (*version != k_version)
+      at.error(fmt::format("format version {} is not known: this version reads {}", *version, k_version));
+  }
+  if (const JsonNode* node = object.find("title")) {
+    if (const std::string* title = read_text(JsonCursor(object.at(), "title", *node), "the world's title"))
+      spec_.title = *title;
+  }
+  if (const JsonNode* node = object.find("seed")) {
+    const auto* small = std::get_if<std::int64_t>(&node->value);
+    const auto* big = std::get_if<std::uint64_t>(&node->value);
+    if (big)
+      spec_.seed = *big;
+    else if (small && *small >= 0)
+      spec_.seed = static_cast<std::uint64_t>(*small);
+    else
+      JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
+  }
+  if (seed) spec_.seed = *seed;
+
+  const Value tick =
+      read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 0, .max = 3600, .above_min = true});
+  if (tick.given()) spec_.tick_s = tick.number();
+  const Value quit = read_field(
+      object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
+  if (quit.given()) spec_.quit_time_s = quit.number();
+  read_field(object, {.name = "ranging", .type = FieldType::text, .choices = {"exact"}});
+}
+
+void WorldReader::read_floorplan(const JsonCursor& at) {
+  JsonObject object(at);
+  BodySpec body{.name = read_name(object, "floor plan"), .color = k_floorplan_color, .where = at.where()};
+  const engine::FieldTable table{{
+      {.name = "size",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .min = 0,
+       .max = k_max_size_m,
+       .text = "[x, y, height]",
+       .columns = 3,
+       .above_min = true},
+      {.name = "boundary", .type = FieldType::boolean, .fallback = false},
+      {.name = "margins", .type = FieldType::text, .fallback = "trim", .choices = {"trim", "keep"}},
+  }};
+  const engine::Record record = read_fields(object, table);
+  body.pose_world_body = read_pose(object);
+  if (const JsonNode* node = object.find("color"))
+    body.color = read_color(JsonCursor(at, "color", *node)).value_or(body.color);
+  engine::PartSpec part{.kind = "model", .returns = read_returns(object), .where = at.where()};
+  if (record[0].given()) {
+    const std::vector<double>& size = record[0].numbers();
+    part.size = {size[0], size[1], size[2]};
+    part.solids = read_bitmap_solids(object, part.size, record[2].text() == "keep");
+    if (record[1].boolean()) add_boundary(part.size, part.solids);
+    const Transform transform(body.pose_world_body);
+    if (!spec_.bounds) spec_.bounds.emplace();
+    for (const double x : {-size[0] / 2, size[0] / 2})
+      for (const double y : {-size[1] / 2, size[1] / 2}) spec_.bounds->extend(transform * Vec2(x, y));
+  } else {
+    object.find("bitmap");
+  }
+  object.finish();
+  body.type = TypeId(spec_.types.size());
+  engine::TypeSpec type{.name = body.name};
+  type.parts.push_back(std::move(part));
+  spec_.types.push_back(std::move(type));
+  spec_.bodies.push_back(std::move(body));
+}
+
+std::vector<Solid> WorldReader::read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size,
+                                                   bool keep_margins) {
+  const JsonNode* node = object.require("bitmap", "the path of an image, relative to the world file");
+  if (!node) return {};
+  const JsonCursor at(object.at(), "bitmap", *node);
+  const std::string* path = read_text(at, "the path of an image, relative to the world file");
+  if (!path) return {};
+  const std::optional<Bitmap> bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
+  if (!bitmap) return {};
+  Solid solid{bitmap_contours(*bitmap), {0, 1}};
+  if (solid.contours.empty()) {
+    at.error(fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
+    return {};
+  }
+  if (keep_margins) {
+    fit_image(*bitmap, size, solid.contours);
+    solid.z.max = size.z();
+    return {std::move(solid)};
+  }
+  std::vector<Solid> solids{std::move(solid)};
+  normalise(solids, size);
+  return solids;
+}
+
+void WorldReader::read_types(JsonObject& object) {
+  if (const JsonNode* node = object.find("types")) {
+    const JsonCursor at(object.at(), "types", *node);
+    if (!node->object()) at.expected("an object of types by name");
+    type_colors_.resize(spec_.types.size());
+    if (const JsonNode::Object* members = node->object())
+      for (const JsonMember& member : *members) {
+        JsonType type = read_type(JsonCursor(at, member.key, member.node), member.key, registry_);
+        type_ids_.emplace(member.key, TypeId(spec_.types.size()));
+        spec_.types.push_back(std::move(type.spec));
+        type_colors_.push_back(type.color);
+      }
+  }
+  type_colors_.resize(spec_.types.size());
+}
+
+void WorldReader::read_model(const JsonCursor& at) {
+  JsonObject object(at);
+  Model model;
+  model.pointer = at.pointer();
+  model.body.where = at.where();
+  model.body.name = read_name(object, "model");
+  model.body.type = read_type_name(object);
+  model.body.pose_world_body = read_pose(object);
+  model.body.pose_world_body.heading = wrap_angle(model.body.pose_world_body.heading);
+  model.body.color = color_of(model.body.type);
+  if (const JsonNode* node = object.find("color"))
+    model.body.color = read_color(JsonCursor(at, "color", *node)).value_or(model.body.color);
+  object.finish();
+  models_.push_back(std::move(model));
+}
+
+void WorldReader::read_population(const JsonCursor& at) {
+  JsonObject object(at);
+  Population population{.where = at.where(), .pointer = at.pointer()};
+  population.name = read_name(object, "population");
+  population.type = read_type_name(object);
+  const engine::FieldTable table{{{.name = "count",
+                                   .type = FieldType::integer,
+                                   .min = 0,
+                                   .max = k_max_bodies,
+                                   .text = "how many bodies"}}};
+  const Value count = read_fields(object, table)[0];
+  if (count.given()) population.count = static_cast<std::size_t>(count.integer());
+  population.color = color_of(population.type);
+  if (const JsonNode* node = object.find("color")) {
+    const std::string* name = node->text();
+    population.random_color = name && *name == "random";
+    if (!population.random_color)
+      population.color = read_color(JsonCursor(at, "color", *node)).value_or(population.color);
+  }
+  if (const JsonNode* node = object.require("place", "{\"rule\": ..., \"region_m\": ...}")) {
+    population.rule = read_rule(JsonCursor(at, "place", *node));
+    population.where_place = node->where;
+  }
+  object.finish();
+  populations_.push_back(std::move(population));
+}
+
+PlacementRule WorldReader::read_rule(const JsonCursor& at) {
+  JsonObject object(at);
+  PlacementRule rule;
+  const engine::FieldTable table{
+      {{.name = "rule", .type = FieldType::text, .text = "grid or uniform", .choices = {"grid", "uniform"}}}};
+  const Value kind = read_fields(object, table)[0];
+  const bool known = kind.given();
+  if (known && kind.text() == "uniform") rule.kind = PlacementRule::Kind::uniform;
+
+  const auto read_region = [&](std::string_view key, Box& box) {
+    const JsonNode* node = object.find(key);
+    if (!node) return false;
+    const JsonCursor cursor(at, key, *node);
+    const std::vector<Vec2> corners = read_points(cursor, 2, 2);
+    if (!corners.empty() && (corners[0].x() > corners[1].x() || corners[0].y() > corners[1].y()))
+      cursor.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
+    for (const Vec2& corner : corners) box.extend(corner);
+    return true;
+  };
+  if (!read_region("region_m", rule.region)) {
+    if (spec_.bounds)
+      rule.region = *spec_.bounds;
+    else
+      object.missing("region_m", "[[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill");
+  }
+  if (rule.kind == PlacementRule::Kind::grid && known) {
+    read_region("spill_m", rule.spill);
+    const engine::FieldTable grid{{
+        {.name = "pitch",
+         .unit = Unit::meters,
+         .min = 0,
+         .max = k_max_size_m,
+         .text = "the distance between neighbours",
+         .above_min = true},
+        {.name = "jitter", .unit = Unit::meters, .fallback = 0.0, .min = 0, .max = k_max_size_m},
+    }};
+    const engine::Record record = read_fields(object, grid);
+    rule.jitter_m = record[1].number();
+    if (record[0].given() && !rule.region.empty()) {
+      rule.pitch_m = record[0].number();
+      if (const double cells = grid_cells(rule); cells > k_max_cells)
+        at.error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at", cells,
+                             rule.pitch_m, k_max_cells));
+    }
+  }
+  read_heading(object, rule);
+  const Value z =
+      read_field(object, {.name = "z", .unit = Unit::meters, .min = -k_max_size_m, .max = k_max_size_m});
+  if (z.given()) rule.z = z.number();
+  if (known) object.finish();
+  return rule;
+}
+
+void WorldReader::read_heading(JsonObject& object, PlacementRule& rule) {
+  const Field field = engine::pose_fields().fields[3];
+  const JsonNode* word = object.at().node().find("heading");
+  if (word && word->text() && *word->text() == "random") {
+    object.find("heading");
+    for (const auto& suffix : engine::unit_suffixes(field.unit))
+      if (object.find(std::string(field.name) + std::string(suffix.suffix)))
+        object.at().error_at(word->where,
+                             fmt::format("give \"heading\": \"random\" or {}, not both", quoted_keys(field)));
+    return;
+  }
+  const Value heading = read_field(object, field);
+  if (heading.given())
+    rule.heading = wrap_angle(heading.number());
+  else if (rule.kind == PlacementRule::Kind::grid)
+    rule.heading = 0;
+}
+
+std::string WorldReader::read_name(JsonObject& object, std::string_view what) {
+  const JsonNode* node = object.require("name", fmt::format("the {}'s name", what));
+  if (!node) return {};
+  const std::string* name = read_text(JsonCursor(object.at(), "name", *node), "a name");
+  return name ? *name : std::string();
+}
+
+TypeId WorldReader::read_type_name(JsonObject& object) {
+  const JsonNode* node = object.require("type", "the name of one of /types");
+  if (!node) return TypeId(0);
+  const JsonCursor at(object.at(), "type", *node);
+  const std::string* name = read_text(at, "the name of one of /types");
+  if (!name) return TypeId(0);
+  if (const auto found = type_ids_.find(*name); found != type_ids_.end()) return found->second;
+  std::vector<std::string_view> known;
+  for (const auto& [known_name, id] : type_ids_) known.push_back(known_name);
+  at.error(unknown_name("type", *name, std::move(known)));
+  return TypeId(0);
+}
+
+void WorldReader::place_bodies() {
+  double total = static_cast<double>(spec_.bodies.size() + models_.size());
+  for (const Population& population : populations_) total += static_cast<double>(population.count);
+  if (total > k_max_bodies) {
+    diagnostics_.error(
+        populations_.empty() ? models_.back().body.where : populations_.back().where,
+        fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total, k_max_bodies));
+    return;
+  }
+  spec_.bodies.reserve(static_cast<std::size_t>(total));
+
+  std::vector<partition::FixedSolid> walls;
+  for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
+    const BodySpec& body = spec_.bodies[i];
+    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
+      for (const Solid& solid : part.solids)
+        if (part.returns.obstacle) walls.push_back({in_world(solid, body.pose_world_body), BodyId(i)});
+  }
+  const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
+  shapes_.resize(spec_.types.size());
+  for (const auto& [name, type] : type_ids_)
+    shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
+
+  engine::Crowd crowd;
+  for (const Model& model : models_) check_model(model, scene, crowd);
+  for (Model& model : models_) spec_.bodies.push_back(std::move(model.body));
+  for (const Population& population : populations_) place_population(population, scene, crowd);
+}
+
+void WorldReader::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
+  const BodySpec& body = model.body;
+  const partition::ObstacleShape& shape = shapes_[body.type.index()];
+  const auto overlaps = [&](const BodySpec& other) {
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
+                                               body.name, other.name));
+  };
+  if (!shape.empty())
+    for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
+      overlaps(spec_.bodies[wall.index()]);
+  for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
+  if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
+      !spec_.bounds->contains(body.pose_world_body.position()))
+    diagnostics_.error(body.where,
+                       fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer, body.name));
+  crowd.add(shape, body.pose_world_body);
+}
+
+void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
+                                   engine::Crowd& crowd) {
+  const std::vector<Pose> poses =
+      engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
+                    population.name, spec_.bounds, scene, crowd);
+  if (poses.size() < population.count) {
+    const bool grid = population.rule.kind == PlacementRule::Kind::grid;
+    diagnostics_.error(
+        population.where_place,
+        fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
+                    population.count,
+                    grid ? fmt::format("the region has no more free cells (of {:.0f})",
+                                       engine::grid_cells(population.rule))
+                         : fmt::format("{} draws found no free place for the next", population.rule.trials)));
+  }
+  const std::uint32_t colors = stream_id("color", population.name);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    BodySpec& body = spec_.bodies.emplace_back();
+    body.name = population.name + std::to_string(i);
+    body.type = population.type;
+    body.pose_world_body = poses[i];
+    body.color = population.color;
+    body.where = population.where;
+    if (!population.random_color) continue;
+    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
+    body.color.r = static_cast<float>(random.uniform());
+    body.color.g = static_cast<float>(random.uniform());
+    body.color.b = static_cast<float>(random.uniform());
+    body.color.a = 1;
+  }
+}
+
+void WorldReader::report_repeated_names() {
+  std::unordered_map<std::string_view, BodyId> taken;
+  taken.reserve(spec_.bodies.size());
+  const Where* reported = nullptr;  // one finding a population is enough
+  for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
+    const BodySpec& body = spec_.bodies[i];
+    const auto [first, fresh] = taken.emplace(body.name, BodyId(i));
+    if (fresh || (reported && reported->file == body.where.file && reported->line == body.where.line))
+      continue;
+    const Where other = spec_.bodies[first->second.index()].where;
+    diagnostics_.error(
+        body.where,
+        fmt::format("the name \"{}\" is taken{}", body.name,
+                    other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
+    reported = &body.where;
+  }
+}
+
+/// The member that `--robots` sets: the count of the population of this name, or of the only one.
+std::optional<std::size_t> population_index(const JsonNode& document, const std::string& name, Where where,
+                                            Diagnostics& diagnostics) {
+  const JsonNode* node = document.find("populations");
+  const JsonNode::List* populations = node ? node->list() : nullptr;
+  std::vector<std::string_view> names;
+  if (populations)
+    for (const JsonNode& population : *populations) {
+      const JsonNode* its_name = population.find("name");
+      names.push_back(its_name && its_name->text() ? std::string_view(*its_name->text())
+                                                   : std::string_view());
+    }
+  if (names.empty()) {
+    diagnostics.error(where, "the world has no population whose size could be set");
+    return std::nullopt;
+  }
+  if (name.empty()) {
+    if (names.size() == 1) return 0;
+    diagnostics.error(where,
+                      fmt::format("the world has {} populations: say which, NAME=COUNT with NAME one of {}",
+                                  names.size(), comma_list(names)));
+    return std::nullopt;
+  }
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  diagnostics.error(where, unknown_name("population", name, names));
+  return std::nullopt;
+}
+
+void set_robots(JsonNode& document, const std::string& name, std::size_t count, Diagnostics& diagnostics) {
+  const std::string option =
+      name.empty() ? fmt::format("--robots {}", count) : fmt::format("--robots {}={}", name, count);
+  const Where where{diagnostics.files()->add(option), 0};
+  const auto index = population_index(document, name, where, diagnostics);
+  if (!index) return;
+  JsonNode& population = std::get<JsonNode::List>(document.find("populations")->value)[*index];
+  auto* members = std::get_if<JsonNode::Object>(&population.value);
+  if (!members) return;  // reported when it is read
+  JsonNode* node = population.find("count");
+  if (!node) node = &members->emplace_back(JsonMember{"count", where, {}}).node;
+  node->value = static_cast<std::uint64_t>(count);
+  if (count <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+    node->value = static_cast<std::int64_t>(count);
+  node->where = where;
+}
+
+}  // namespace
+
+WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
+                          const engine::Registry& registry, const LoadOptions& options,
+                          Diagnostics& diagnostics) {
+  const Where start{diagnostics.files()->add(file.string()), 0};
+  std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
+  if (!document) {
+    WorldSpec nothing;
+    nothing.files = diagnostics.files();
+    return nothing;
+  }
+  for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
+  for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
+  return WorldReader(file, registry, diagnostics).read(*document, options.seed);
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,178 @@
+#include "worldio/stage_body.hpp"
+
+#include "worldio/bitmap.hpp"
+#include "worldio/stage_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr double k_boundary_thickness = 0.01;  // m, as in Stage
+
+Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, double z_max) {
+  return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
+}
+
+void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
+  const double x = size.x() / 2;
+  const double y = size.y() / 2;
+  const double t = std::min({k_boundary_thickness, x, y});
+  solids.push_back(box(-x, -x + t, -y, y, 0, size.z()));
+  solids.push_back(box(x - t, x, -y, y, 0, size.z()));
+  solids.push_back(box(-x, x, -y, -y + t, 0, size.z()));
+  solids.push_back(box(-x, x, y - t, y, 0, size.z()));
+}
+
+/// 12 of "point[12]".
+std::optional<std::int64_t> point_number(std::string_view key) {
+  constexpr std::string_view k_stem = "point[";
+  std::int64_t number = 0;
+  if (!key.starts_with(k_stem)) return {};
+  const auto [rest, fault] = std::from_chars(key.data() + k_stem.size(), key.data() + key.size(), number);
+  if (fault != std::errc() || rest == key.data() + key.size() || *rest != ']') return {};
+  return number;
+}
+
+}  // namespace
+
+std::vector<Solid> StageBodies::make(const StageModel& model, const engine::ModelKind& kind,
+                                     const Eigen::Vector3d& size, const std::vector<StageModel>& blocks) {
+  const auto flag = [&](std::string_view key) {
+    const StageProperty* property = model.find(document_, key);
+    return property && values_.flag(*property).value_or(false);
+  };
+  std::vector<Solid> solids;
+  // As long as this is set, the first explicit block discards all there is.
+  bool is_default = kind.has_default_body;
+  if (is_default) {
+    if (kind.name == "gripper")
+      solids = gripper(model);
+    else
+      solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
+  }
+  if (flag("noblocks")) {
+    solids.clear();
+    is_default = false;
+  }
+  if (const StageProperty* bitmap = model.find(document_, "bitmap")) {
+    if (is_default) solids.clear();
+    is_default = false;
+    add_bitmap(*bitmap, solids);
+  }
+  normalise(solids, size);
+  if (flag("boundary")) {
+    add_boundary(size, solids);
+    if (is_default && !blocks.empty())
+      values_.warning(values_.where(*model.find(document_, "boundary")),
+                      "as in Stage, the blocks of this model discard its boundary");
+  }
+  if (is_default && !blocks.empty()) solids.clear();
+  for (const StageModel& block : blocks) add_block(block, solids);
+  normalise(solids, size);
+  return solids;
+}
+
+/// A base and two paddles, open and down, as fractions of the whole.
+std::vector<Solid> StageBodies::gripper(const StageModel& model) {
+  double length = 0.66;
+  double thickness = 0.1;
+  double height = 0.4;
+  if (const StageProperty* property = model.find(document_, "paddle_size"))
+    if (const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size")) {
+      if (std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) && (*v)[1] < 0.5) {
+        length = (*v)[0];
+        thickness = (*v)[1];
+        height = (*v)[2];
+      } else {
+        values_.error(values_.where(*property),
+                      "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
+      }
+    }
+  const double front = 0.5 - length;
+  return {box(-0.5, front, -0.5, 0.5, 0, 1), box(front, 0.5, 0.5 - thickness, 0.5, 0, height),
+          box(front, 0.5, -0.5, -0.5 + thickness, 0, height)};
+}
+
+void StageBodies::add_bitmap(const StageProperty& property, std::vector<Solid>& solids) {
+  const auto name = values_.text(property);
+  if (!name) return;
+  std::filesystem::path path(*name);
+  if (!path.is_absolute()) {
+    const std::filesystem::path beside_include = (document_.base_directory / path).lexically_normal();
+    const std::filesystem::path beside_world = (world_directory_ / path).lexically_normal();
+    path = find_stage_file(beside_include, {}) ? beside_include : beside_world;
+  }
+  const auto [entry, is_new] = contours_.try_emplace(path.string());
+  if (is_new)
+    if (const auto bitmap = read_bitmap(path, values_.where(property), diagnostics_)) {
+      entry->second = bitmap_contours(*bitmap);
+      if (entry->second.empty())
+        values_.error(
+            values_.where(property),
+            fmt::format("the image {} has no solid pixel; solid is what is darker than half", path.string()));
+    }
+  if (!entry->second.empty()) solids.push_back({entry->second, {0, 1}});
+}
+
+void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {
+  constexpr std::int64_t k_most_points = 100000;
+  const StageProperty* points = block.find(document_, "points");
+  if (!points) {
+    values_.error(block.where, "a block needs \"points\", the number of its vertices");
+    return;
+  }
+  const auto count = values_.integer(*points);
+  if (!count) return;
+  if (*count < 3 || *count > k_most_points) {
+    values_.error(values_.where(*points),
+                  fmt::format("\"points\" must be from 3 to {}; here is {}", k_most_points, *count));
+    return;
+  }
+  std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
+  for (const StageEntity* layer : block.layers)
+    for (const StageProperty& property : layer->properties) {
+      const auto number = point_number(document_.key(property));
+      if (!number) continue;
+      if (*number < *count)
+        given[static_cast<std::size_t>(*number)] = &property;
+      else
+        values_.warning(values_.where(property), fmt::format("\"{}\" is ignored: the block has {} points",
+                                                             document_.key(property), *count));
+    }
+  Ring ring;
+  ring.reserve(given.size());
+  for (const StageProperty* property : given) {
+    ring.push_back(Vec2::Zero());
+    if (!property) continue;
+    const auto v = values_.tuple(*property, 2, 2, "[x y]");
+    if (!v) return;
+    ring.back() = Vec2((*v)[0], (*v)[1]) * values_.length_unit();
+  }
+  if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
+    values_.warning(
+        values_.where(*points),
+        fmt::format("{} of the {} points are not given; as in Stage they lie at [0 0]", missing, *count));
+  const double area = signed_area(ring);
+  if (area == 0) values_.warning(block.where, "this block has no area");
+  if (area < 0) std::ranges::reverse(ring);
+
+  ZInterval z;
+  if (const StageProperty* property = block.find(document_, "z")) {
+    const auto v = values_.tuple(*property, 2, 2, "[min max]");
+    if (!v) return;
+    z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
+    if (z.min > z.max) {
+      values_.error(values_.where(*property), "\"z\" needs [min max] with min below max");
+      return;
+    }
+  }
+  if (z.min == z.max) values_.warning(block.where, "this block has no height; give it z [min max]");
+  solids.push_back({{std::move(ring)}, z});
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,33 @@
+#include "worldio/stage_files.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace troupe::worldio {
+namespace {
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code fault;
+  return std::filesystem::is_regular_file(path, fault);
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
+                                                     std::span<const std::filesystem::path> search_path) {
+  if (is_file(path)) return path;
+  for (const std::filesystem::path& directory : search_path)
+    if (std::filesystem::path candidate = directory / path.filename(); is_file(candidate)) return candidate;
+  return {};
+}
+
+std::optional<std::string> read_file(const std::filesystem::path& path) {
+  if (!is_file(path)) return {};
+  std::ifstream in(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) return {};
+  return text;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace troupe::worldio {
+
+/// Where a file of a world lies: at `path`, or else by its base name in the first directory of the search
+/// path that has it. Only regular files count. Empty when it is nowhere.
+std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
+                                                     std::span<const std::filesystem::path> search_path);
+
+/// The bytes of a regular file; empty when it cannot be read.
+std::optional<std::string> read_file(const std::filesystem::path& path);
+
+}  // namespace troupe::worldio

@@ -1,0 +1,359 @@
+#include "worldio/stage_kinds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Value;
+
+template <class Kind>
+std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
+  std::vector<std::string_view> names;
+  for (const Kind& kind : kinds) names.push_back(kind.name);
+  return names;
+}
+
+/// "must be above 0 m": what a number of this field must be; empty when it is.
+std::string limit_broken(const Field& field, double value) {
+  const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
+  const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
+  if (field.above_min && !(value > field.min)) return fmt::format("must be above {}{}", field.min, unit);
+  if (!(value >= field.min)) return fmt::format("must be at least {}{}", field.min, unit);
+  if (!(value <= field.max)) return fmt::format("must be at most {}{}", field.max, unit);
+  return {};
+}
+
+/// Sets a field where the table has it: kinds need not know all that Stage's models say.
+void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
+  if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; (at = text.find_first_not_of(" \t", at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.size(), text.find_first_of(" \t", at));
+    words.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+std::optional<double> number_of(std::string_view text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc() || rest != end || !std::isfinite(value)) return {};
+  return value;
+}
+
+}  // namespace
+
+double StageKinds::period_s(const StageModel& model) {
+  constexpr double k_default_ms = 100;
+  double ms = k_default_ms;
+  if (const StageProperty* property = model.find(document_, "update_interval")) {
+    ms = values_.number(*property).value_or(k_default_ms);
+    if (ms < 0)
+      values_.error(values_.where(*property),
+                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms; "
+                                "here is {}",
+                                ms));
+  }
+  return ms / 1000;
+}
+
+std::optional<Record> StageKinds::transducer(const StageModel& sensor, const FieldTable& table) {
+  Record record = table.defaults();
+  // What is set here is checked against the field's limits, under the name it has in the file.
+  const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
+    const int at = table.find(field_name);
+    const std::string broken = at < 0 ? "" : limit_broken(table.fields[static_cast<std::size_t>(at)], value);
+    if (!broken.empty())
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, value));
+    return broken.empty();
+  };
+
+  Pose pose_sensor_transducer;
+  Eigen::Vector3d size(0.02, 0.02, 0.02);
+  if (const StageProperty* property = sensor.find(document_, "pose")) {
+    const auto pose = values_.pose(*property);
+    if (!pose) return {};
+    pose_sensor_transducer = *pose;
+  }
+  if (const StageProperty* property = sensor.find(document_, "size")) {
+    const auto given = values_.size(*property, size.z());
+    if (!given) return {};
+    size = *given;
+  }
+  pose_sensor_transducer.z += size.z() / 2;  // beams leave from the middle of the transducer's height
+  Record pose = engine::pose_fields().defaults();
+  set(engine::pose_fields(), pose, "x", pose_sensor_transducer.x);
+  set(engine::pose_fields(), pose, "y", pose_sensor_transducer.y);
+  set(engine::pose_fields(), pose, "z", pose_sensor_transducer.z);
+  set(engine::pose_fields(), pose, "heading", pose_sensor_transducer.heading);
+  set(table, record, "pose", std::vector<Record>{std::move(pose)});
+
+  double range_min = 0;
+  double range_max = 5;
+  if (const StageProperty* property = sensor.find(document_, "range")) {
+    const auto v = values_.tuple(*property, 2, 2, "[min max]");
+    if (!v) return {};
+    range_min = (*v)[0] * values_.length_unit();
+    range_max = (*v)[1] * values_.length_unit();
+    if (!check("range_min", range_min, *property) || !check("range_max", range_max, *property)) return {};
+    if (range_min > range_max) {
+      values_.error(values_.where(*property), "\"range\" needs [min max] with min at most max");
+      return {};
+    }
+  }
+  set(table, record, "range_min", range_min);
+  set(table, record, "range_max", range_max);
+
+  double fov = 0.1;
+  if (const StageProperty* property = sensor.find(document_, "fov")) {
+    const auto given = values_.number(*property);
+    if (!given) return {};
+    fov = *given * values_.angle_unit();
+    if (!check("fov", fov, *property)) return {};
+  }
+  set(table, record, "fov", fov);
+
+  std::int64_t samples = 1;
+  if (const StageProperty* property = sensor.find(document_, "samples")) {
+    const auto given = values_.integer(*property);
+    if (!given || !check("samples", static_cast<double>(*given), *property)) return {};
+    samples = *given;
+  }
+  set(table, record, "samples", samples);
+  return record;
+}
+
+std::optional<engine::SensorSpec> StageKinds::ranger(const StageModel& model,
+                                                     const std::vector<StageModel>& sensors) {
+  const engine::SensorKind* kind = registry_.sensor("ranger");
+  const int transducers = kind ? kind->params.find("transducers") : -1;
+  if (transducers < 0) {
+    values_.error(model.where, "this build has no ranger");
+    return {};
+  }
+  if (sensors.empty()) {
+    values_.warning_once(model.where, "a ranger without a sensor( ... ) measures nothing");
+    return {};
+  }
+  const FieldTable& table = *kind->params.fields[static_cast<std::size_t>(transducers)].record;
+  std::vector<Record> records;
+  for (const StageModel& sensor : sensors)
+    if (auto record = transducer(sensor, table)) records.push_back(std::move(*record));
+  if (records.size() < sensors.size()) return {};
+
+  engine::SensorSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
+  set(kind->params, spec.params, "transducers", std::move(records));
+  spec.period_s = period_s(model);
+  const StageProperty* always_on = model.find(document_, "alwayson");
+  spec.active = always_on && values_.flag(*always_on).value_or(false);
+  return spec;
+}
+
+std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
+  engine::DriveSpec spec{.kind = "diff", .where = model.where};
+  if (const StageProperty* property = model.find(document_, "drive")) {
+    const auto name = values_.text(*property);
+    if (!name) return {};
+    spec.kind = *name;
+    spec.where = values_.where(*property);
+  }
+  const engine::DriveKind* kind = registry_.drive(spec.kind);
+  if (!kind) {
+    const std::vector<std::string_view> known = names_of(registry_.drives);
+    values_.error(spec.where, fmt::format("unknown drive \"{}\"; known: {}{}", spec.kind, comma_list(known),
+                                          did_you_mean(spec.kind, known)));
+    return {};
+  }
+  const double quarter_turn = radians(90);
+  std::vector<double> bounds{-1,          1, -1, 1, -1, 1, -quarter_turn,
+                             quarter_turn};  // Stage's defaults, m/s and rad/s
+  if (const StageProperty* property = model.find(document_, "velocity_bounds")) {
+    auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");
+    if (!v) return {};
+    for (std::size_t i = 0; i < bounds.size(); ++i)
+      bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
+    for (std::size_t i = 0; i < bounds.size(); i += 2)
+      if (bounds[i] > bounds[i + 1]) {
+        values_.error(values_.where(*property), "\"velocity_bounds\" needs each minimum at most its maximum");
+        return {};
+      }
+  }
+  double wheelbase = 1;
+  if (const StageProperty* property = model.find(document_, "wheelbase")) {
+    const auto given = values_.number(*property);
+    if (!given) return {};
+    wheelbase = *given * values_.length_unit();
+    if (!(wheelbase > 0)) {
+      values_.error(values_.where(*property),
+                    fmt::format("\"wheelbase\" must be above 0; here is {}", *given));
+      return {};
+    }
+  }
+  spec.params = kind->params.defaults();
+  set(kind->params, spec.params, "velocity_min_x", bounds[0]);
+  set(kind->params, spec.params, "velocity_max_x", bounds[1]);
+  set(kind->params, spec.params, "velocity_min_y", bounds[2]);
+  set(kind->params, spec.params, "velocity_max_y", bounds[3]);
+  set(kind->params, spec.params, "turn_min", bounds[6]);
+  set(kind->params, spec.params, "turn_max", bounds[7]);
+  set(kind->params, spec.params, "wheelbase", wheelbase);
+  spec.period_s = period_s(model);
+  return spec;
+}
+
+std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& model) {
+  std::vector<engine::ControllerSpec> specs;
+  if (const StageProperty* property = model.find(document_, "ctrl"))
+    for (const std::string_view call : values_.texts(*property))
+      if (auto spec = controller(call, values_.where(*property))) specs.push_back(std::move(*spec));
+  return specs;
+}
+
+std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view call, Where where) {
+  const std::vector<std::string_view> words = words_of(call);
+  std::vector<std::string_view> known = names_of(registry_.controllers);
+  for (const engine::Registry::Preset& preset : registry_.presets) known.push_back(preset.name);
+  std::ranges::sort(known);
+  if (words.empty()) {
+    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}", comma_list(known)));
+    return {};
+  }
+  const std::string_view name = words[0];
+  const engine::Registry::Preset* preset = registry_.preset(name);
+  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name);
+  if (!kind) {
+    values_.error(where, fmt::format("unknown controller \"{}\"; known: {}{}", name, comma_list(known),
+                                     did_you_mean(name, known)));
+    return {};
+  }
+  const std::vector<Field>& fields = kind->params.fields;
+  engine::ControllerSpec spec{
+      .kind = std::string(kind->name), .params = kind->params.defaults(), .where = where};
+  if (preset)
+    for (const auto& [field, value] : preset->params) set(kind->params, spec.params, field, value);
+
+  std::size_t positional = 0;
+  for (const std::string_view word : std::span(words).subspan(1)) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos) {
+      if (positional == fields.size()) {
+        values_.error(where,
+                      fmt::format("controller \"{}\" takes no more than {} arguments", name, fields.size()));
+        return {};
+      }
+      const Field& field = fields[positional];
+      if (!set_argument(field, 1, word, name, where, spec.params[positional++])) return {};
+      continue;
+    }
+    // A parameter may carry its unit, as in JSON: turn_degps=30.
+    const std::string_view key = word.substr(0, equals);
+    std::size_t at = fields.size();
+    double to_si = 1;
+    std::vector<std::string_view> keys;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      keys.push_back(fields[i].name);
+      if (key == fields[i].name) at = i;
+      for (const engine::UnitSuffix& unit : engine::unit_suffixes(fields[i].unit))
+        if (key.starts_with(fields[i].name) && key.substr(fields[i].name.size()) == unit.suffix) {
+          at = i;
+          to_si = unit.to_si;
+        }
+    }
+    if (at == fields.size()) {
+      values_.error(where, fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", name, key,
+                                       comma_list(keys), did_you_mean(key, keys)));
+      return {};
+    }
+    if (!set_argument(fields[at], to_si, word.substr(equals + 1), name, where, spec.params[at])) return {};
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (!spec.params[i].given()) {
+      values_.error(
+          where, fmt::format("controller \"{0}\" needs \"{1}\": ctrl \"{0} {1}=...\"", name, fields[i].name));
+      return {};
+    }
+  return spec;
+}
+
+bool StageKinds::set_argument(const Field& field, double to_si, std::string_view text,
+                              std::string_view controller, Where where, Value& value) {
+  const auto refuse = [&](std::string_view what) {
+    values_.error(where, fmt::format("controller \"{}\": \"{}\" {}; here is \"{}\"", controller, field.name,
+                                     what, text));
+    return false;
+  };
+  const auto number = [&]() -> std::optional<double> {
+    const std::optional<double> given = number_of(text);
+    if (!given) {
+      refuse("needs a number");
+      return {};
+    }
+    const double si = *given * to_si;
+    if (const std::string broken = limit_broken(field, si); !broken.empty()) {
+      refuse(broken);
+      return {};
+    }
+    return si;
+  };
+  switch (field.type) {
+    case FieldType::boolean:
+      if (text != "0" && text != "1" && text != "true" && text != "false")
+        return refuse("needs true or false");
+      value = text == "1" || text == "true";
+      return true;
+    case FieldType::integer: {
+      const auto given = number();
+      if (!given) return false;
+      if (*given != std::floor(*given) || std::abs(*given) > 9e15) return refuse("needs a whole number");
+      value = static_cast<std::int64_t>(*given);
+      return true;
+    }
+    case FieldType::number: {
+      const auto given = number();
+      if (!given) return false;
+      value = *given;
+      return true;
+    }
+    case FieldType::text:
+      if (!field.choices.empty() && std::ranges::find(field.choices, text) == field.choices.end())
+        return refuse(
+            fmt::format("must be one of {}{}", comma_list(field.choices), did_you_mean(text, field.choices)));
+      value = std::string(text);
+      return true;
+    case FieldType::numbers: {
+      std::vector<double> list;
+      for (std::string_view rest = text; !rest.empty() || list.empty();) {
+        const std::size_t comma = std::min(rest.size(), rest.find(','));
+        const std::optional<double> given = number_of(rest.substr(0, comma));
+        if (!given) return refuse("needs numbers, separated by commas without blanks");
+        list.push_back(*given * to_si);
+        if (const std::string broken = limit_broken(field, list.back()); !broken.empty())
+          return refuse(broken);
+        rest.remove_prefix(std::min(rest.size(), comma + 1));
+      }
+      if (field.columns > 0 && list.size() != field.columns)
+        return refuse(fmt::format("needs {} numbers, separated by commas without blanks", field.columns));
+      value = std::move(list);
+      return true;
+    }
+    default:
+      return refuse("cannot be given in a .world file, only in JSON");
+  }
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "engine/world_spec.hpp"
+#include "worldio/stage_models.hpp"
+#include "worldio/stage_values.hpp"
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace troupe::worldio {
+
+/// Turns what Stage says of rangers, drives and controllers into the parameters of our kinds, by field name.
+class StageKinds {
+ public:
+  StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
+      : document_(document), registry_(registry), values_(values) {}
+
+  /// Seconds between updates; 0: every tick.
+  double period_s(const StageModel& model);
+
+  /// Of a ranger and its `sensor` children; empty, with a warning, when it has none.
+  std::optional<engine::SensorSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
+  std::optional<engine::DriveSpec> drive(const StageModel& model);
+  /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
+  /// parameter=value.
+  std::vector<engine::ControllerSpec> controllers(const StageModel& model);
+
+ private:
+  std::optional<engine::Record> transducer(const StageModel& sensor, const engine::FieldTable& table);
+  std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
+  bool set_argument(const engine::Field& field, double to_si, std::string_view text,
+                    std::string_view controller, Where where, engine::Value& value);
+
+  const StageDocument& document_;
+  const engine::Registry& registry_;
+  StageValues& values_;
+};
+
+}  // namespace troupe::worldio

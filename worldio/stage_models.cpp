@@ -1,0 +1,70 @@
+#include "worldio/stage_models.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_set>
+
+namespace troupe::worldio {
+
+const StageProperty* StageModel::find(const StageDocument& document, std::string_view key) const {
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    const std::vector<StageProperty>& properties = (*layer)->properties;
+    for (auto property = properties.rbegin(); property != properties.rend(); ++property)
+      if (document.key(*property) == key) return &*property;
+  }
+  return nullptr;
+}
+
+std::vector<StageModel::Child> StageModel::children() const {
+  std::vector<Child> out;
+  for (const StageEntity* layer : layers)
+    for (const StageEntity& child : layer->children) out.push_back({&child, layer});
+  return out;
+}
+
+StageMacros::StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values)
+    : document_(document), registry_(registry), values_(values) {}
+
+void StageMacros::define(const StageItem& item) {
+  const StageToken& name = document_.token(item.entity.word);
+  const auto [first, is_new] =
+      macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
+  if (!is_new)
+    values_.warning(name.where(),
+                    fmt::format("\"{}\" is defined already, at line {}; the first definition holds",
+                                name.text, document_.token(first->second.body->word).line));
+}
+
+std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const {
+  StageModel model{.type = document_.word(entity), .where = document_.token(entity.word).where()};
+  model.layers.push_back(&entity);
+  model.names.push_back(model.type);
+  std::unordered_set<std::string_view> met;
+  for (auto macro = macros_.find(model.type); macro != macros_.end(); macro = macros_.find(model.type)) {
+    if (!met.insert(model.type).second) {
+      values_.error(document_.token(macro->second.body->word).where(),
+                    fmt::format("macro \"{}\" is built on itself", model.type));
+      return {};
+    }
+    model.layers.push_back(macro->second.body);
+    model.type = macro->second.base;
+    model.names.push_back(model.type);
+  }
+  std::ranges::reverse(model.layers);
+
+  const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
+                        registry_.model(model.type) != nullptr;
+  if (is_known) return model;
+  std::vector<std::string_view> types;
+  for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
+  std::vector<std::string_view> near = types;
+  for (const auto& [name, macro] : macros_) near.push_back(name);
+  // The order of the hash table must not choose between two names that are equally near.
+  std::ranges::sort(near);
+  values_.error(model.where, fmt::format("\"{}\" is no model type, nor a macro defined before; types: {}{}",
+                                         model.type, comma_list(types), did_you_mean(model.type, near)));
+  return {};
+}
+
+}  // namespace troupe::worldio

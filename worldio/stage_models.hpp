@@ -1,0 +1,54 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "worldio/stage_parser.hpp"
+#include "worldio/stage_values.hpp"
+
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace troupe::worldio {
+
+/// An entity with its macros applied. What stands in a later layer overrides the properties of the earlier
+/// ones and adds to their children.
+struct StageModel {
+  struct Child {
+    const StageEntity* entity;
+    const StageEntity* layer;  ///< whose body it stands in
+  };
+
+  std::string_view type;                   ///< a model type, "block", "sensor" or "window"
+  std::vector<std::string_view> names;     ///< as written, then the bases of the macros, the type last
+  std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
+  Where where;
+
+  /// The last property of this name; null when there is none.
+  const StageProperty* find(const StageDocument& document, std::string_view key) const;
+  std::vector<Child> children() const;
+};
+
+/// The macros of a file, as far as it has been read.
+class StageMacros {
+ public:
+  StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
+
+  /// The first definition of a name holds; another is a warning.
+  void define(const StageItem& item);
+  /// Follows the chain of bases; empty, with an error, where it ends at no type or in a circle.
+  std::optional<StageModel> resolve(const StageEntity& entity) const;
+
+ private:
+  struct Macro {
+    const StageEntity* body;
+    std::string_view base;
+  };
+
+  const StageDocument& document_;
+  const engine::Registry& registry_;
+  StageValues& values_;
+  std::unordered_map<std::string_view, Macro> macros_;
+};
+
+}  // namespace troupe::worldio

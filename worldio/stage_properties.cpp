@@ -1,0 +1,334 @@
+#include "worldio/stage_properties.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+using enum StageSupport;
+
+// One line a property; the documentation, the warnings and the spelling hints are all made from it.
+constexpr auto k_rows = std::to_array<StageRow>({
+    {"world", "name", honoured, "title of the world; the file's path unless given"},
+    {"world", "interval_sim", honoured, "the tick, ms; at least 0.001"},
+    {"world", "quit_time", honoured, "s; where a run ends unless it is told otherwise"},
+    {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
+    {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
+    {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given"},
+    {"world", "resolution", no_effect,
+     "edge of the cells of Stage's grid; exact ranges and collisions have no cells"},
+    {"world", "threads", no_effect,
+     "the number of threads is an option of the run and never changes a result"},
+    {"world", "test", no_effect, "a debugging aid of Stage's parser"},
+    {"world", "show_clock", window_only, "as in Stage, whose program overrides it"},
+    {"world", "show_clock_interval", window_only, ""},
+    {"world", "speedup", window_only, "Stage without a window runs as fast as it can, and so do we"},
+    {"world", "paused", window_only, ""},
+    {"world", "confirm_on_quit", window_only, ""},
+    {"world", "size", obsolete, ""},
+    {"world", "interval_real", obsolete, ""},
+    {"world", "gui_interval", obsolete, ""},
+    {"world", "gui_disable", obsolete, ""},
+    {"world", "gui_menu_interval", obsolete, ""},
+    {"world", "threadpool", obsolete, ""},
+
+    {"model", "name", honoured, "`/name` is a name of its own instead of one below the parent's"},
+    {"model", "pose", honoured,
+     "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning"},
+    {"model", "size", honoured,
+     "[x y z], above 0; of the older [x y] the height is the type's default, with a warning"},
+    {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it"},
+    {"model", "update_interval", fixed, "ms; 0 is every tick, where Stage hangs"},
+    {"model", "color", fixed,
+     "X11 name; \"random\" follows from the seed and the body, a child's from its name"},
+    {"model", "color_rgba", honoured, "where `color` is not given"},
+    {"model", "bitmap", fixed,
+     "the outline of the solid pixels, stretched to `size`; also blocks what is inside"},
+    {"model", "noblocks", honoured, ""},
+    {"model", "boundary", honoured,
+     "four walls of 0.01 m; explicit blocks without a bitmap discard them, with a warning"},
+    {"model", "stack_children", honoured, ""},
+    {"model", "obstacle_return", fixed, "whole regions block, not only their outlines"},
+    {"model", "ranger_return", fixed, "bodies of any size are seen, however small"},
+    {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`"},
+    {"model", "alwayson", honoured, "its sensor runs without a controller that reads it"},
+    {"model", "blob_return", no_effect, "Stage never reads it either"},
+    {"model", "event_queue", no_effect, "Stage overwrites it"},
+    {"model", "friction", no_effect, "Stage stores it and no more"},
+    {"model", "map_resolution", no_effect, "Stage stores it and no more"},
+    {"model", "debug", no_effect, "Stage prints a line"},
+    {"model", "fiducial_return", unsupported, ""},
+    {"model", "fiducial_key", unsupported, ""},
+    {"model", "gripper_return", unsupported, ""},
+    {"model", "mass", unsupported, "enters Stage's energy bookkeeping only"},
+    {"model", "watts", unsupported, ""},
+    {"model", "joules", unsupported, ""},
+    {"model", "kjoules", unsupported, ""},
+    {"model", "joules_capacity", unsupported, ""},
+    {"model", "kjoules_capacity", unsupported, ""},
+    {"model", "give_watts", unsupported, ""},
+    {"model", "take_watts", unsupported, ""},
+    {"model", "say", window_only, ""},
+    {"model", "gui_nose", window_only, ""},
+    {"model", "gui_outline", window_only, ""},
+    {"model", "gui_grid", window_only, ""},
+    {"model", "gui_move", window_only, ""},
+    {"model", "trail_length", window_only, ""},
+    {"model", "trail_interval", window_only, ""},
+    {"model", "laser_return", obsolete, "`ranger_return` took its place"},
+    {"model", "blobfinder_return", obsolete, "`blob_return` took its place"},
+    {"model", "shape", obsolete, ""},
+    {"model", "polygons", obsolete, "`block` entities took its place"},
+    {"model", "polygon[k]", obsolete, ""},
+    {"model", "polygon[k].points", obsolete, ""},
+    {"model", "polygon[k].point[k]", obsolete, ""},
+    {"model", "polygon[k].filled", obsolete, ""},
+    {"model", "blocks", obsolete, "`block` entities took its place"},
+    {"model", "block[k]", obsolete, ""},
+    {"model", "block[k].points", obsolete, ""},
+    {"model", "block[k].point[k]", obsolete, ""},
+    {"model", "block[k].z", obsolete, ""},
+    {"model", "block[k].z_range", obsolete, ""},
+    {"model", "block[k].color", obsolete, ""},
+    {"model", "size3", obsolete, ""},
+    {"model", "offset", obsolete, ""},
+    {"model", "gui_movemask", obsolete, ""},
+    {"model", "view", obsolete, ""},
+    {"model", "scount", obsolete, "`sensor` entities took its place"},
+    {"model", "spose[k]", obsolete, ""},
+    {"model", "ssize", obsolete, ""},
+    {"model", "sview", obsolete, ""},
+    {"model", "fill_polygons", obsolete, ""},
+    {"model", "show_waypoints", obsolete, ""},
+    {"model", "rangerdata", obsolete, ""},
+    {"model", "ip", obsolete, ""},
+    {"model", "mac", obsolete, ""},
+    {"model", "essid", obsolete, ""},
+    {"model", "model", obsolete, ""},
+    {"model", "range", obsolete, ""},
+    {"model", "power", obsolete, ""},
+    {"model", "sensitivity", obsolete, ""},
+    {"model", "plc", obsolete, ""},
+    {"model", "ple", obsolete, ""},
+    {"model", "wall_factor", obsolete, ""},
+    {"model", "range_db", obsolete, ""},
+    {"model", "range3", obsolete, ""},
+
+    {"block", "points", honoured, "at least 3"},
+    {"block", "point[k]", honoured,
+     "[x y] in any scale: all blocks of a model together are stretched to its `size`"},
+    {"block", "z", honoured,
+     "[min max], in the same scale; a block without it has no height, with a warning"},
+
+    {"position", "drive", fixed, "\"diff\", \"omni\" or \"car\"; anything else is an error"},
+    {"position", "velocity_bounds", fixed,
+     "[xmin xmax ymin ymax zmin zmax amin amax]; turn rates do not wrap at 180 degrees"},
+    {"position", "wheelbase", honoured, "of a car; above 0"},
+    {"position", "velocity", no_effect, "the first command replaces it before it acts, as in Stage"},
+    {"position", "acceleration_bounds", no_effect,
+     "bounds commanded accelerations only; speeds are commanded here"},
+    {"position", "localization", unsupported, "no controller reads an estimated pose"},
+    {"position", "localization_origin", unsupported, ""},
+    {"position", "odom_error", unsupported, ""},
+    {"position", "odom", obsolete, ""},
+
+    {"sensor", "pose", honoured, "[x y z heading] in the ranger's frame, its origin included"},
+    {"sensor", "size", honoured, "half of its height is added to the height of the beams"},
+    {"sensor", "range", honoured, "[min max]; as in Stage the minimum is kept but not applied"},
+    {"sensor", "fov", honoured, "angle from the first sample to the last"},
+    {"sensor", "samples", honoured, "one sample looks straight ahead; cones are not modelled"},
+    {"sensor", "noise", unsupported, ""},
+    {"sensor", "color", window_only, ""},
+    {"sensor", "color_rgba", window_only, ""},
+    {"sensor", "view", obsolete, ""},
+
+    {"fiducial", "range_min", unsupported, ""},
+    {"fiducial", "range_max", unsupported, ""},
+    {"fiducial", "range_max_id", unsupported, ""},
+    {"fiducial", "fov", unsupported, ""},
+    {"fiducial", "ignore_zloc", unsupported, ""},
+
+    {"blobfinder", "image", unsupported, ""},
+    {"blobfinder", "range", unsupported, ""},
+    {"blobfinder", "fov", unsupported, ""},
+    {"blobfinder", "pan", unsupported, ""},
+    {"blobfinder", "colors_count", unsupported, ""},
+    {"blobfinder", "colors", unsupported, ""},
+    {"blobfinder", "channel_count", obsolete, "`colors_count` took its place"},
+    {"blobfinder", "channels", obsolete, "`colors` took its place"},
+
+    {"bumper", "bcount", unsupported, ""},
+    {"bumper", "blength", unsupported, ""},
+    {"bumper", "blength[k]", unsupported, ""},
+    {"bumper", "bpose[k]", unsupported, ""},
+
+    {"gripper", "paddle_size", honoured, "shapes the body: base and two paddles"},
+    {"gripper", "paddle_state", unsupported, "paddles stand open and down"},
+    {"gripper", "autosnatch", unsupported, ""},
+
+    {"actuator", "type", unsupported, ""},
+    {"actuator", "axis", unsupported, ""},
+    {"actuator", "min_position", unsupported, ""},
+    {"actuator", "max_position", unsupported, ""},
+    {"actuator", "max_speed", unsupported, ""},
+    {"actuator", "start_position", unsupported, ""},
+
+    {"camera", "resolution", unsupported, ""},
+    {"camera", "range", unsupported, ""},
+    {"camera", "fov", unsupported, ""},
+    {"camera", "pantilt", unsupported, ""},
+    {"camera", "width", obsolete, ""},
+    {"camera", "height", obsolete, ""},
+    {"camera", "horizfov", obsolete, ""},
+    {"camera", "vertfov", obsolete, ""},
+    {"camera", "yaw", obsolete, ""},
+    {"camera", "pitch", obsolete, ""},
+
+    {"blinkenlight", "period", unsupported, ""},
+    {"blinkenlight", "dutycycle", unsupported, ""},
+    {"blinkenlight", "enabled", no_effect, "Stage never reads it"},
+
+    {"window", "size", window_only, ""},
+    {"window", "center", window_only, ""},
+    {"window", "rotate", window_only, ""},
+    {"window", "scale", window_only, ""},
+    {"window", "pcam_loc", window_only, ""},
+    {"window", "pcam_angle", window_only, ""},
+    {"window", "pcam_on", window_only, ""},
+    {"window", "interval", window_only, ""},
+    {"window", "screenshot_skip", window_only, ""},
+    {"window", "screenshots", window_only, ""},
+    {"window", "follow_model", window_only, ""},
+    {"window", "show_data", window_only, ""},
+    {"window", "show_blocks", window_only, ""},
+    {"window", "show_clock", window_only, ""},
+    {"window", "show_flags", window_only, ""},
+    {"window", "show_grid", window_only, ""},
+    {"window", "show_follow", window_only, ""},
+    {"window", "show_footprints", window_only, ""},
+    {"window", "show_boundingboxes", window_only, ""},
+    {"window", "show_occupancy", window_only, ""},
+    {"window", "show_trailarrows", window_only, ""},
+    {"window", "show_trailrise", window_only, ""},
+    {"window", "show_trailfast", window_only, ""},
+    {"window", "show_trailblur", window_only, ""},
+    {"window", "show_status", window_only, ""},
+    {"window", "show_voxels", window_only, ""},
+    {"window", "vis_all", window_only, ""},
+    {"window", "show_ranger_ranges", window_only, ""},
+    {"window", "show_ranger_strikes", window_only, ""},
+    {"window", "show_ranger_fov", window_only, ""},
+    {"window", "show_ranger_transducers", window_only, ""},
+    {"window", "show_fiducial", window_only, ""},
+    {"window", "show_fiducial_fov", window_only, ""},
+    {"window", "show_gripper_data", window_only, ""},
+    {"window", "show_camera", window_only, ""},
+    {"window", "show_blinken", window_only, ""},
+    {"window", "show_bumper_hits", window_only, ""},
+    {"window", "show_position_waypoints", window_only, ""},
+    {"window", "show_position_coords", window_only, ""},
+    {"window", "ranger_vis", window_only, ""},
+    {"window", "blobfinder_vis", window_only, ""},
+    {"window", "raster_vis", window_only, ""},
+    {"window", "energy_dissipation", window_only, ""},
+    {"window", "energy_input", window_only, ""},
+    {"window", "energy_stored", window_only, ""},
+});
+
+/// Entities that are no models do not share the rows of `model`.
+bool is_model(std::string_view type) {
+  return type != "world" && type != "block" && type != "sensor" && type != "window";
+}
+
+/// `point[12]` -> `point[k]`.
+std::string without_numbers(std::string_view name) {
+  std::string out;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    out += name[i];
+    if (name[i] != '[') continue;
+    const std::size_t end = std::min(name.size(), name.find_first_not_of("0123456789", i + 1));
+    if (end == i + 1) continue;
+    out += 'k';
+    i = end - 1;
+  }
+  return out;
+}
+
+std::string_view status(StageSupport support) {
+  switch (support) {
+    case honoured:
+      return "honoured";
+    case fixed:
+      return "honoured, with a fix";
+    case no_effect:
+      return "accepted, no effect";
+    case window_only:
+      return "accepted, window only";
+    case obsolete:
+      return "accepted, obsolete";
+    case unsupported:
+      break;
+  }
+  return "not supported yet";
+}
+
+/// The rows of a property's name, in whatever entity.
+std::span<const StageRow* const> rows_of_name(std::string_view written) {
+  using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
+  static const Index index_of_rows = [] {
+    Index index;
+    for (const StageRow& row : k_rows) index[row.name].push_back(&row);
+    return index;
+  }();
+  std::string numberless;
+  if (written.find('[') != std::string_view::npos) {
+    numberless = without_numbers(written);
+    written = numberless;
+  }
+  const auto it = index_of_rows.find(written);
+  if (it == index_of_rows.end()) return {};
+  return it->second;
+}
+
+}  // namespace
+
+std::span<const StageRow> stage_rows() {
+  return k_rows;
+}
+
+const StageRow* find_stage_row(std::string_view type, std::string_view written) {
+  const StageRow* of_any_model = nullptr;
+  for (const StageRow* row : rows_of_name(written)) {
+    if (row->type == type) return row;
+    if (row->type == "model" && is_model(type)) of_any_model = row;
+  }
+  return of_any_model;
+}
+
+bool is_without_effect(std::string_view name) {
+  const std::span<const StageRow* const> rows = rows_of_name(name);
+  return !rows.empty() && std::ranges::none_of(rows, [](const StageRow* row) {
+    return row->support == honoured || row->support == fixed;
+  });
+}
+
+std::vector<std::string_view> stage_property_names(std::string_view type) {
+  std::vector<std::string_view> names;
+  for (const StageRow& row : k_rows)
+    if (row.support != obsolete && (row.type == type || (row.type == "model" && is_model(type))))
+      names.push_back(row.name);
+  return names;
+}
+
+std::string stage_property_table() {
+  std::string out = "| in | property | what becomes of it | how, why |\n|---|---|---|---|\n";
+  for (const StageRow& row : k_rows)
+    out += fmt::format("| {} | `{}` | {} | {} |\n", row.type, row.name, status(row.support), row.note);
+  return out;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,545 @@
+#include "engine/world_spec.hpp"
+#include "worldio/load.hpp"
+#include "worldio/stage_body.hpp"
+#include "worldio/stage_kinds.hpp"
+#include "worldio/stage_lint.hpp"
+#include "worldio/stage_models.hpp"
+#include "worldio/stage_parser.hpp"
+#include "worldio/stage_properties.hpp"
+#include "worldio/stage_values.hpp"
+
+#include "base/random.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
+constexpr std::size_t k_deepest_nesting = 200;
+
+/// A type as bytes, its name and its places in files left out: bodies share a type when these are equal.
+class Structure {
+ public:
+  explicit Structure(const TypeSpec& type) {
+    for (const engine::PartSpec& part : type.parts) {
+      add(part.name);
+      add(part.alias);
+      add(part.kind);
+      add(part.pose_body_part);
+      for (int i = 0; i < 3; ++i) add(part.size[i]);
+      add(part.solids.size());
+      for (const Solid& solid : part.solids) {
+        add(solid.contours.size());
+        for (const Ring& ring : solid.contours) {
+          add(ring.size());
+          for (const Vec2& point : ring) add(point.x()), add(point.y());
+        }
+        add(solid.z.min);
+        add(solid.z.max);
+      }
+      add(part.returns.obstacle);
+      add(part.returns.ranger);
+      add(part.color.has_value());
+      if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
+    }
+    add(type.drive.has_value());
+    if (type.drive) {
+      add(type.drive->kind);
+      add(type.drive->params);
+      add(type.drive->period_s);
+    }
+    add(type.sensors.size());
+    for (const engine::SensorSpec& sensor : type.sensors) {
+      add(sensor.name);
+      add(sensor.kind);
+      add(sensor.params);
+      add(sensor.pose_body_sensor);
+      add(sensor.period_s);
+      add(sensor.active);
+    }
+    add(type.controllers.size());
+    for (const engine::ControllerSpec& controller : type.controllers) {
+      add(controller.kind);
+      add(controller.params);
+    }
+  }
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void add(Number value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+  void add(const std::string& text) {
+    add(text.size());
+    bytes_ += text;
+  }
+  void add(const Pose& pose) { add(pose.x), add(pose.y), add(pose.z), add(pose.heading); }
+  void add(const engine::Record& record) {
+    add(record.size());
+    for (const engine::Value& value : record) {
+      add(value.v.index());
+      std::visit([this](const auto& held) { add_held(held); }, value.v);
+    }
+  }
+  void add_held(std::monostate) {}
+  template <class T>
+  void add_held(const T& value) {
+    add(value);
+  }
+  template <class T>
+  void add_held(const std::vector<T>& list) {
+    add(list.size());
+    for (const T& item : list) add(item);
+  }
+
+  std::string bytes_;
+};
+
+/// What tells one body from another of its type.
+constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba"};
+enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba };
+using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
+
+class StageWorld {
+ public:
+  StageWorld(const StageDocument& document, std::filesystem::path file, const engine::Registry& registry,
+             const LoadOptions& options, Diagnostics& diagnostics)
+      : document_(document),
+        file_(std::move(file)),
+        registry_(registry),
+        options_(options),
+        values_(document, diagnostics),
+        macros_(document, registry, values_),
+        lint_(document, macros_, values_),
+        bodies_(document, file_.parent_path(), values_, diagnostics),
+        kinds_(document, registry, values_) {}
+
+  void read(WorldSpec& spec) {
+    spec_ = &spec;
+    read_world();
+    engine::add_ground(spec);
+    generated_names_["model"] = 1;  // the ground is model:0
+    spec.aliases.insert_or_assign("model:0", BodyId(0));
+    for (const StageItem& item : document_.items) {
+      if (item.is_define) {
+        macros_.define(item);
+        prototypes_.clear();  // the same words may mean something else from here on
+      } else {
+        add_body(item.entity);
+      }
+    }
+    lint_.finish();
+  }
+
+ private:
+  /// What bodies written alike have in common, but for the properties of k_own_keys.
+  struct Prototype {
+    bool usable = false;
+    const engine::ModelKind* kind = nullptr;
+    TypeId type;
+    OwnProperties inherited{};
+    std::vector<std::string> global_parts;
+  };
+
+  /// A type in the making.
+  struct Draft {
+    TypeSpec type;
+    std::vector<std::string> global_parts;   ///< names of parts with names of their own
+    std::vector<const StageEntity*> inside;  ///< the bodies of macros and entities around the present one
+    std::size_t entities = 0;
+    Where where;  ///< of the top-level model
+    bool broken = false;
+  };
+
+  struct Contents {
+    std::vector<StageModel> blocks;
+    std::vector<StageModel> sensors;                                  // of a ranger
+    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body each stands in
+  };
+
+  /// Where a part lies in its body, and how it is called there.
+  struct Place {
+    Pose pose_body_part;
+    std::string name;
+    std::string alias;
+    bool has_own_name = false;  ///< it or a model around it has a name of its own: not one below the body's
+  };
+
+  const StageProperty* world_property(std::string_view key) const {
+    const auto it = std::find_if(document_.world.rbegin(), document_.world.rend(),
+                                 [&](const StageProperty& p) { return document_.key(p) == key; });
+    return it == document_.world.rend() ? nullptr : &*it;
+  }
+
+  void read_world();
+  void add_body(const StageEntity& entity);
+  Prototype make_prototype(const StageEntity& entity);
+  TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
+  std::optional<Contents> contents(const StageModel& model, Draft& draft);
+  void add_part(const StageModel& model, const Place& place, Draft& draft);
+  void add_behaviour(const StageModel& model, bool is_root, Draft& draft);
+  void add_children(const StageModel& model, const Place& place, double height,
+                    const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
+  void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
+  Color color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
+              std::string_view stream, BodyId body);
+
+  const StageDocument& document_;
+  std::filesystem::path file_;
+  const engine::Registry& registry_;
+  const LoadOptions& options_;
+  StageValues values_;
+  StageMacros macros_;
+  StageLint lint_;
+  StageBodies bodies_;
+  StageKinds kinds_;
+  WorldSpec* spec_ = nullptr;
+
+  std::unordered_map<std::string, Prototype> prototypes_;
+  std::unordered_map<std::string, TypeId> types_;            // by structure
+  std::vector<std::vector<std::string_view>> type_names_;    // words that lead to each type, outermost first
+  std::map<std::string_view, std::size_t> generated_names_;  // how many top-level models of each kind
+  std::unordered_set<std::string> names_;
+};
+
+void StageWorld::read_world() {
+  lint_.check_world();
+  const auto choose = [this](std::string_view key,
+                             std::initializer_list<std::pair<std::string_view, double>> units) {
+    const StageProperty* property = world_property(key);
+    if (!property) return units.begin()->second;
+    const auto given = values_.text(*property);
+    std::vector<std::string_view> known;
+    for (const auto& [unit, factor] : units) {
+      if (given == unit) return factor;
+      known.push_back(unit);
+    }
+    if (given)
+      values_.error(values_.where(*property),
+                    fmt::format("unknown {} \"{}\"; known: {}", key, *given, comma_list(known)));
+    return units.begin()->second;
+  };
+  const double length = choose("unit_length", {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}});
+  const double angle = choose("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
+  values_.set_units(length, angle);
+
+  if (const StageProperty* property = world_property("interval_sim"))
+    if (const auto ms = values_.number(*property)) {
+      const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
+      if (us >= 1)
+        spec_->tick_s = us / 1e6;
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"interval_sim\" must be at least 0.001 ms; here is {}", *ms));
+    }
+  if (const StageProperty* property = world_property("quit_time"))
+    if (const auto seconds = values_.number(*property)) {
+      if (*seconds > 0) spec_->quit_time_s = *seconds;
+      if (*seconds < 0)
+        values_.error(values_.where(*property),
+                      fmt::format("\"quit_time\" must be 0 (never) or above, in s; here is {}", *seconds));
+    }
+  if (const StageProperty* property = world_property("seed"))
+    if (const auto seed = values_.integer(*property)) {
+      if (*seed >= 0)
+        spec_->seed = static_cast<std::uint64_t>(*seed);
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"seed\" must be 0 or above; here is {}", *seed));
+    }
+  if (options_.seed) spec_->seed = *options_.seed;
+  spec_->title = file_.string();
+  if (const StageProperty* property = world_property("name"))
+    if (const auto title = values_.text(*property)) spec_->title = *title;
+}
+
+/// The words of an entity, one after another: entities with equal keys make equal types.
+void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string& key) const {
+  const auto add = [&key](std::string_view text) {
+    key += text;
+    key += '\n';
+  };
+  add(document_.word(entity));
+  for (const StageProperty& property : entity.properties) {
+    const std::string_view name = document_.key(property);
+    if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
+    if (is_without_effect(name)) continue;
+    add(name);
+    if (property.tuple) add("[");
+    for (const StageToken& value : document_.values(property)) add(value.text);
+  }
+  add("(");
+  for (const StageEntity& child : entity.children) write_key(child, false, key);
+  add(")");
+}
+
+void StageWorld::add_body(const StageEntity& entity) {
+  lint_.check(entity);
+  std::string key;
+  write_key(entity, true, key);
+  auto entry = prototypes_.find(key);
+  if (entry == prototypes_.end()) entry = prototypes_.emplace(std::move(key), make_prototype(entity)).first;
+  const Prototype& prototype = entry->second;
+  if (!prototype.kind) return;
+
+  OwnProperties own = prototype.inherited;
+  for (const StageProperty& property : entity.properties)
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (document_.key(property) == k_own_keys[i]) own[i] = &property;
+
+  // Even a body that cannot be made takes its number, so that the names in other messages are right.
+  const std::string generated =
+      fmt::format("{}:{}", prototype.kind->name, generated_names_[prototype.kind->name]++);
+  const BodyId id(spec_->bodies.size());
+  engine::BodySpec body{
+      .name = generated, .type = prototype.type, .where = document_.token(entity.word).where()};
+  if (own[k_name])
+    if (auto given = values_.name(*own[k_name])) {
+      if (given->starts_with('/')) given->remove_prefix(1);
+      body.name = *given;
+    }
+  if (own[k_pose])
+    if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
+  body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
+  if (!prototype.usable) return;
+
+  if (body.name != generated) spec_->aliases.insert_or_assign(generated, id);
+  for (const std::string& part : prototype.global_parts)
+    spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
+  if (!names_.insert(body.name).second)
+    values_.warning_once(
+        own[k_name] ? values_.where(*own[k_name]) : body.where,
+        fmt::format("the name \"{}\" is taken already; looking it up finds the last", body.name));
+  spec_->bodies.push_back(std::move(body));
+}
+
+StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
+  Prototype prototype;
+  const auto model = macros_.resolve(entity);
+  if (!model || model->type == "window") return prototype;
+  if (model->type == "block" || model->type == "sensor") {
+    values_.error(model->where, fmt::format("a {} belongs into a {}, not at top level", model->type,
+                                            model->type == "block" ? "model" : "ranger"));
+    return prototype;
+  }
+  prototype.kind = registry_.model(model->type);
+
+  StageModel inherited = *model;
+  inherited.layers.pop_back();
+  for (std::size_t i = 0; i < prototype.inherited.size(); ++i)
+    prototype.inherited[i] = inherited.find(document_, k_own_keys[i]);
+
+  Draft draft{.where = model->where};
+  add_part(*model, Place{}, draft);
+  if (draft.broken) return prototype;
+  prototype.global_parts = std::move(draft.global_parts);
+  prototype.type = share_type(std::move(draft.type), model->names);
+  prototype.usable = true;
+  return prototype;
+}
+
+/// A type is called by the innermost word that all its bodies have in common: the macro they are made from.
+TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
+  const auto [entry, is_new] = types_.try_emplace(Structure(type).bytes(), TypeId(spec_->types.size()));
+  const TypeId id = entry->second;
+  if (is_new) {
+    spec_->types.push_back(std::move(type));
+    type_names_.resize(spec_->types.size());
+    type_names_[id.index()] = names;
+  }
+  std::vector<std::string_view>& common = type_names_[id.index()];
+  std::size_t shared = 0;
+  while (shared < std::min(common.size(), names.size()) &&
+         common[common.size() - 1 - shared] == names[names.size() - 1 - shared])
+    ++shared;
+  if (shared > 0) common.erase(common.begin(), common.end() - static_cast<std::ptrdiff_t>(shared));
+  spec_->types[id.index()].name = common.front();
+  return id;
+}
+
+/// Sorts what a model holds; empty when its macros never end.
+std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
+  Contents out;
+  const auto fail = [&](Where where, std::string message) {
+    values_.error(where, std::move(message));
+    draft.broken = true;
+  };
+  for (const StageModel::Child& child : model.children()) {
+    if (++draft.entities > k_most_entities) {
+      fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
+      return {};
+    }
+    if (draft.inside.size() >= k_deepest_nesting) {
+      fail(draft.where, fmt::format("its macros nest deeper than {}", k_deepest_nesting));
+      return {};
+    }
+    auto resolved = macros_.resolve(*child.entity);
+    if (!resolved) {
+      draft.broken = true;
+      continue;
+    }
+    const auto itself = std::ranges::find_if(resolved->layers, [&](const StageEntity* layer) {
+      return layer == child.layer || std::ranges::find(draft.inside, layer) != draft.inside.end();
+    });
+    if (itself != resolved->layers.end()) {
+      fail(resolved->where, fmt::format("macro \"{}\" contains itself", document_.word(**itself)));
+      continue;
+    }
+    const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
+    if (is_piece)
+      for (const StageModel::Child& inner : resolved->children())
+        fail(document_.token(inner.entity->word).where(),
+             fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
+                         document_.word(*inner.entity)));
+    if (resolved->type == "block")
+      out.blocks.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor" && model.type == "ranger")
+      out.sensors.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor")
+      fail(resolved->where, fmt::format("a sensor belongs into a ranger, not into: {}", model.type));
+    else if (resolved->type != "window")
+      out.children.emplace_back(std::move(*resolved), child.layer);
+  }
+  return out;
+}
+
+void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
+  const auto find = [&](std::string_view key) { return model.find(document_, key); };
+  const bool is_root = draft.type.parts.empty();
+  const engine::ModelKind& kind = *registry_.model(model.type);
+  const std::optional<Contents> holds = contents(model, draft);
+  if (!holds) return;
+
+  engine::PartSpec part{.name = place.name, .alias = place.alias, .kind = std::string(kind.name)};
+  part.pose_body_part = place.pose_body_part;
+  part.where = model.where;
+  part.size = kind.size;
+  if (const StageProperty* property = find("size"))
+    if (const auto size = values_.size(*property, kind.size.z())) part.size = *size;
+  Pose origin;
+  if (const StageProperty* property = find("origin"))
+    if (const auto given = values_.pose(*property)) origin = *given;
+  const Pose pose_body_frame = compose(place.pose_body_part, origin);
+  part.solids = bodies_.make(model, kind, part.size, holds->blocks);
+  const Transform to_body(pose_body_frame);
+  for (Solid& solid : part.solids) {
+    for (Ring& ring : solid.contours)
+      for (Vec2& point : ring) point = to_body * point;
+    solid.z = solid.z.shifted(pose_body_frame.z);
+  }
+  if (const StageProperty* property = find("obstacle_return"))
+    part.returns.obstacle = values_.flag(*property).value_or(true);
+  if (const StageProperty* property = find("ranger_return"))
+    part.returns.ranger = static_cast<float>(values_.number(*property).value_or(1));
+  if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  const double height = part.size.z();
+  draft.type.parts.push_back(std::move(part));
+
+  if (model.type == "ranger")
+    if (auto sensor = kinds_.ranger(model, holds->sensors)) {
+      sensor->name = place.name;
+      sensor->pose_body_sensor = pose_body_frame;
+      draft.type.sensors.push_back(std::move(*sensor));
+    }
+  add_behaviour(model, is_root, draft);
+  add_children(model, place, height, holds->children, draft);
+}
+
+void StageWorld::add_behaviour(const StageModel& model, bool is_root, Draft& draft) {
+  const bool is_position = model.type == "position";
+  if (is_position && is_root) draft.type.drive = kinds_.drive(model);
+  if (is_position && !is_root)
+    values_.warning_once(
+        model.where,
+        "a position model inside another model does not drive on its own yet; it is carried along");
+  const StageProperty* ctrl = model.find(document_, "ctrl");
+  if (!ctrl) return;
+  std::vector<engine::ControllerSpec> controllers = kinds_.controllers(model);
+  if (!is_root)
+    values_.warning_once(values_.where(*ctrl),
+                         "\"ctrl\" of a model inside another model is not supported yet; it does not run");
+  else if (!is_position)
+    values_.error(values_.where(*ctrl),
+                  fmt::format("\"ctrl\" needs a position model to drive; this one is a {}", model.type));
+  else
+    draft.type.controllers = std::move(controllers);
+}
+
+void StageWorld::add_children(const StageModel& model, const Place& place, double height,
+                              const std::vector<std::pair<StageModel, const StageEntity*>>& children,
+                              Draft& draft) {
+  const StageProperty* stack = model.find(document_, "stack_children");
+  const bool is_stacked = !stack || values_.flag(*stack).value_or(true);
+  std::map<std::string_view, std::size_t> generated_names;
+  const auto below = [&place](std::string_view last) {
+    return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
+  };
+  for (const auto& [child, layer] : children) {
+    Place child_place{.pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
+    child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
+    if (const StageProperty* property = child.find(document_, "name"))
+      if (const auto given = values_.name(*property)) {
+        child_place.alias = std::move(child_place.name);
+        const bool is_global = given->starts_with('/');
+        child_place.has_own_name = child_place.has_own_name || is_global;
+        child_place.name = is_global ? std::string(given->substr(1)) : below(*given);
+      }
+    if (child_place.has_own_name) draft.global_parts.push_back(child_place.name);
+    if (is_stacked) child_place.pose_body_part.z += height;
+    if (const StageProperty* property = child.find(document_, "pose"))
+      if (const auto pose = values_.pose(*property))
+        child_place.pose_body_part = compose(child_place.pose_body_part, *pose);
+    draft.inside.push_back(layer);
+    add_part(child, child_place, draft);
+    draft.inside.pop_back();
+  }
+}
+
+Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
+                        std::string_view stream, BodyId body) {
+  if (name) {
+    if (values_.text(*name) == "random") {
+      Random random(spec_->seed, stream_id("color", stream), body.value, 0);
+      Color drawn;
+      for (float* part : {&drawn.r, &drawn.g, &drawn.b}) *part = static_cast<float>(random.uniform());
+      return drawn;
+    }
+    return values_.color(*name).value_or(fallback);
+  }
+  if (rgba) return values_.color_rgba(*rgba).value_or(fallback);
+  return fallback;
+}
+
+}  // namespace
+
+WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+                           const engine::Registry& registry, const LoadOptions& options,
+                           Diagnostics& diagnostics) {
+  WorldSpec spec;
+  spec.files = diagnostics.files();
+  const Where whole{diagnostics.files()->add(file.string()), 0};
+  if (!options.robots.empty())
+    diagnostics.error(whole,
+                      "--robots needs a world with populations; a .world file lists its robots one by one");
+  if (!options.set.empty())
+    diagnostics.error(whole, "--set reaches into JSON worlds; a .world file has no keys to set");
+  const StageDocument document = parse_stage(file, text, options.search_path, diagnostics);
+  if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
+  return spec;
+}
+
+}  // namespace troupe::worldio
