@@ -42,6 +42,10 @@ Ring blob(Random& random, const Vec2& middle, double size) {
   return ring;
 }
 
+std::string numbered(std::string name, std::uint32_t n) {
+  return name.append(std::to_string(n));
+}
+
 float any_return(Random& random) {
   constexpr std::array<float, 5> k_returns{-1, 0, 0.5f, 1, 1};
   return k_returns[random.below(k_returns.size())];
@@ -88,8 +92,8 @@ RandomScene random_scene(std::uint32_t seed, const Vec2& place) {
                                      Vec2(random.uniform(-extent, extent), random.uniform(-extent, extent)),
                                      random.uniform(0.1, extent)));
     const TypeId type =
-        scene.type("plan" + std::to_string(i), {region}, {.obstacle = false, .ranger = any_return(random)});
-    scene.body("plan" + std::to_string(i), type, {place.x(), place.y(), 0, random.uniform(-3, 3)});
+        scene.type(numbered("plan", i), {region}, {.obstacle = false, .ranger = any_return(random)});
+    scene.body(numbered("plan", i), type, {place.x(), place.y(), 0, random.uniform(-3, 3)});
   }
   out.rangers.resize(scene.spec.types.size());
   for (std::uint32_t t = 0, n = 1 + random.below(4); t < n; ++t) {
@@ -102,7 +106,7 @@ RandomScene random_scene(std::uint32_t seed, const Vec2& place) {
     }
     if (random.below(8) == 0)
       solids[0].contours[0] = blob(random, {0, 0}, random.uniform(0.5, 4));  // a truck
-    const TypeId type = scene.robot("robot" + std::to_string(t), solids);
+    const TypeId type = scene.robot(numbered("robot", t), solids);
     for (engine::PartSpec& part : scene[type].parts) part.returns.ranger = any_return(random);
     if (random.below(3) == 0)
       scene[type].parts.push_back({.name = "top",
@@ -112,15 +116,14 @@ RandomScene random_scene(std::uint32_t seed, const Vec2& place) {
     out.rangers.emplace_back();
     for (std::uint32_t s = 0, m = random.below(3); s < m; ++s) {
       const std::vector<Transducer> transducers = any_ranger(random);
-      scene[type].sensors.push_back(
-          test::ranger("ranger" + std::to_string(s), transducers, random.below(2) == 0));
+      scene[type].sensors.push_back(test::ranger(numbered("ranger", s), transducers, random.below(2) == 0));
       scene[type].sensors.back().pose_body_sensor = {random.uniform(-0.1, 0.1), 0, random.uniform(0, 0.2),
                                                      random.uniform(-3, 3)};
       out.rangers.back().push_back(transducers);
     }
     for (std::uint32_t b = 0, m = 1 + random.below(12); b < m; ++b) {
       const Vec2 p = anywhere();
-      scene.body("r" + std::to_string(t) + "." + std::to_string(b), type,
+      scene.body(numbered("r", 100 * t + b), type,
                  {p.x(), p.y(), random.below(4) == 0 ? random.uniform(0, 0.4) : 0.0,
                   random.below(6) == 0 ? 0 : random.uniform(-3, 3)});
     }
@@ -310,7 +313,7 @@ void compare(const std::vector<Segment>& segments, std::uint32_t own, double ox,
              double angle, double range_max, float reading, Comparison& out) {
   constexpr double k_tolerance = 1e-5;
   const double dx = std::cos(angle), dy = std::sin(angle);
-  double low = range_max, high = range_max;
+  double low = static_cast<float>(range_max), high = low;
   bool near_end = false;
   for (const Segment& s : segments) {
     if (s.body == own || z < s.z_min || z > s.z_max) continue;
@@ -328,7 +331,7 @@ void compare(const std::vector<Segment>& segments, std::uint32_t own, double ox,
     near_end = near_end || (aside < k_tolerance && along > -k_tolerance && along < range_max + k_tolerance);
   }
   ++out.beams;
-  if (reading >= low - k_tolerance && reading <= std::min(high + k_tolerance, range_max)) return;
+  if (reading >= low && reading <= high) return;
   if (near_end) {
     ++out.at_ends;
     return;
@@ -384,12 +387,12 @@ TEST(Ranger, RangesAreTrueFarFromTheOriginToo) {
 
 /// A robot at the origin with one ranger, and what the test adds.
 struct RobotScene : SceneBuilder {
-  TypeId type = robot("robot", {});
+  TypeId robot_type = robot("robot", {});
   BodyId robot_body;
 
   explicit RobotScene(const std::vector<Transducer>& transducers, bool intensity = true) {
-    (*this)[type].sensors.push_back(test::ranger("ranger", transducers, intensity));
-    robot_body = body("r", type);
+    (*this)[robot_type].sensors.push_back(test::ranger("ranger", transducers, intensity));
+    robot_body = body("r", robot_type);
   }
   std::vector<float> ranges() const {
     World w = world();
@@ -487,12 +490,12 @@ TEST(Ranger, HeightsOfRobotAndBodyCount) {
 
 TEST(Ranger, TheRobotsOwnBodyIsNotSeen) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  auto& parts = s[s.type].parts;
+  auto& parts = s[s.robot_type].parts;
   parts[0].solids = {{{test::box_ring(1, 1)}, {0, 1}}};
   parts.push_back(
       {.name = "mast", .kind = "model", .solids = {{{test::rectangle(0.6, -1, 0.7, 1)}, {0, 1}}}});
   EXPECT_THAT(s.ranges(), ElementsAre(5.0f));
-  s.body("twin", s.type, {3, 0, 0, 2 * k_quarter});
+  s.body("twin", s.robot_type, {3, 0, 0, 2 * k_quarter});
   EXPECT_THAT(s.ranges(), ElementsAre(FloatNear(2.3f, 1e-6f)))
       << "but that of another of its type is: the twin's mast";
 }
@@ -530,8 +533,8 @@ TEST(Ranger, OneSampleLooksStraightAheadWhateverItsFov) {
 
 TEST(Ranger, SensorAndTransducerPosesAreComposed) {
   RobotScene s({{.pose = {1, 0, 0.2, k_quarter}}});
-  s[s.type].sensors[0].pose_body_sensor = {0.5, 0, 0.3,
-                                           k_quarter};  // transducer at (0.5, 1, 0.5), looking back
+  s[s.robot_type].sensors[0].pose_body_sensor = {0.5, 0, 0.3,
+                                                 k_quarter};  // transducer at (0.5, 1, 0.5), looking back
   s.spec.bodies[s.robot_body.index()].pose_world_body = {10, 20, 0,
                                                          -k_quarter};  // at (11, 19.5), looking to +y
   s.wall(10, 21.5, 12, 22);
@@ -540,8 +543,9 @@ TEST(Ranger, SensorAndTransducerPosesAreComposed) {
 
 TEST(Ranger, SeveralSensorsReportApartAndRangesDiffer) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.type].sensors.push_back(test::ranger("second", {{.pose = {0, 0, 0.5, 2 * k_quarter}, .range_max = 2},
-                                                      {.pose = {0.5, 0, 0.5, 0}, .range_max = 8}}));
+  s[s.robot_type].sensors.push_back(test::ranger(
+      "second",
+      {{.pose = {0, 0, 0.5, 2 * k_quarter}, .range_max = 2}, {.pose = {0.5, 0, 0.5, 0}, .range_max = 8}}));
   s.wall(6, -1, 6.1, 1);
   World world = s.world();
   world.step();
@@ -585,7 +589,7 @@ TEST(Ranger, ReadingsAreThoseOfTheStateBeforeTheTick) {
 
 TEST(Ranger, ASlowSensorKeepsItsOldReading) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.type].sensors[0].period_s = 0.25;  // runs at 0.3, 0.6, ... s, as in Stage
+  s[s.robot_type].sensors[0].period_s = 0.25;  // runs at 0.3, 0.6, ... s, as in Stage
   s.wall(4, -1, 4.1, 1);
   World world = s.world();
   world.set_command(world.row(s.robot_body), {1, 0, 0});
@@ -601,7 +605,7 @@ TEST(Ranger, ASlowSensorKeepsItsOldReading) {
 
 TEST(Ranger, AnInactiveSensorIsNotRunUntilItIsActivated) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.type].sensors[0].active = false;
+  s[s.robot_type].sensors[0].active = false;
   World world = s.world();
   world.step();
   EXPECT_EQ(world.beams_cast(), 0u);
