@@ -1,7 +1,7 @@
 #include "worldio/fields_reference.hpp"
 
+#include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
-#include "json_test_world.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "worldio/json_document.hpp"
 
-#include "json_test_world.hpp"
+#include "tests/worldio/json_test_world.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
