@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -41,9 +41,7 @@ std::string value_text(const Value& value) {
     std::string operator()(double x) const { return number_text(x); }
     std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }
     std::string operator()(const std::vector<double>& x) const {
-      std::string text;
-      for (const double element : x) text += (text.empty() ? "" : " ") + number_text(element);
-      return "[" + text + "]";
+      return fmt::format("[{:.6g}]", fmt::join(x, " "));
     }
     std::string operator()(const std::vector<engine::Record>& x) const { return x.empty() ? "[]" : "below"; }
   };

@@ -115,9 +115,9 @@ std::string summary_json(const Report& report) {
   // Options keep their own type where they are numbers or switches: a seed reads as one.
   for (const auto& [key, value] : report.options) {
     if (json.contains(key)) continue;
-    auto parsed = nlohmann::json::parse(value, nullptr, false);
+    const auto parsed = nlohmann::ordered_json::parse(value, nullptr, false);
     if (parsed.is_number() || parsed.is_boolean())
-      json[key] = std::move(parsed);
+      json[key] = parsed;
     else
       json[key] = value;
   }

@@ -37,7 +37,7 @@ struct Report {
 /// Aligned lines for people, the last one ended.
 std::string summary_text(const Report& report);
 
-/// The same as one flat JSON object, keys in the order of docs/program.md, with a line end.
+/// The same as one flat JSON object, keys in a fixed order, with a line end.
 std::string summary_json(const Report& report);
 
 }  // namespace troupe::apps

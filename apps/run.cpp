@@ -79,9 +79,10 @@ double end_of(const RunOptions& options, const Simulation& simulation) {
                   options.world.string(), json ? "quit_time_s" : "quit_time"));
 }
 
-void print_options(const RunOptions& options, const Simulation& simulation, double end_s) {
-  fmt::print("{}: {} robots, to {:g} s\n", options.world.string(), simulation.robots(), end_s);
-  for (const auto& [key, value] : simulation.effective_options()) fmt::print("  {:<18} {}\n", key, value);
+void print_options(const Report& report) {
+  fmt::print("running\n");
+  for (const auto& [key, value] : report.options) fmt::print("  {:<18} {}\n", key, value);
+  fmt::print("  {:<18} {:.10g}\n", "until_s", report.end_s);
   std::fflush(stdout);
 }
 
@@ -128,7 +129,7 @@ ExitCode run_checked(const RunOptions& options) {
   std::optional<HashLog> log;
   if (!options.hash_log.empty()) log.emplace(options.hash_log, simulation);
 
-  if (!options.quiet && !options.json) print_options(options, simulation, report.end_s);
+  if (!options.quiet && !options.json) print_options(report);
   step_to_end(simulation, log ? &*log : nullptr, !options.quiet, report);
   report.peak_rss_bytes = peak_rss_bytes();
 

@@ -55,14 +55,14 @@ std::optional<double> finite(std::string_view text) {
 /// An option with one value of our own parsing: CLI11's conversions take hexadecimal, nan, and texts for
 /// numbers.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
-                       std::function<void(const std::string&)> set) {
-  return app.add_option_function<std::string>(name, std::move(set), help)->option_text(value);
+                       const std::function<void(const std::string&)>& set) {
+  return app.add_option_function<std::string>(name, set, help)->option_text(value);
 }
 
 /// The same for an option that may be repeated.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
-                        std::function<void(const std::string&)> add) {
-  const auto add_all = [add = std::move(add)](const std::vector<std::string>& texts) {
+                        const std::function<void(const std::string&)>& add) {
+  const auto add_all = [add](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) add(text);
   };
   return app.add_option_function<std::vector<std::string>>(name, add_all, help)

@@ -32,14 +32,21 @@ class Rule {
  public:
   Rule(const Conflicts::Crowd& crowd, const partition::StaticScene& scene) : crowd_(crowd), scene_(scene) {}
 
-  bool leaves_world(const Motion& m) const { return crowd_.bounds && !crowd_.bounds->contains(m.to.position()); }
+  bool leaves_world(const Motion& m) const { return !crowd_.bounds.contains(m.to.position()); }
 
   bool scene_refuses(std::size_t row) const {
     if (!scene_.has_obstacles()) return false;
     const Motion& m = crowd_.motions[row];
     const ObstacleShape& shape = *crowd_.shapes[row];
     const std::size_t n = motion_samples(m, shape);
-    const auto already_in = [&](std::uint32_t solid) { return scene_.overlaps_solid(solid, shape, m.from); };
+    // A body in a floor plan crosses many of its edges: one answer for all of them.
+    std::uint32_t known = ~0u;
+    const auto already_in = [&](std::uint32_t solid) {
+      if (solid == known) return true;
+      if (!scene_.overlaps_solid(solid, shape, m.from)) return false;
+      known = solid;
+      return true;
+    };
     for (std::size_t k = 1; k <= n; ++k)
       if (scene_.crossed(shape, motion_pose(m, k, n), already_in) >= 0) return true;
     return false;
@@ -115,7 +122,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
   });
   double longest = 0;
   for (const Work& work : work_) longest = std::max(longest, work.longest);
-  longest = sqrt(longest);
+  longest = sqrt(longest) + partition::k_rounding_m;
 
   // First round: the static scene, and all who are sure to stand where they are when this body's turn comes.
   // What is left are bodies of higher priority that move too.
@@ -149,7 +156,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
         continue;
       }
       const auto first = static_cast<std::uint32_t>(work.others.size());
-      const Box mine = swept(m, shape.radius * (1 + 1e-9));
+      const Box mine = swept(m, shape.radius + partition::k_rounding_m);
       bool refused = false;
       index.for_each_near(mine.expanded(longest), [&](const BodyEntry& entry) {
         const std::uint32_t other = entry.row;
@@ -187,7 +194,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
         };
         if (!std::ranges::all_of(others, settled_before)) return false;
         const bool refused = std::ranges::any_of(others, [&](std::uint32_t other) {
-          const bool moved = (settled_[other] & k_state) == k_moves;
+          const bool moved = (state_of(other).load(std::memory_order_relaxed) & k_state) == k_moves;
           return rule.body_refuses(waiting.row, other, moved ? crowd.motions[other].to : crowd.motions[other].from);
         });
         outcomes[waiting.row] = refused ? Outcome::refused : Outcome::moved;

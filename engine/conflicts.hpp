@@ -6,7 +6,6 @@
 #include "partition/static_scene.hpp"
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,7 +45,7 @@ class Conflicts {
     std::span<const std::uint32_t> ids;  ///< ascending with the rows
     std::uint64_t seed = 1;
     std::uint64_t tick = 0;
-    std::optional<Box> bounds;  ///< motions that end outside are refused
+    Box bounds;  ///< motions that end outside are refused
   };
 
   enum class Outcome : std::uint8_t { stands, moved, refused, held };  ///< held: at the bounds of the world

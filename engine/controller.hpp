@@ -12,7 +12,7 @@
 /// Lists every member of a controller's Memory. Only listed members exist for hash, comparison, checkpoint and
 /// recording; a member that is not listed, or one that is not a number, does not compile.
 #define TROUPE_FIELDS(...)                                                   \
-  auto troupe_fields() { return std::tie(__VA_ARGS__); }                     \
+  constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); }           \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
 
 namespace troupe::engine {
@@ -35,6 +35,21 @@ constexpr std::size_t member_count() {
   else return N;
 }
 
+/// True when no member is listed twice: with as many names as members, each is listed once then.
+template <class Memory>
+constexpr bool lists_distinct_members() {
+  Memory example{};
+  return std::apply(
+      [](auto&... members) {
+        const void* const places[] = {nullptr, &members...};
+        for (std::size_t i = 0; i < std::size(places); ++i)
+          for (std::size_t j = 0; j < i; ++j)
+            if (places[i] == places[j]) return false;
+        return true;
+      },
+      example.troupe_fields());
+}
+
 template <class T>
 struct Shape {
   using element = T;
@@ -55,7 +70,7 @@ constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
 }
 
 struct NoMemory {
-  auto troupe_fields() { return std::tuple<>{}; }
+  constexpr auto troupe_fields() { return std::tuple<>{}; }
   static constexpr std::string_view troupe_field_names() { return ""; }
 };
 
@@ -78,8 +93,10 @@ std::vector<StateField> memory_fields() {
   Memory example{};
   auto fields = example.troupe_fields();
   constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
+  static_assert(std::is_aggregate_v<Memory>, "a memory has no constructors: give its members initial values");
   static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
                 "TROUPE_FIELDS must list every member of the memory");
+  static_assert(detail::lists_distinct_members<Memory>(), "TROUPE_FIELDS must list every member of the memory once");
   std::vector<StateField> out;
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {

@@ -1,3 +1,4 @@
+#include "base/fp_environment.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::size_t k_batch = 64;            // rows a task: a crowded tile is split, small ones are joined
 constexpr std::size_t k_most_sensors = 16;     // a controller reads, at most
+constexpr double k_world_limit = 100e3;        // m: where a world without floor plans ends
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -28,6 +30,7 @@ std::string_view phase_name(Phase phase) {
 /// One tick. Each phase reads the state that the one before it left, and writes rows of its own only.
 /// The drive comes before the decision: a command takes effect a tick after the readings it was made from.
 void World::step() {
+  restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast maths
   ++tick_;
   begin(Phase::sense);
   sense();
@@ -137,8 +140,8 @@ void World::move() {
       if (motion.moves) motion.to = compose(from, {v.x * dt, v.y * dt, 0, motion.turn});
     }
   });
-  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, spec_.bounds}, scene_, index_, parallel_,
-                    outcomes_);
+  const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
+  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, bounds}, scene_, index_, parallel_, outcomes_);
   conflict_rounds_ += conflicts_.rounds();
   for_batches([&](std::span<const Row> rows, const BodyType&) {
     for (const Row row : rows) {

@@ -24,9 +24,28 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
   return shape;
 }
 
+namespace {
+
+/// True when the polygon lies left of the line through its edge from p[j] along `edge`. Every edge of a
+/// convex polygon is such a line, but for one so short that the rounding of its ends decides its direction:
+/// that one might cut its own polygon, and then what lies right of it is not separated. (Merging corners that
+/// lie close together lost: how close is too close depends on the distance from the origin.)
+bool bounds_its_polygon(std::span<const Vec2> p, std::size_t j, const Vec2& edge) {
+  double low = 0;
+  double high = 0;
+  for (const Vec2& v : p) {
+    const double side = cross(edge, v - p[j]);
+    low = std::min(low, side);
+    high = std::max(high, side);
+  }
+  return high > 0 && low >= -1e-9 * high;
+}
+
+}  // namespace
+
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b) {
   // Separating axes: two convex polygons share no area exactly when the normal of one of their edges
-  // separates them. `<=`: polygons that only touch are separated.
+  // separates them. `> 0`: polygons that only touch are separated.
   const auto separated_by_edges_of = [](std::span<const Vec2> p, std::span<const Vec2> q) {
     for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
       const Vec2 edge = p[i] - p[j];
@@ -37,7 +56,7 @@ bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b) {
           break;
         }
       }
-      if (separates) return true;
+      if (separates && bounds_its_polygon(p, j, edge)) return true;
     }
     return false;
   };
@@ -56,7 +75,9 @@ bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polyg
   if (!left || !right) return false;  // the segment's line does not enter the polygon
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
     const Vec2 edge = polygon[i] - polygon[j];
-    if (cross(edge, s0 - polygon[j]) <= 0 && cross(edge, s1 - polygon[j]) <= 0) return false;
+    if (cross(edge, s0 - polygon[j]) <= 0 && cross(edge, s1 - polygon[j]) <= 0 &&
+        bounds_its_polygon(polygon, j, edge))
+      return false;
   }
   return true;
 }
@@ -72,9 +93,10 @@ PlacedShape::PlacedShape(const ObstacleShape& shape, const Pose& pose_world_body
     for (const Vec2& v : piece.outline) *out++ = transform * v;
 }
 
-bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b, const Pose& pose_world_b) {
+bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,
+             const Pose& pose_world_b) {
   const Vec2 apart = pose_world_b.position() - pose_world_a.position();
-  const double reach = (a.radius + b.radius) * (1 + 1e-9);  // a cull: never refuses what the axes would find
+  const double reach = a.radius + b.radius + k_rounding_m;  // a cull: never refuses what the axes would find
   if (apart.squaredNorm() > reach * reach) return false;
   if (!a.z.shifted(pose_world_a.z).overlaps(b.z.shifted(pose_world_b.z))) return false;
   const PlacedShape placed_a(a, pose_world_a);

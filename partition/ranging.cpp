@@ -7,110 +7,176 @@
 namespace troupe::partition {
 namespace {
 
-constexpr float k_end_on = 1.0f / 1024;
+constexpr float k_grazing = 1.0f / 256;
+constexpr float k_tiny = 1.0f / (1 << 20);
 
-/// Edges seen end-on, or passing through the origin: sides decided as everywhere, the rest in double.
-/// a and b are relative to the beam's origin.
-float end_on_inverse(float ax, float ay, float bx, float by, float dx, float dy, float ca, float cb) {
-  if (!((ca >= 0 && cb <= 0) || (ca <= 0 && cb >= 0))) return 0;
-  const double a_x = ax, a_y = ay, b_x = bx, b_y = by, d_x = dx, d_y = dy;
-  const double along_a = a_x * d_x + a_y * d_y;
-  const double along_b = b_x * d_x + b_y * d_y;
-  if (along_a < 0 && along_b < 0) return 0;  // behind
-  const double double_area = a_x * b_y - a_y * b_x;
-  const double side_a = a_x * d_y - a_y * d_x;
-  const double side_b = b_x * d_y - b_y * d_x;
-  double range;
-  if (side_a != side_b) {
-    range = double_area / (side_a - side_b);
-    // One end behind the origin: the edge passes beside it, and the sign tells on which side of the beam's start.
-    if ((along_a < 0 || along_b < 0) && range < 0) return 0;
-  } else {
-    range = std::min(along_a, along_b);  // the beam runs along the edge
-  }
-  const double nearest = std::max(0.0, std::min(along_a, along_b));
-  const double farthest = std::max(along_a, along_b);
-  range = std::clamp(range, nearest, farthest);
-  return range > 0 ? static_cast<float>(1.0 / range) : std::numeric_limits<float>::infinity();
+float magnitude(const RayEdge& e) {
+  return std::abs(e.ax) + std::abs(e.ay) + std::abs(e.bx) + std::abs(e.by);
 }
 
-/// Branch-free over the beams, so that the compiler can take several at once; beams to which the edge is end-on
-/// are left out and counted.
-template <bool CommonOrigin>
-bool project_edge(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
+/// Whether noise could decide on which side of its line the origin lies, or that the edge lies behind.
+bool is_tiny(float area, float m) {
+  return std::abs(area) <= k_tiny * (m * m);
+}
+
+float grazing_limit(const RayEdge& e) {
+  return k_grazing * (std::abs(e.ex) + std::abs(e.ey));
+}
+
+/// The careful way: sides as everywhere, the rest in double. m is the magnitude of edge and origin.
+float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,
+                      float m) {
+  constexpr float k_noise = 1.0f / (1 << 21);       // of a side, over m
+  constexpr double k_area_noise = 1.0 / (1 << 22);  // of the area, over what the origin's offset adds to it
+  const bool falls = ca >= 0 && cb <= 0;
+  const bool rises = ca <= 0 && cb >= 0;
+  const bool runs_along = std::max(std::abs(ca), std::abs(cb)) <= k_noise * m;
+  if (!falls && !rises && !runs_along) return 0;
+
+  const double px = ox * e.ey;
+  const double py = oy * e.ex;
+  const double area = e.area - (px - py);
+  const bool starts_on_line = std::abs(area) <= k_area_noise * (std::abs(px) + std::abs(py));
+  const double along_a = (e.ax - ox) * dx + (e.ay - oy) * dy;
+  const double along_b = (e.bx - ox) * dx + (e.by - oy) * dy;
+
+  bool ahead;
+  if (!runs_along) {
+    ahead = starts_on_line || (area > 0 ? falls : rises);
+  } else if ((along_a > 0) == (along_b > 0)) {
+    // Sides are noise. An edge wholly ahead is met where noise says that the beam crosses it, because one of
+    // its neighbours then relies on that; an edge wholly behind never is.
+    ahead = along_a > 0 && (falls || rises);
+  } else {
+    // It passes the origin on the side that the area tells, so it crosses the beam on the way from its end
+    // ahead to there where noise puts that end on the other side.
+    const bool passes_right = (area > 0) == (along_b > 0);
+    const float c_ahead = along_b > 0 ? cb : ca;
+    ahead = starts_on_line || (passes_right ? c_ahead <= 0 : c_ahead >= 0);
+  }
+  if (!ahead) return 0;
+
+  const double nearest = std::max(0.0, std::min(along_a, along_b));
+  const double farthest = std::max(nearest, std::max(along_a, along_b));
+  const double across = dx * e.ey - dy * e.ex;
+  const double range = across == 0 ? nearest : std::clamp(std::abs(area / across), nearest, farthest);
+  constexpr double k_least = 1e-30;  // its inverse is still a float
+  return range > k_least ? static_cast<float>(1.0 / range) : std::numeric_limits<float>::infinity();
+}
+
+/// The two loops are branch-free, so that the compiler can take several beams at once. They leave out the
+/// beams that want care and return true where there are any.
+
+bool project_common(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
+  if (is_tiny(e.area, magnitude(e))) return true;
+  const std::size_t beams = fan.dx.size();
+  const float* __restrict dx = fan.dx.data();
+  const float* __restrict dy = fan.dy.data();
+  // Turned so that the area is positive, the edge is met from c_a >= 0 to c_b <= 0 and lies behind otherwise.
+  const float turn = e.area > 0 ? 1.0f : -1.0f;
+  const float ax = turn * e.ax, ay = turn * e.ay, bx = turn * e.bx, by = turn * e.by;
+  const float ex = turn * e.ex, ey = turn * e.ey;
+  const float per_area = 1.0f / (turn * e.area);
+  const float grazing = grazing_limit(e);
+  int careful = 0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float ca = ax * dy[i] - ay * dx[i];
+    const float minus_cb = by * dx[i] - bx * dy[i];
+    const float across = dx[i] * ey - dy[i] * ex;
+    const float sides = std::min(ca, minus_cb);
+    float candidate = across * per_area;
+    candidate = sides >= 0 ? candidate : 0.0f;
+    candidate = across > grazing ? candidate : 0.0f;
+    int grazes = across > grazing ? 0 : 1;
+    grazes = sides >= 0 ? grazes : 0;
+    careful |= grazes;
+    inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
+  }
+  return careful != 0;
+}
+
+bool project_apart(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
   const std::size_t beams = fan.dx.size();
   const float* __restrict dx = fan.dx.data();
   const float* __restrict dy = fan.dy.data();
   const float* __restrict ox = fan.ox.data();
   const float* __restrict oy = fan.oy.data();
-  int end_on = 0;
-  if constexpr (CommonOrigin) {
-    const float p = e.ax * e.by;
-    const float q = e.ay * e.bx;
-    const float area = p - q;
-    if (std::abs(area) <= k_end_on * (std::abs(p) + std::abs(q))) return true;
-    const float per_area = 1.0f / area;
-    for (std::size_t i = 0; i < beams; ++i) {
-      const float ca = e.ax * dy[i] - e.ay * dx[i];
-      const float cb = e.bx * dy[i] - e.by * dx[i];
-      float candidate = (ca - cb) * per_area;
-      candidate = std::min(ca, cb) <= 0 ? candidate : 0.0f;
-      candidate = std::max(ca, cb) >= 0 ? candidate : 0.0f;
-      inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-    }
-    return false;
-  } else {
-    for (std::size_t i = 0; i < beams; ++i) {
-      const float ax = e.ax - ox[i];
-      const float ay = e.ay - oy[i];
-      const float bx = e.bx - ox[i];
-      const float by = e.by - oy[i];
-      const float p = ax * by;
-      const float q = ay * bx;
-      const float area = p - q;
-      const float ca = ax * dy[i] - ay * dx[i];
-      const float cb = bx * dy[i] - by * dx[i];
-      const bool thin = std::abs(area) <= k_end_on * (std::abs(p) + std::abs(q));
-      float candidate = (ca - cb) * (1.0f / area);
-      candidate = std::min(ca, cb) <= 0 ? candidate : 0.0f;
-      candidate = std::max(ca, cb) >= 0 ? candidate : 0.0f;
-      candidate = thin ? 0.0f : candidate;
-      inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-      end_on |= thin ? 1 : 0;
-    }
-    return end_on != 0;
+  const float m = magnitude(e);
+  const float grazing = grazing_limit(e);
+  int careful = 0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float ca = (e.ax - ox[i]) * dy[i] - (e.ay - oy[i]) * dx[i];
+    const float cb = (e.bx - ox[i]) * dy[i] - (e.by - oy[i]) * dx[i];
+    const float across = dx[i] * e.ey - dy[i] * e.ex;
+    const float area = e.area - (ox[i] * e.ey - oy[i] * e.ex);
+    const float reach = m + (std::abs(ox[i]) + std::abs(oy[i]));
+    const float low = std::min(ca, cb);
+    const float high = std::max(ca, cb);
+    int wants_care = std::abs(across) <= grazing ? 1 : 0;
+    wants_care = low <= 0 ? wants_care : 0;
+    wants_care = high >= 0 ? wants_care : 0;
+    wants_care = std::abs(area) <= k_tiny * (reach * reach) ? 1 : wants_care;
+    float candidate = across * (1.0f / area);
+    candidate = wants_care == 0 ? candidate : 0.0f;
+    candidate = low <= 0 ? candidate : 0.0f;
+    candidate = high >= 0 ? candidate : 0.0f;
+    careful |= wants_care;
+    inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
   }
+  return careful != 0;
 }
 
 }  // namespace
 
+bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse) {
+  const std::size_t beams = fan.dx.size();
+  const float* __restrict dx = fan.dx.data();
+  const float* __restrict dy = fan.dy.data();
+  const float* __restrict ox = fan.ox.data();
+  const float* __restrict oy = fan.oy.data();
+  const float* __restrict met = inverse.data();
+  // Float errors of sides grow with the distance; ten times their bound, and a little for the origin's
+  // neighbourhood.
+  const float r = radius * (1 + 1e-5f) + (std::abs(x) + std::abs(y)) * 2e-6f + 1e-6f;
+  constexpr float k_met = 1 + static_cast<float>(k_range_slack);
+  int any = 0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float ex = x - ox[i];
+    const float ey = y - oy[i];
+    const float aside = std::abs(ex * dy[i] - ey * dx[i]);
+    const float along = ex * dx[i] + ey * dy[i];
+    int meets = aside <= r ? 1 : 0;
+    meets = along >= -r ? meets : 0;
+    meets = (along - r) * met[i] <= k_met ? meets : 0;
+    any |= meets;
+  }
+  return any != 0;
+}
+
 float inverse_range(const RayEdge& e, float dx, float dy, float ox, float oy) {
-  const float ax = e.ax - ox;
-  const float ay = e.ay - oy;
-  const float bx = e.bx - ox;
-  const float by = e.by - oy;
-  const float p = ax * by;
-  const float q = ay * bx;
-  const float area = p - q;
-  const float ca = ax * dy - ay * dx;
-  const float cb = bx * dy - by * dx;
-  if (std::abs(area) <= k_end_on * (std::abs(p) + std::abs(q))) return end_on_inverse(ax, ay, bx, by, dx, dy, ca, cb);
-  if (!((ca >= 0 && cb <= 0) || (ca <= 0 && cb >= 0))) return 0;
-  const float value = (ca - cb) * (1.0f / area);
+  const float ca = (e.ax - ox) * dy - (e.ay - oy) * dx;
+  const float cb = (e.bx - ox) * dy - (e.by - oy) * dx;
+  const float across = dx * e.ey - dy * e.ex;
+  const float area = e.area - (ox * e.ey - oy * e.ex);
+  const float m = magnitude(e) + (std::abs(ox) + std::abs(oy));
+  if (is_tiny(area, m)) return careful_inverse(e, dx, dy, ox, oy, ca, cb, m);
+  if (!(std::min(ca, cb) <= 0 && std::max(ca, cb) >= 0)) return 0;
+  if (std::abs(across) <= grazing_limit(e)) return careful_inverse(e, dx, dy, ox, oy, ca, cb, m);
+  const float value = across * (1.0f / area);
   return value > 0 ? value : 0;
 }
 
 void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse) {
   for (const RayEdge& e : edges) {
-    const bool end_on = fan.common_origin ? project_edge<true>(e, fan, inverse.data())
-                                          : project_edge<false>(e, fan, inverse.data());
-    if (!end_on) continue;
+    if (!(fan.common_origin ? project_common(e, fan, inverse.data()) : project_apart(e, fan, inverse.data())))
+      continue;
     for (std::size_t i = 0; i < inverse.size(); ++i)
       inverse[i] = std::max(inverse[i], inverse_range(e, fan.dx[i], fan.dy[i], fan.ox[i], fan.oy[i]));
   }
 }
 
-void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse, std::span<float> returns) {
+void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse,
+             std::span<float> returns) {
   for (const RayEdge& e : edges) {
     for (std::size_t i = 0; i < inverse.size(); ++i) {
       const float value = inverse_range(e, fan.dx[i], fan.dy[i], fan.ox[i], fan.oy[i]);

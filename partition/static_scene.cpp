@@ -83,7 +83,8 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
     std::vector<std::uint32_t> next(count + 1, 0);
     for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
       if (a.y() == b.y()) return;
-      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i) ++next[i + 1];
+      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
+        ++next[i + 1];
     });
     for (std::size_t i = 0; i < count; ++i) next[i + 1] += next[i];
     strips.begins = next;
@@ -114,9 +115,9 @@ bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
   return odd;
 }
 
-bool StaticScene::overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
-  if (!solids_[solid].obstacle) return false;
-  if (find_crossing(shape, pose, [&](const FixedEdge& edge) { return edge.solid == solid; })) return true;
+bool StaticScene::swallows(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
+  if (!solids_[solid].obstacle || !strips_[solid].box.touches(Box::around(pose.position(), shape.radius)))
+    return false;
   const Transform transform(pose);
   for (const ConvexPrism& piece : shape.pieces) {
     if (!piece.z.shifted(pose.z).overlaps(solids_[solid].solid.z)) continue;
@@ -127,18 +128,27 @@ bool StaticScene::overlaps_solid(std::size_t solid, const ObstacleShape& shape, 
   return false;
 }
 
+bool StaticScene::overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
+  return find_crossing(shape, pose, [&](const FixedEdge& edge) { return edge.solid == solid; }) ||
+         swallows(solid, shape, pose);
+}
+
 bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
   if (!has_obstacles_ || shape.empty()) return false;
   if (find_crossing(shape, pose, [](const FixedEdge&) { return true; })) return true;
   for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (overlaps_solid(s, shape, pose)) return true;
+    if (swallows(s, shape, pose)) return true;
   return false;
 }
 
 std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const Pose& pose) const {
   std::vector<BodyId> bodies;
+  find_crossing(shape, pose, [&](const FixedEdge& edge) {
+    bodies.push_back(solids_[edge.solid].body);
+    return false;
+  });
   for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (overlaps_solid(s, shape, pose)) bodies.push_back(solids_[s].body);
+    if (swallows(s, shape, pose)) bodies.push_back(solids_[s].body);
   std::ranges::sort(bodies);
   bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
   return bodies;

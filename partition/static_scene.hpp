@@ -91,6 +91,8 @@ class StaticScene {
     std::vector<FixedEdge> edges;
   };
   bool inside(std::size_t solid, const Vec2& point) const;
+  /// Whether one of the pieces lies wholly inside the solid, where no edge of the solid crosses the shape.
+  bool swallows(std::size_t solid, const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// visit(edge) -> stop? for obstacle edges that cross the shape.
   template <class Visit>
   bool find_crossing(const ObstacleShape& shape, const Pose& pose_world_body, Visit&& visit) const;

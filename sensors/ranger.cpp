@@ -63,6 +63,7 @@ struct Ranger {
   std::vector<Group> groups;
   Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
   bool common_origin = true;      ///< all beams start at the reference
+  double spread = 0;              ///< from the reference to the farthest origin, m
   double reach = 0;               ///< from the reference to the farthest point of any beam, m
   bool intensity = false;
 };
@@ -103,13 +104,12 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
   ranger.reference = origins.empty() ? pose_body_sensor.position() : origins.front();
   for (const Vec2& o : origins) ranger.common_origin = ranger.common_origin && o == ranger.reference;
   if (!ranger.common_origin) ranger.reference = pose_body_sensor.position();
-  double spread = 0;
   for (const Vec2& o : origins) {
     ranger.ox.push_back(o.x() - ranger.reference.x());
     ranger.oy.push_back(o.y() - ranger.reference.y());
-    spread = std::max(spread, (o - ranger.reference).norm());
+    ranger.spread = std::max(ranger.spread, (o - ranger.reference).norm());
   }
-  ranger.reach = spread + farthest;
+  ranger.reach = ranger.spread + farthest;
 
   out.beams = origins.size();
   out.reach_m = ranger.reference.norm() + ranger.reach;
@@ -128,10 +128,7 @@ class Projector {
       : fan_(fan), reference_(reference), inverse_(inverse), returns_(returns) {}
 
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
-    partition::RayEdge& edge = edges_[count_];
-    partition::relative(a, reference_, edge.ax, edge.ay);
-    partition::relative(b, reference_, edge.bx, edge.by);
-    edge.ranger_return = ranger_return;
+    edges_[count_] = partition::relative_edge(a, b, reference_, ranger_return);
     if (++count_ == edges_.size()) flush();
   }
   void flush() {
@@ -155,6 +152,77 @@ double box_distance2(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 gap = (a.cwiseMin(b) - p).cwiseMax(p - a.cwiseMax(b)).cwiseMax(0.0);
   return gap.squaredNorm();
 }
+
+/// Collects the bodies in reach and projects those that some beam may meet, a block at a time, near ones first.
+class NearBodies {
+ public:
+  NearBodies(const engine::World& world, Row self, const Vec2& reference, double reach, double z,
+             const partition::Fan& fan, std::span<const float> inverse, Projector& projector)
+      : world_(world), self_(self), reference_(reference), reach_(reach), z_(z), fan_(fan), inverse_(inverse),
+        projector_(projector) {}
+
+  void add(const partition::BodyEntry& entry) {
+    const Vec2 offset = entry.position - reference_;
+    const double apart = reach_ + entry.radius;
+    const double distance2 = offset.squaredNorm();
+    if (entry.row == self_.value || distance2 > apart * apart) return;
+    const auto ring = static_cast<std::size_t>(distance2 / (apart * apart) * (k_rings - 1));
+    near_[count_++] = {static_cast<float>(offset.x()), static_cast<float>(offset.y()),
+                       static_cast<float>(entry.radius), entry.row, static_cast<std::uint32_t>(ring)};
+    ++ring_sizes_[ring];
+    if (count_ == near_.size()) flush();
+  }
+
+  void flush() {
+    std::array<std::uint16_t, k_block> order;
+    std::array<std::size_t, k_rings> next{};
+    for (std::size_t r = 1; r < k_rings; ++r) next[r] = next[r - 1] + ring_sizes_[r - 1];
+    for (std::size_t i = 0; i < count_; ++i) order[next[near_[i].ring]++] = static_cast<std::uint16_t>(i);
+    std::uint32_t ring = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Near& body = near_[order[i]];
+      if (body.ring != ring) {  // what is hidden is known only once the rings before are projected
+        projector_.flush();
+        ring = body.ring;
+      }
+      if (partition::may_meet(fan_, body.x, body.y, body.radius, inverse_)) project(Row(body.row));
+    }
+    projector_.flush();
+    count_ = 0;
+    ring_sizes_ = {};
+  }
+
+ private:
+  static constexpr std::size_t k_block = 512;
+  static constexpr std::size_t k_rings = 16;  // of equal area
+  struct Near {
+    float x, y, radius;
+    std::uint32_t row, ring;
+  };
+
+  void project(Row body) {
+    const std::span<const Vec2> vertices = world_.outline(body);
+    const double base = world_.poses()[body.index()].z;
+    for (const engine::RayOutline& outline : world_.type(body).outlines) {
+      if (!outline.z.shifted(base).contains(z_)) continue;
+      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
+      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+        projector_.add(ring[j], ring[i], outline.ranger_return);
+    }
+  }
+
+  const engine::World& world_;
+  Row self_;
+  Vec2 reference_;
+  double reach_;
+  double z_;
+  const partition::Fan& fan_;
+  std::span<const float> inverse_;
+  Projector& projector_;
+  std::array<Near, k_block> near_;
+  std::size_t count_ = 0;
+  std::array<std::size_t, k_rings> ring_sizes_{};
+};
 
 void cast(const engine::World& world, const Ranger& ranger, const Group& group, Row row, std::span<float> ranges,
           std::span<float> intensities) {
@@ -183,27 +251,24 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
   std::ranges::fill(returns, 0.0f);
   Projector projector(fan, reference, inverse, returns);
 
-  // A cull may keep too much but never too little: its margin is far above what rounding can take away.
-  const double reach = ranger.reach * (1 + 1e-6) + 1e-6;
-  const Box near = Box::around(reference, reach);
+  // Culls may keep too much but never too little: their margins are above what rounding can take away. Bodies
+  // go first, from near to far, because in a crowd they soon hide everything else.
+  const double reach = ranger.reach * (1 + partition::k_range_slack) + 1e-6;
+  NearBodies bodies(world, row, reference, reach, z, fan, inverse, projector);
+  world.index().for_each_near(Box::around(reference, reach),
+                              [&](const partition::BodyEntry& entry) { bodies.add(entry); });
+  bodies.flush();
+
+  double sight = 0;  // no beam goes farther now
+  for (std::size_t i = 0; i < group.count; ++i)
+    sight = std::max<double>(sight, partition::range_of(inverse[i], ranger.range_max[group.first + i]));
+  sight = std::min(reach, (sight + ranger.spread) * (1 + partition::k_range_slack) + 1e-6);
   const partition::StaticScene& scene = world.scene();
-  scene.ranger_edges().for_each_run(near, [&](std::span<const partition::FixedEdge> edges) {
+  scene.ranger_edges().for_each_run(Box::around(reference, sight), [&](std::span<const partition::FixedEdge> edges) {
     for (const partition::FixedEdge& edge : edges) {
       const partition::FixedSolid& solid = scene.solids()[edge.solid];
-      if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > reach * reach) continue;
+      if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > sight * sight) continue;
       projector.add(edge.a, edge.b, solid.ranger_return);
-    }
-  });
-  world.index().for_each_near(near, [&](const partition::BodyEntry& entry) {
-    const double apart = reach + entry.radius;
-    if (entry.row == row.value || (entry.position - reference).squaredNorm() > apart * apart) return;
-    const Row other(entry.row);
-    const std::span<const Vec2> vertices = world.outline(other);
-    for (const engine::RayOutline& outline : world.type(other).outlines) {
-      if (!outline.z.shifted(world.poses()[other.index()].z).contains(z)) continue;
-      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
-      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
-        projector.add(ring[j], ring[i], outline.ranger_return);
     }
   });
   projector.flush();

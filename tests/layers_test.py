@@ -52,6 +52,7 @@ THIRD_PARTY = [
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
     # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
     (r"(dlfcn|fcntl|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 
 # Standard headers that only some folders may include.
@@ -103,8 +104,9 @@ def without_comments(text, texts_too):
 def include_fault(root, folder, path, quote, name):
     """What is wrong with one include, or None."""
     first = name.split("/")[0]
-    if quote == '"' or (first in BELOW and (root / name).is_file()):
-        if first not in BELOW or not (root / name).is_file():
+    is_ours = first in BELOW and ((root / name).is_file() or (root / f"{name}.in").is_file())  # .in: made by CMake
+    if quote == '"' or is_ours:
+        if not is_ours:
             return f'"{name}" is no file of ours, named from the root'
         if quote == "<" and folder in LIBRARY:
             return f"<{name}> is ours: use quotes"
@@ -174,7 +176,8 @@ class PlantedFaults(unittest.TestCase):
         "models/drives.hpp": '#include "engine/world.hpp"\n',
         "worldio/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
         "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
-        "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n',
+        "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
+        "troupe/made.hpp.in": "",
         "apps/main.cpp": '#include <CLI/CLI.hpp>\n#include <chrono>\n#include "troupe/troupe.hpp"\n',
         "apps/examples/minimal.cpp": "#include <troupe/troupe.hpp>\n#include <iostream>\n",
         "tests/base/pose_test.cpp": '#include <gtest/gtest.h>\n#include "base/pose.hpp"\n',
@@ -210,6 +213,7 @@ class PlantedFaults(unittest.TestCase):
             ("render/context.hpp", "#include <GL/gl.h>\n", "OpenGL is not for this file"),
             ("base/text.hpp", "#include <fmt/core.h>\n", "fmt is not for this file"),
             ("engine/boost.cpp", "#include <boost/any.hpp>\n", "<boost/any.hpp> is unknown"),
+            ("engine/tty.cpp", "#include <pty.h>\n", "<pty.h>: this C header is not for this file"),
             ("engine/loud.cpp", "#include <iostream>\n", "<iostream> prints"),
             ("engine/loud.cpp", 'void f() { std::printf("x"); }\n', "`printf` prints"),
             ("engine/loud.cpp", '/* x */ void f() { std::fputs("x", stderr); }\n', "engine/loud.cpp:1: `fputs` prints"),

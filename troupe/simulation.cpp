@@ -20,6 +20,11 @@
 #include <stdexcept>
 
 namespace troupe {
+namespace {
+
+constexpr double k_longest_run_s = 1e12;  // longer than the age of the universe; its ticks still count in 64 bits
+
+}  // namespace
 
 struct Simulation::Impl {
   engine::Registry registry;
@@ -43,6 +48,29 @@ struct Model::Place {
   }
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
+  }
+  /// A body has the sensors of all its parts, a part its own.
+  std::vector<const engine::BodyType::Sensor*> sensors() const {
+    const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
+    std::vector<const engine::BodyType::Sensor*> own;
+    for (const auto& sensor : type().sensors)
+      if (part == 0 || sensor.name == parts[part].name) own.push_back(&sensor);
+    return own;
+  }
+  const engine::BodyType::Sensor& sensor(std::string_view wanted) const {
+    std::vector<std::string_view> known;
+    for (const auto* sensor : sensors()) {
+      if (wanted.empty() || sensor->name == wanted) {
+        if (!sensor->active) {
+          throw std::logic_error(
+              fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor->name, name));
+        }
+        return *sensor;
+      }
+      known.push_back(sensor->name);
+    }
+    if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no sensor", name));
+    throw std::out_of_range(fmt::format("\"{}\" has no sensor \"{}\"; it has: {}", name, wanted, comma_list(known)));
   }
 };
 
@@ -75,38 +103,17 @@ bool Model::stalled() const { return place_->world->stalled(place_->row()); }
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
-  for (const auto& sensor : place_->type().sensors) names.push_back(sensor.name);
+  for (const auto* sensor : place_->sensors()) names.push_back(sensor->name);
   return names;
 }
 
-namespace {
-
-const engine::BodyType::Sensor& find_sensor(const engine::BodyType& type, const std::string& model,
-                                            std::string_view name) {
-  std::vector<std::string_view> known;
-  for (const auto& sensor : type.sensors) {
-    if (name.empty() || sensor.name == name) {
-      if (!sensor.active) {
-        throw std::logic_error(
-            fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor.name, model));
-      }
-      return sensor;
-    }
-    known.push_back(sensor.name);
-  }
-  if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no sensor", model));
-  throw std::out_of_range(fmt::format("\"{}\" has no sensor \"{}\"; it has: {}", model, name, comma_list(known)));
-}
-
-}  // namespace
-
 std::span<const float> Model::ranges(std::string_view sensor) const {
-  const auto& found = find_sensor(place_->type(), place_->name, sensor);
+  const auto& found = place_->sensor(sensor);
   return place_->world->percepts(found).cell<float>(place_->world->slot(place_->row()), 0);
 }
 
 std::span<const float> Model::intensities(std::string_view sensor) const {
-  const auto& found = find_sensor(place_->type(), place_->name, sensor);
+  const auto& found = place_->sensor(sensor);
   const engine::StateTable& table = place_->world->percepts(found);
   if (table.fields().size() < 2) return {};
   return table.cell<float>(place_->world->slot(place_->row()), 1);
@@ -147,10 +154,16 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
   return out;
 }
 
-void Simulation::step() { impl_->world->step(); }
+void Simulation::step() {
+  // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
+  if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
+  impl_->world->step();
+}
 
 void Simulation::run_for(double seconds) {
-  const auto ticks = static_cast<std::uint64_t>(std::ceil(seconds / tick_s() - 1e-6));
+  if (!(seconds >= 0 && seconds <= k_longest_run_s))
+    throw std::invalid_argument(fmt::format("run_for({}): give a time in seconds from 0 to {}", seconds, k_longest_run_s));
+  const auto ticks = static_cast<std::uint64_t>(std::max(0.0, std::ceil(seconds / tick_s() - 1e-6)));
   for (std::uint64_t i = 0; i < ticks; ++i) step();
 }
 
@@ -163,20 +176,34 @@ std::optional<double> Simulation::quit_time_s() const { return impl_->world->spe
 
 Model Simulation::find(std::string_view name) {
   engine::World& world = *impl_->world;
-  if (const BodyId body = world.find(name); body.valid())
-    return Model(std::make_shared<Model::Place>(&world, body, 0, std::string(name)));
+  const engine::WorldSpec& spec = world.spec();
+  const auto parts_of = [&](BodyId body) -> const std::vector<engine::PartSpec>& {
+    return spec.types[spec.bodies[body.index()].type.index()].parts;
+  };
+  const auto place = [&](BodyId body, std::size_t part) {
+    return Model(std::make_shared<Model::Place>(&world, body, part, std::string(name)));
+  };
+  if (const BodyId body = world.find(name); body.valid()) return place(body, 0);
+  if (const auto global = spec.part_aliases.find(std::string(name)); global != spec.part_aliases.end()) {
+    const auto& parts = parts_of(global->second.body);
+    const auto part = std::ranges::find(parts, global->second.part, &engine::PartSpec::name);
+    return place(global->second.body, static_cast<std::size_t>(part - parts.begin()));
+  }
+  std::vector<std::string> known;
   // A part is named below its body: "r0.ranger:1".
   for (std::size_t dot = name.rfind('.'); dot != std::string_view::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
     const BodyId body = world.find(name.substr(0, dot));
     if (!body.valid()) continue;
-    const auto& parts = world.spec().types[world.spec().bodies[body.index()].type.index()].parts;
-    for (std::size_t p = 1; p < parts.size(); ++p)
-      if (parts[p].name == name.substr(dot + 1))
-        return Model(std::make_shared<Model::Place>(&world, body, p, std::string(name)));
+    const auto& parts = parts_of(body);
+    const std::string_view below = name.substr(dot + 1);
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      if (parts[p].name == below || parts[p].alias == below) return place(body, p);
+      known.push_back(fmt::format("{}.{}", name.substr(0, dot), parts[p].name));
+    }
   }
-  std::vector<std::string_view> known;
-  for (const engine::BodySpec& body : world.spec().bodies) known.push_back(body.name);
-  throw std::out_of_range(fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, known)));
+  for (const engine::BodySpec& body : spec.bodies) known.push_back(body.name);
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  throw std::out_of_range(fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
 }
 
 std::vector<std::string> Simulation::robot_names() const {

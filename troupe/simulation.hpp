@@ -72,7 +72,7 @@ class Model {
   /// True when the last motion was refused.
   bool stalled() const;
 
-  /// Names of its sensors, in the order of the world.
+  /// Names of its sensors, in the order of the world: of a robot those of all its parts, of a part its own.
   std::vector<std::string> sensors() const;
   /// Readings of a ranger, m, one a beam: the whole sensor, counter-clockwise within each transducer.
   /// Empty `sensor`: the first. The span stays valid, and shows new readings after each step.
@@ -105,9 +105,11 @@ class Simulation {
   /// Options as they took effect, `key=value` each, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
-  /// One tick: sense, decide, move, index.
+  /// One tick: sense, decide, move, index. Throws std::runtime_error that names tick and robot where a commanded
+  /// speed is not a finite number; the state is then no longer of use.
   void step();
-  /// Steps until `seconds` more of world time have passed.
+  /// Steps until `seconds` more of world time have passed: a time between two ticks is rounded up. Throws
+  /// std::invalid_argument for what is no time (negative, not a number, beyond 1e12 s).
   void run_for(double seconds);
 
   double time_s() const;
@@ -118,7 +120,8 @@ class Simulation {
   /// Where the world itself asks to end.
   std::optional<double> quit_time_s() const;
 
-  /// The model of this name. Throws std::out_of_range with near names when there is none.
+  /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives or
+  /// the one that Stage would generate. Throws std::out_of_range with near names when there is none.
   Model find(std::string_view name);
   /// Names of all robots, in id order.
   std::vector<std::string> robot_names() const;

@@ -3,6 +3,7 @@
 #include "worldio/stage_properties.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -17,11 +18,22 @@ bool is_only_a_body(std::string_view type) {
          type != "window";
 }
 
+std::string with_article(std::string_view type) {
+  if (type == "world") return "the world";
+  return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
+}
+
+/// How a property is called in messages: "mass", but "noise of a sensor".
+std::string called(const StageRow& row) {
+  if (row.type == "model" || row.type == "world") return std::string(row.name);
+  return fmt::format("{} of {}", row.name, with_article(row.type));
+}
+
 }  // namespace
 
-void StageLint::Summary::add(Where where, std::string_view name) {
+void StageLint::Summary::add(Where where, std::string name) {
   if (names.empty()) first = where;
-  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
 }
 
 void StageLint::check_world() {
@@ -34,9 +46,8 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") window_only_.add(model->where, "window");
   if (is_only_a_body(model->type))
-    values_.warning_once(
-        model->where,
-        fmt::format("a {} is only a body here: what it does is not supported yet", model->type));
+    values_.warning_once(model->where, fmt::format("not supported yet: what {} does; it is only a body here",
+                                                   with_article(model->type)));
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !seen_.insert(layer).second) continue;
     for (const StageProperty& property : layer->properties) check_property(property, model->type);
@@ -51,9 +62,9 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   if (!row) {
     const bool is_transducers = type == "ranger" && find_stage_row("sensor", key) != nullptr;
     const std::vector<std::string_view> known = stage_property_names(type);
-    values_.warning_once(where, fmt::format("\"{}\" is no property of a {} and is ignored{}", key, type,
-                                            is_transducers ? "; it belongs into its sensor( ... )"
-                                                           : did_you_mean(key, known)));
+    values_.warning_once(
+        where, fmt::format("{} has no property \"{}\"; it is ignored{}", with_article(type), key,
+                           is_transducers ? ", it belongs into a sensor( ... )" : did_you_mean(key, known)));
     return;
   }
   switch (row->support) {
@@ -61,18 +72,16 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     case StageSupport::fixed:
       break;
     case StageSupport::no_effect:
-      no_effect_.add(where, row->name);
+      no_effect_.add(where, called(*row));
       break;
     case StageSupport::window_only:
-      if (type != "window") window_only_.add(where, row->name);
+      if (type != "window") window_only_.add(where, called(*row));
       break;
     case StageSupport::obsolete:
-      obsolete_.add(where, row->name);
+      obsolete_.add(where, called(*row));
       break;
     case StageSupport::unsupported:
-      values_.warning_once(where, row->type == "model" ? fmt::format("\"{}\" is not supported yet", row->name)
-                                                       : fmt::format("\"{}\" of a {} is not supported yet",
-                                                                     row->name, row->type));
+      values_.warning_once(where, fmt::format("not supported yet: {}", called(*row)));
       break;
   }
 }
@@ -80,7 +89,7 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
 void StageLint::finish() {
   const auto write = [this](const Summary& summary, std::string_view what) {
     if (!summary.names.empty())
-      values_.warning(summary.first, fmt::format("{}: {}", what, comma_list(summary.names)));
+      values_.warning(summary.first, fmt::format("{}: {}", what, fmt::join(summary.names, ", ")));
   };
   write(no_effect_, "accepted without effect, docs/stage-worlds.md says why");
   write(window_only_, "accepted, but only Stage's window would use it");

@@ -3,6 +3,7 @@
 #include "worldio/stage_models.hpp"
 #include "worldio/stage_values.hpp"
 
+#include <string>
 #include <string_view>
 #include <unordered_set>
 #include <vector>
@@ -26,8 +27,8 @@ class StageLint {
  private:
   struct Summary {
     Where first;
-    std::vector<std::string_view> names;
-    void add(Where where, std::string_view name);
+    std::vector<std::string> names;
+    void add(Where where, std::string name);
   };
 
   void check(const StageEntity& entity, std::size_t depth);

@@ -60,7 +60,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "event_queue", no_effect, "Stage overwrites it"},
     {"model", "friction", no_effect, "Stage stores it and no more"},
     {"model", "map_resolution", no_effect, "Stage stores it and no more"},
-    {"model", "debug", no_effect, ""},
+    {"model", "debug", no_effect, "Stage prints a line"},
     {"model", "fiducial_return", unsupported, ""},
     {"model", "fiducial_key", unsupported, ""},
     {"model", "gripper_return", unsupported, ""},
@@ -276,15 +276,10 @@ std::string_view status(StageSupport support) {
   return "not supported yet";
 }
 
-}  // namespace
-
-std::span<const StageRow> stage_rows() {
-  return k_rows;
-}
-
-const StageRow* find_stage_row(std::string_view type, std::string_view written) {
+/// The rows of a property's name, in whatever entity.
+std::span<const StageRow* const> rows_of_name(std::string_view written) {
   using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
-  static const Index rows_of = [] {
+  static const Index index_of_rows = [] {
     Index index;
     for (const StageRow& row : k_rows) index[row.name].push_back(&row);
     return index;
@@ -294,14 +289,31 @@ const StageRow* find_stage_row(std::string_view type, std::string_view written) 
     numberless = without_numbers(written);
     written = numberless;
   }
-  const auto it = rows_of.find(written);
-  if (it == rows_of.end()) return nullptr;
+  const auto it = index_of_rows.find(written);
+  if (it == index_of_rows.end()) return {};
+  return it->second;
+}
+
+}  // namespace
+
+std::span<const StageRow> stage_rows() {
+  return k_rows;
+}
+
+const StageRow* find_stage_row(std::string_view type, std::string_view written) {
   const StageRow* of_any_model = nullptr;
-  for (const StageRow* row : it->second) {
+  for (const StageRow* row : rows_of_name(written)) {
     if (row->type == type) return row;
     if (row->type == "model" && is_model(type)) of_any_model = row;
   }
   return of_any_model;
+}
+
+bool is_without_effect(std::string_view name) {
+  const std::span<const StageRow* const> rows = rows_of_name(name);
+  return !rows.empty() && std::ranges::none_of(rows, [](const StageRow* row) {
+    return row->support == honoured || row->support == fixed;
+  });
 }
 
 std::vector<std::string_view> stage_property_names(std::string_view type) {

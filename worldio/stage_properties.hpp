@@ -31,6 +31,10 @@ std::span<const StageRow> stage_rows();
 /// Null when there is none. `name` is as written, with its numbers.
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
+/// True when no property of this name, in whatever entity, has an effect here: bodies may differ in it and
+/// still be alike. `name` is as written.
+bool is_without_effect(std::string_view name);
+
 /// The names that an entity of this type knows, obsolete ones left out, for suggestions.
 std::vector<std::string_view> stage_property_names(std::string_view type);
 

@@ -9,6 +9,15 @@
 
 namespace troupe::worldio {
 
+namespace {
+
+// The engine's bounds: positions from -100 km to 100 km.
+constexpr double k_world_limit = 100e3;
+// Beyond it doubles do not tell whole numbers apart.
+constexpr double k_largest = 9007199254740992.0;  // 2^53
+
+}  // namespace
+
 bool StageValues::first_time(Where where, const std::string& message) {
   return reported_.emplace(where.file, where.line, message).second;
 }
@@ -33,6 +42,13 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
   return document_.values(property)[0].text;
 }
 
+std::optional<std::string_view> StageValues::name(const StageProperty& property) {
+  const auto given = text(property);
+  if (!given || (!given->empty() && *given != "/")) return given;
+  warning_once(where(property), "an empty name; the generated one stays");
+  return {};
+}
+
 std::vector<std::string_view> StageValues::texts(const StageProperty& property) {
   std::vector<std::string_view> out;
   for (const StageToken& token : document_.values(property)) out.push_back(token.text);
@@ -45,7 +61,11 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
   double value = 0;
   const char* end = text.data() + text.size();
   const auto [rest, fault] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
-  if (fault == std::errc() && rest == end && std::isfinite(value)) return value;
+  if (fault == std::errc() && rest == end && std::isfinite(value)) {
+    if (std::abs(value) <= k_largest) return value;
+    error(where(property), fmt::format("\"{}\": {} is too large a number", key(property), token.text));
+    return {};
+  }
   error(where(property), fmt::format("\"{}\" needs a number such as 2, -0.5 or .25; \"{}\" is none",
                                      key(property), token.text));
   return {};
@@ -59,8 +79,7 @@ std::optional<double> StageValues::number(const StageProperty& property) {
 std::optional<std::int64_t> StageValues::integer(const StageProperty& property) {
   const std::optional<double> value = number(property);
   if (!value) return {};
-  constexpr double k_exact = 9007199254740992.0;  // 2^53
-  if (*value == std::floor(*value) && std::abs(*value) <= k_exact) return static_cast<std::int64_t>(*value);
+  if (*value == std::floor(*value)) return static_cast<std::int64_t>(*value);
   error(where(property), fmt::format("\"{}\" needs a whole number; {} is none", key(property), *value));
   return {};
 }
@@ -104,6 +123,12 @@ std::optional<Pose> StageValues::pose(const StageProperty& property) {
                              "[x y heading]",
                              key(property)));
   const double z = v->size() == 4 ? (*v)[2] : 0;
+  for (const double part : {(*v)[0], (*v)[1], z})
+    if (std::abs(part) * length_ > k_world_limit) {
+      error(where(property), fmt::format("\"{}\" lies outside the world, which ends {} km from its origin",
+                                         key(property), k_world_limit / 1000));
+      return {};
+    }
   return Pose{(*v)[0] * length_, (*v)[1] * length_, z * length_, wrap_angle(v->back() * angle_)};
 }
 
@@ -115,12 +140,18 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
         where(property),
         fmt::format("old syntax: \"{}\" takes [x y z]; two values are read as [x y], the height stays {} m",
                     key(property), default_height));
-  for (const double extent : *v)
+  for (const double extent : *v) {
+    if (extent * length_ > 2 * k_world_limit) {
+      error(where(property),
+            fmt::format("\"{}\" is larger than the world, {} km", key(property), 2 * k_world_limit / 1000));
+      return {};
+    }
     if (!(extent > 0)) {
       error(where(property),
             fmt::format("\"{}\" must be above 0 in every direction; here is {}", key(property), extent));
       return {};
     }
+  }
   return Eigen::Vector3d((*v)[0] * length_, (*v)[1] * length_,
                          v->size() == 3 ? (*v)[2] * length_ : default_height);
 }

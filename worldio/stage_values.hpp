@@ -38,6 +38,8 @@ class StageValues {
 
   /// The one value as text, quoted or not.
   std::optional<std::string_view> text(const StageProperty& property);
+  /// The same for names: a warning where there is nothing but perhaps a "/".
+  std::optional<std::string_view> name(const StageProperty& property);
   /// The one value, or each of a tuple.
   std::vector<std::string_view> texts(const StageProperty& property);
   std::optional<double> number(const StageProperty& property);
@@ -48,9 +50,9 @@ class StageValues {
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
-  /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi].
+  /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi]. At most 100 km away.
   std::optional<Pose> pose(const StageProperty& property);
-  /// [x y z], each above 0, or the older [x y].
+  /// [x y z], each above 0 and at most 200 km, or the older [x y].
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
   /// An X11 name; empty for "random" too. An unknown name is red, with a warning.
   std::optional<Color> color(const StageProperty& property);

@@ -128,10 +128,6 @@ class Pen:
     def moved(self, u, v=0):
         return Pen(self.bitmap, self.at(u, v), self.along, self.into)
 
-    def turned(self, u, v):
-        """The frame at (u, v) with `along` and `into` exchanged."""
-        return Pen(self.bitmap, self.at(u, v), self.into, self.along)
-
     def mirrored(self, u):
         """The frame at u that runs back along the wall."""
         return Pen(self.bitmap, self.at(u, 0), (-self.along[0], -self.along[1]), self.into)
@@ -173,9 +169,5 @@ class Pen:
         self.bitmap.ring_px(*self.px(u, v), self.bitmap.px(r), value, pen,
                             tuple(i == quarter for i in range(4)))
 
-    def polygon(self, points, value=BODY, rim=None):
-        corners = [self.px(u, v) for u, v in points]
-        self.bitmap.polygon_px(corners, value)
-        if rim is not None:
-            for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
-                self.bitmap.line_px(x0, y0, x1, y1, rim)
+    def polygon(self, points, value=BODY):
+        self.bitmap.polygon_px([self.px(u, v) for u, v in points], value)

@@ -176,7 +176,7 @@ def consulting(pen, w, d):
 def office(pen, w, d):
     desk(pen, 0.4, d - 2.4)
     desk(pen, w - 2.0, d - 4.9)
-    table(pen, w - 1.2, d - 1.5, 0.45, 3)
+    table(pen, w - 1.2, d - 1.5, 0.45, 2)
     pen.body(0.05, 2.0, 0.45, d - 3.0)
     chair(pen, w - 0.6, 1.0, -1)
 
@@ -216,7 +216,8 @@ def treatment(pen, w, d):
     for i in range(2):
         v = 1.9 + 2.5 * i
         bed(pen, w - 0.1, v)
-        pen.rect(w - 2.3, v - 0.85, w, v - 0.77) if i else None
+        if i:
+            pen.rect(w - 2.3, v - 0.85, w, v - 0.77)
     pen.body(0.05, 2.0, 0.55, d - 0.6)
     table(pen, 1.5, d - 1.2, 0.4, 2)
     basin(pen, w - 1.2, 0.05)
@@ -231,8 +232,8 @@ def lavatories(pen, w, d):
             pen.rect(u - 0.04, d - 1.7, u + 0.04, d)
         toilet(Pen(pen.bitmap, pen.at(u + width / 2, d), pen.along, (-pen.into[0], -pen.into[1])), 0, 0)
         pen.rect(u - 0.04, d - 1.78, u + 0.45, d - 1.7)
-    for i in range(count):
-        basin(pen, 1.8 + 0.8 * i, 0) if 1.8 + 0.8 * i < w - 0.4 else None
+        if 1.8 + 0.8 * i < w - 0.4:
+            basin(pen, 1.8 + 0.8 * i, 0)
     pen.rect(0, 2.7, w / 2 - 0.2, 2.84)
     for i in range(3):
         pen.body(0.06, 3.1 + 0.75 * i, 0.4, 3.5 + 0.75 * i)
@@ -304,7 +305,8 @@ def recovery(pen, w, d):
         u = 0.9 + 2.0 * i
         bay = Pen(pen.bitmap, pen.at(u, d), pen.into, pen.along)
         bed(bay, -0.1, 0)
-        pen.line(u - 0.75, d, u - 0.75, d - 1.6, EDGE, 2) if i else None
+        if i:
+            pen.line(u - 0.75, d, u - 0.75, d - 1.6, EDGE, 2)
     pen.body(w / 2 - 1.4, 2.0, w / 2 + 1.4, 2.6)
     pen.body(w / 2 - 1.4, 1.4, w / 2 - 0.9, 2.0)
     pen.body(w / 2 + 0.9, 1.4, w / 2 + 1.4, 2.0)
@@ -540,7 +542,8 @@ def ward(bitmap, x0):
                 room = room.mirrored(width - PARTITION)
             patient(room, width - PARTITION, depth)
             door(room, 2.35, 1.25, INNER + 0.02, i == 4 - 3 * side)
-            window(Pen(bitmap, (x0 + (FACADE if side == 0 else WARD_WIDTH - FACADE), y), (0, 1), (-into, 0)), 1.0, 2.2, False)
+            facade = FACADE if side == 0 else WARD_WIDTH - FACADE
+            window(Pen(bitmap, (x0 + facade, y), (0, 1), (-into, 0)), 1.0, 2.2, mullion=False)
     # The lobby: the way in from the back corridor, an office and a linen store beside it.
     middle = WARD_WIDTH / 2
     pen.clear(middle - 1.5, y0 - 0.02, middle + 1.5, y0 + FACADE)

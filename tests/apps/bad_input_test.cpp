@@ -50,8 +50,8 @@ std::string json_world(const std::string& right = {}, const std::string& wrong =
 std::vector<BadInput> stage_inputs() {
   const std::string robot = "position( pose [0 0 0 0] )\n";
   return {
-      {"comma", "bad.world", robot + "position( pose [1, 2, 0, 0] )\n", "bad.world:2", "\",\""},
-      {"missing_parenthesis", "bad.world", "\n\nposition( pose [0 0 0 0]\n", "bad.world:3", ")"},
+      {"comma", "bad.world", robot + "position( pose [1, 2, 0, 0] )\n", "bad.world:2", "','"},
+      {"missing_parenthesis", "bad.world", "\n\nposition( pose [0 0 0 0]\n", "bad.world:3", "never closed"},
       {"extra_parenthesis", "bad.world", robot + ")\n", "bad.world:2", ")"},
       {"unquoted_text", "bad.world", robot + "model( name bob )\n", "bad.world:2", "bob"},
       {"open_text", "bad.world", "name \"bob\n" + robot, "bad.world:1", "\""},
@@ -74,15 +74,20 @@ std::vector<BadInput> stage_inputs() {
       {"include_cycle", "bad.world", robot + "include \"loop.inc\"\n", "loop.inc:2", "loop.inc"},
       {"error_in_include", "bad.world", "include \"wrong.inc\"\n" + robot, "wrong.inc:2", "size"},
       {"macro_cycle", "bad.world", robot + "define bot bot( size [1 1 1] )\nbot()\n", "bad.world:", "bot"},
-      {"robots_without_population", "bad.world", robot, "--robots", "population", {"--robots", "5"}},
+      {"robots_without_population",
+       "bad.world",
+       robot,
+       "bad.world: ",
+       "--robots needs a world with populations",
+       {"--robots", "5"}},
   };
 }
 
 std::vector<BadInput> json_inputs() {
   return {
-      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", ""},
-      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:", ""},
-      {"empty", "bad.json", "", "bad.json", ""},
+      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", "expected '}'"},
+      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "missing closing quote"},
+      {"empty", "bad.json", "", "bad.json:1", "unexpected end of input"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
        "bad.json:2", "tick_s"},
       {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",
@@ -100,9 +105,9 @@ std::vector<BadInput> json_inputs() {
        "above 0"},
       {"short_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, 0.2]"), "bad.json:4",
        "/types/bot/size_m"},
-      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", ""},
-      {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", ""},
-      {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2", "above 0 s"},
+      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", "invalid literal"},
+      {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", "1e999"},
+      {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2", "above 0"},
       {"unknown_drive", "bad.json", json_world("\"kind\": \"diff\"", "\"kind\": \"dif\""), "bad.json:5",
        "did you mean \"diff\"?"},
       {"unknown_sensor", "bad.json", json_world("\"kind\": \"ranger\"", "\"kind\": \"rangre\""), "bad.json:6",
@@ -170,18 +175,21 @@ TEST_F(GoodInput, TheWorldThatTheBadOnesAreMadeFromRuns) {
   const Outcome outcome = troupe({"run", "good.json", "--for", "1"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.err, IsEmpty());
-  EXPECT_THAT(outcome.out, HasSubstr("5 robots"));
+  EXPECT_THAT(outcome.out, HasSubstr("robots             5\n"));
 }
 
 TEST_F(GoodInput, RobotsAndSetChangeIt) {
   write("good.json", json_world());
-  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "3"}).out, HasSubstr("3 robots"));
-  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "bots=7"}).out, HasSubstr("7 robots"));
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "3"}).out,
+              HasSubstr("robots             3\n"));
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "bots=7"}).out,
+              HasSubstr("robots             7\n"));
   EXPECT_THAT(
       troupe({"run", "good.json", "--for", "1", "--set", "/populations/0/count=2", "--set", "/tick_s=0.5"})
           .out,
-      AllOf(HasSubstr("2 robots"), HasSubstr("2 of 0.5 s")));
-  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "0"}).out, HasSubstr("0 robots"));
+      AllOf(HasSubstr("robots             2\n"), HasSubstr("2 of 0.5 s")));
+  EXPECT_THAT(troupe({"run", "good.json", "--for", "1", "--robots", "0"}).out,
+              HasSubstr("robots             0\n"));
 }
 
 TEST_F(GoodInput, NeedsAnEndAllTheSame) {

@@ -1,16 +1,17 @@
 #include "tests/apps/program.hpp"
 
 #include <fcntl.h>
-#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 namespace troupe::apps {
@@ -62,6 +63,7 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
   std::vector<std::string> words{TROUPE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
@@ -106,11 +108,10 @@ Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, con
 }
 
 Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {
-  int terminal = -1;
-  int program_side = -1;
-  if (openpty(&terminal, &program_side, nullptr, nullptr, nullptr) != 0)
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
     throw std::runtime_error("no terminal");
-  fcntl(terminal, F_SETFD, FD_CLOEXEC);
+  const int program_side = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
   const int out = create(streams_ / "out");
   const int process = start(arguments, out, program_side);
   close(out);
@@ -140,7 +141,7 @@ wall( name "east" pose [4 0 0 0] size [0.2 8 1] )
 wall( name "west" pose [-4 0 0 0] size [0.2 8 1] )
 define bot position (
   size [0.4 0.3 0.2]
-  ranger( sensor( pose [0 0 0 0] fov 180 samples 9 range [0 3] ) )
+  ranger( pose [0 0 -0.15 0] sensor( fov 180 samples 9 range [0 3] ) )
   ctrl "wander"
 )
 bot( pose [-2 -2 0 10] )

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 
 namespace troupe::apps {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
-using ::testing::Not;
 using ::testing::StartsWith;
 
 class Run : public ProgramTest {
@@ -41,7 +40,8 @@ class Run : public ProgramTest {
 TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--threads", "2", "--seed", "7"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, StartsWith("room.world: 12 robots, to 1 s\n"));
+  EXPECT_THAT(outcome.out, StartsWith("running\n"));
+  EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  until_s +1")));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  seed +7")));
   for (const char* line :
        {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s", "wall +[0-9.]+ s, after [0-9.]+ s of loading",
@@ -140,7 +140,9 @@ TEST_F(Run, HashLogHasAHeaderAndOneLineATickFromTickZero) {
   const auto first =
       std::ranges::find_if(lines, [](const std::string& line) { return !line.starts_with('#'); });
   ASSERT_NE(first, lines.begin());
-  EXPECT_THAT(std::vector(lines.begin(), first), Each(MatchesRegex("# [^:]+: .*")));
+  EXPECT_THAT(std::vector(lines.begin(), first), Each(MatchesRegex("# .+")));
+  for (const char* key : {"# version: troupe ", "# world: room.world", "# seed: 1", "# threads: "})
+    EXPECT_THAT(std::vector(lines.begin(), first), Contains(StartsWith(key)));
   const std::vector<std::string> rest(first, lines.end());
   ASSERT_EQ(rest.size(), 21u);
   for (std::size_t tick = 0; tick < rest.size(); ++tick)
@@ -214,6 +216,32 @@ TEST_F(Run, WarningsGoToStandardErrorALineEachUnlessQuiet) {
   EXPECT_THAT(lines_of(outcome.err), Contains(StartsWith("warned.world:1: warning: ")));
   EXPECT_EQ(lines_of(outcome.out).size(), 1u);
   EXPECT_THAT(troupe({"run", "warned.world", "--for", "0.1", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "0.3", "--quiet", "--snapshot", "room.png", "--size", "320x200"});
+  if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("room.png", "room.world"));
+  const std::string png = read("room.png");
+  ASSERT_GT(png.size(), 24u);
+  EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(png.substr(16, 8), std::string({0, 0, 1, 64, 0, 0, 0, static_cast<char>(200)}));  // big-endian
+}
+
+TEST_F(Run, ASnapshotThatCannotBeDrawnEndsTheRunBeforeItBegan) {
+  // OSMesa is found first where it is none.
+  for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}) write(name, "no library");
+  const std::vector<std::string> before = files();
+  setenv("LD_LIBRARY_PATH", ".", 1);
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "0.3", "--snapshot", "room.png", "--hash-log", "h.log"});
+  unsetenv("LD_LIBRARY_PATH");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(lines_of(outcome.err), ElementsAre(StartsWith("troupe: error: ")));
+  EXPECT_EQ(files(), before);
 }
 
 TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {

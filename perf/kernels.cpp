@@ -1,0 +1,152 @@
+// The loops in which a tick spends its time, one by one:
+//   build/release/bin/perf_kernels [--benchmark_filter=...]
+
+#include "base/diagnostics.hpp"
+#include "base/random.hpp"
+#include "engine/conflicts.hpp"
+#include "engine/world.hpp"
+#include "partition/ranging.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/load.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+/// A fan of beams all round, and short edges scattered about it as walls and robots are.
+void project_edges(benchmark::State& state) {
+  const auto beams = static_cast<std::size_t>(state.range(0));
+  std::vector<float> dx, dy, zero(beams, 0.0f), inverse(beams);
+  for (std::size_t i = 0; i < beams; ++i) {
+    const SinCos s = sincos(2 * k_pi * static_cast<double>(i) / static_cast<double>(beams));
+    dx.push_back(static_cast<float>(s.cos));
+    dy.push_back(static_cast<float>(s.sin));
+  }
+  Random random(1, 2, 3, 4);
+  std::vector<partition::RayEdge> edges;
+  for (int i = 0; i < 64; ++i) {
+    const auto x = static_cast<float>(random.uniform(-2, 2));
+    const auto y = static_cast<float>(random.uniform(-2, 2));
+    edges.push_back({x, y, x + static_cast<float>(random.uniform(-0.2, 0.2)),
+                     y + static_cast<float>(random.uniform(-0.2, 0.2)), 1});
+  }
+  const partition::Fan fan{dx, dy, zero, zero, true};
+  for (auto _ : state) {
+    std::fill(inverse.begin(), inverse.end(), 0.0f);
+    partition::project(edges, fan, inverse);
+    benchmark::DoNotOptimize(inverse.data());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(edges.size() * beams));
+}
+BENCHMARK(project_edges)->Arg(12)->Arg(16)->Arg(180)->Name("ray/project (items: edge x beam)");
+
+void polygon_overlap(benchmark::State& state) {
+  const ConvexPrism box{{{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}}, {0, 1}};
+  const partition::ObstacleShape shape = partition::make_obstacle_shape({&box, 1});
+  Random random(1, 2, 3, 4);
+  std::vector<Pose> poses;
+  for (int i = 0; i < 256; ++i)
+    poses.push_back({random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), 0, random.uniform(-3, 3)});
+  for (auto _ : state)
+    for (const Pose& pose : poses) benchmark::DoNotOptimize(partition::overlap(shape, Pose(), shape, pose));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(poses.size()));
+}
+BENCHMARK(polygon_overlap)->Name("overlap/box against box");
+
+/// A square crowd on a grid, one robot in two on the move.
+struct Crowd {
+  explicit Crowd(std::size_t rows) {
+    const ConvexPrism box{{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}}, {0, 0.1}};
+    shape = partition::make_obstacle_shape({&box, 1});
+    Random random(1, 2, 3, 4);
+    const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(rows)));
+    for (std::size_t r = 0; r < rows; ++r) {
+      engine::Motion m;
+      m.from = {0.16 * static_cast<double>(r % side), 0.16 * static_cast<double>(r / side), 0, random.uniform(-3, 3)};
+      m.turn = random.uniform(-0.15, 0.15);
+      m.moves = random.below(2) == 0;
+      m.to = compose(m.from, {0.03, 0, 0, m.turn});
+      motions.push_back(m);
+      shapes.push_back(&shape);
+      ids.push_back(static_cast<std::uint32_t>(r));
+      positions.push_back(m.from.position());
+      radii.push_back(shape.radius);
+    }
+  }
+  partition::ObstacleShape shape;
+  std::vector<engine::Motion> motions;
+  std::vector<const partition::ObstacleShape*> shapes;
+  std::vector<std::uint32_t> ids;
+  std::vector<Vec2> positions;
+  std::vector<double> radii;
+};
+
+void rebuild_index(benchmark::State& state) {
+  const Crowd crowd(static_cast<std::size_t>(state.range(0)));
+  partition::Parallel parallel(1);
+  partition::BodyIndex index({0.5, 4});
+  for (auto _ : state) index.rebuild(crowd.positions, crowd.radii, parallel);
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(rebuild_index)->Arg(1000)->Arg(100000)->Name("index/rebuild (items: bodies)");
+
+void settle_conflicts(benchmark::State& state) {
+  const Crowd crowd(static_cast<std::size_t>(state.range(0)));
+  partition::Parallel parallel(1);
+  partition::BodyIndex index({0.5, 4});
+  index.rebuild(crowd.positions, crowd.radii, parallel);
+  const partition::StaticScene scene;
+  engine::Conflicts conflicts;
+  std::vector<engine::Conflicts::Outcome> outcomes(crowd.motions.size());
+  std::uint64_t tick = 0;
+  for (auto _ : state) {
+    conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, 1, ++tick, Box::around(Vec2::Zero(), 1e5)}, scene,
+                     index, parallel, outcomes);
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(settle_conflicts)->Arg(1000)->Arg(100000)->Name("move/settle a dense crowd (items: bodies)");
+
+engine::WorldSpec load(const std::string& world, std::size_t robots, const engine::Registry& registry) {
+  Diagnostics diagnostics;
+  engine::WorldSpec spec = worldio::load_world(std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
+                                               {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}},
+                                               diagnostics);
+  diagnostics.throw_if_errors();
+  return spec;
+}
+
+void load_population(benchmark::State& state) {
+  const engine::Registry registry = make_registry();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry));
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(load_population)->Arg(10000)->Unit(benchmark::kMillisecond)->Name("load/population (items: robots)");
+
+void hash_state(benchmark::State& state) {
+  const engine::Registry registry = make_registry();
+  Diagnostics diagnostics;
+  engine::World world(load("hospital-10cm.json", 10000, registry), registry, {.threads = 1}, diagnostics);
+  for (auto _ : state) benchmark::DoNotOptimize(world.hashes());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.rows()));
+}
+BENCHMARK(hash_state)->Name("hash/whole state (items: robots)");
+
+void whole_tick(benchmark::State& state) {
+  const engine::Registry registry = make_registry();
+  Diagnostics diagnostics;
+  engine::World world(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry), registry,
+                      {.threads = 1}, diagnostics);
+  for (auto _ : state) world.step();
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(whole_tick)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond)->Name("tick/hospital-10cm (items: robots)");
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,44 @@
+#include "tests/apps/program.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::Each;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+struct StageWorld {
+  std::string file;
+  std::size_t robots;
+  std::string seconds;  ///< the large ones are cut short: their cost is most of what these tests take
+};
+
+class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<StageWorld> {};
+
+TEST_P(StageWorlds, RunUnmodified) {
+  const std::filesystem::path world =
+      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds" / GetParam().file;
+  if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world;
+  const Outcome outcome = troupe({"run", world, "--for", GetParam().seconds, "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json.at("robots"), GetParam().robots);
+  EXPECT_EQ(json.at("ticks"), 10 * std::stoi(GetParam().seconds));
+  // What is not honoured is said, each at its place.
+  EXPECT_THAT(lines_of(outcome.err), Not(IsEmpty()));
+  EXPECT_THAT(lines_of(outcome.err), Each(MatchesRegex(".*/[a-z_]+\\.(world|inc):[0-9]+: warning: .+")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Apps, StageWorlds,
+    ::testing::Values(StageWorld{"benchmark/hospital.world", 1000, "2"},
+                      StageWorld{"benchmark/cave.world", 100, "2"}, StageWorld{"simple.world", 2, "30"},
+                      StageWorld{"pioneer_walle.world", 2, "30"}, StageWorld{"roomba.world", 1, "30"},
+                      StageWorld{"sensor_noise_demo.world", 1, "30"}),
+    [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
+
+}  // namespace
+}  // namespace troupe::apps

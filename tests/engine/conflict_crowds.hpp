@@ -1,0 +1,262 @@
+#pragma once
+
+#include "tests/engine/conflict_oracle.hpp"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+#include <vector>
+
+namespace troupe::oracle {
+
+/// Draws for tests: the engine's words are fixed by the standard, and what is made of them is written here,
+/// so that a seed means the same everywhere.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : words_(seed) {}
+  double real(double low, double high) {
+    return low + (high - low) * static_cast<double>(words_() >> 11) * 0x1p-53;
+  }
+  /// Log-uniform.
+  double scale(double low, double high) { return std::exp(real(std::log(low), std::log(high))); }
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(words_() % n); }
+  bool chance(double p) { return real(0, 1) < p; }
+
+ private:
+  std::mt19937_64 words_;
+};
+
+inline Ring rectangle(double x0, double y0, double x1, double y1) {
+  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
+inline Ring turned(const Ring& ring, double angle, const Vec2& by = Vec2::Zero()) {
+  Ring out;
+  for (const Vec2& v : ring)
+    out.push_back(by + Vec2(std::cos(angle) * v.x() - std::sin(angle) * v.y(),
+                            std::sin(angle) * v.x() + std::cos(angle) * v.y()));
+  return out;
+}
+
+/// A star-shaped ring about the origin: corners at rising angles, distances in [inner, 1] * radius. With
+/// inner 1 it is convex.
+inline Ring random_star(Draw& draw, std::size_t corners, double radius, double inner) {
+  Ring ring;
+  const double start = draw.real(0, 2 * k_pi);
+  for (std::size_t i = 0; i < corners; ++i) {
+    const double angle =
+        start + (static_cast<double>(i) + draw.real(0, 0.7)) * 2 * k_pi / static_cast<double>(corners);
+    const double r = radius * draw.real(inner, 1);
+    ring.emplace_back(r * std::cos(angle), r * std::sin(angle));
+  }
+  return ring;
+}
+
+/// Blocks of a body about `size` wide: convex, concave, with a hole, of several heights, off centre.
+inline std::vector<Solid> random_blocks(Draw& draw, double size) {
+  const double h = size / 2;
+  const ZInterval low{0, 0.3};
+  const ZInterval high{0.3, 0.8};
+  switch (draw.below(9)) {
+    case 0: {
+      const double w = h * draw.real(0.2, 1);
+      return {{{rectangle(-h, -w, h, w)}, low}};
+    }
+    case 1:
+      return {{{random_star(draw, 3 + draw.below(6), h, 1)}, low}};
+    case 2:
+      return {{{random_star(draw, 5 + draw.below(5), h, 0.3)}, low}};
+    case 3: {  // an L, clockwise
+      Ring ring{{-h, -h}, {h, -h}, {h, -0.3 * h}, {-0.2 * h, -0.3 * h}, {-0.2 * h, h}, {-h, h}};
+      std::ranges::reverse(ring);
+      return {{{turned(ring, draw.real(0, 6))}, low}};
+    }
+    case 4:  // a T in height: broad below, narrow and off centre above
+      return {{{rectangle(-h, -h, h, h)}, low}, {{rectangle(0, -0.3 * h, 1.2 * h, 0.3 * h)}, high}};
+    case 5:  // a ring, in which a small body has room
+      return {{{rectangle(-h, -h, h, h), rectangle(-0.6 * h, -0.6 * h, 0.6 * h, 0.6 * h)}, low}};
+    case 6: {  // a fork
+      Ring ring{{-h, -h},     {h, -h}, {h, -0.5 * h}, {-0.3 * h, -0.5 * h}, {-0.3 * h, 0.5 * h},
+                {h, 0.5 * h}, {h, h},  {-h, h}};
+      return {{{turned(ring, draw.real(0, 6))}, ZInterval{0.1, 0.6}}};
+    }
+    case 7:  // far from its own origin
+      return {{{turned(random_star(draw, 5, 0.5 * h, 1), 0, {0.5 * h, 0.2 * h})}, low}};
+    default:
+      return {{{random_star(draw, 4, h, 0.8)}, high}, {{random_star(draw, 6, 0.6 * h, 0.8)}, low}};
+  }
+}
+
+/// A body with what both sides need of it. Shapes that were cut into very thin parts are drawn again: they
+/// would be tested at tens of thousands of poses.
+struct Kind {
+  Body body;
+  partition::ObstacleShape shape;
+};
+inline Kind make_kind(std::vector<Solid> blocks) {
+  Kind kind;
+  std::vector<ConvexPrism> pieces;
+  kind.body.thinnest = 1e300;
+  for (const Solid& block : blocks) {
+    for (ConvexPrism& piece : convex_pieces(block)) {
+      kind.body.thinnest = std::min(kind.body.thinnest, thickness(piece.outline));
+      pieces.push_back(std::move(piece));
+    }
+  }
+  kind.body.blocks = std::move(blocks);
+  kind.shape = partition::make_obstacle_shape(pieces);
+  return kind;
+}
+inline Kind random_kind(Draw& draw, double size) {
+  for (;;) {
+    Kind kind = make_kind(random_blocks(draw, size));
+    if (kind.body.thinnest > 0.03 * size) return kind;
+  }
+}
+
+struct TestCrowd {
+  std::deque<Kind> kinds;  // addresses stay
+  std::vector<const Body*> bodies;
+  std::vector<const partition::ObstacleShape*> shapes;
+  std::vector<std::uint32_t> ids;
+  std::vector<engine::Motion> motions;
+  std::vector<Solid> walls;
+  std::vector<Solid> ghosts;  ///< fixed solids that block nobody
+  std::optional<Box> bounds;
+  std::uint64_t seed = 1;
+  std::uint64_t tick = 0;
+
+  std::size_t size() const { return motions.size(); }
+  void add(const Kind& kind, const Pose& pose) {
+    bodies.push_back(&kind.body);
+    shapes.push_back(&kind.shape);
+    ids.push_back(static_cast<std::uint32_t>(2 * ids.size() + 1));  // not the rows
+    motions.push_back({pose, pose, 0, false});
+  }
+  Question question() const { return {motions, bodies, ids, walls, seed, tick, bounds}; }
+};
+
+struct CrowdShape {
+  std::size_t most_bodies = 100;
+  double fill = 0.7;  ///< area of the bodies over that of the ground, if all find a place
+  double small = 0.05;
+  double large = 3;
+  double overlapping = 0;  ///< share of the bodies that may start in another or in a wall
+  std::size_t walls = 0;
+  bool region = false;  ///< a floor plan with holes and pillars around it all
+  bool bounded = false;
+};
+
+/// Bodies of a few kinds, dropped where they find room.
+inline TestCrowd random_crowd(Draw& draw, const CrowdShape& options) {
+  TestCrowd crowd;
+  crowd.seed = draw.below(1000);
+  crowd.tick = draw.below(1000);
+  std::vector<double> sizes;
+  const std::size_t kinds = 2 + draw.below(6);
+  double area = 0;
+  for (std::size_t k = 0; k < kinds; ++k) {
+    sizes.push_back(draw.scale(options.small, options.large));
+    crowd.kinds.push_back(random_kind(draw, sizes.back()));
+    area += sizes.back() * sizes.back() / static_cast<double>(kinds);
+  }
+  const double side = std::sqrt(area * static_cast<double>(options.most_bodies) / options.fill);
+  const Vec2 corner(draw.real(-50, 50), draw.real(-50, 50));
+  const auto anywhere = [&] {
+    return Vec2(corner.x() + draw.real(0, side), corner.y() + draw.real(0, side));
+  };
+
+  for (std::size_t w = 0; w < options.walls; ++w) {
+    const Ring plank = rectangle(0, 0, draw.scale(0.2, 5), draw.chance(0.5) ? 0.02 : draw.scale(0.02, 0.5));
+    Solid wall{{turned(plank, draw.real(0, 6), anywhere())},
+               draw.chance(0.7) ? ZInterval{0, 1} : ZInterval{0.4, 2}};
+    (draw.chance(0.8) ? crowd.walls : crowd.ghosts).push_back(std::move(wall));
+  }
+  if (options.region) {
+    const double x = corner.x();
+    const double y = corner.y();
+    Solid region{
+        {rectangle(x - 0.3, y - 0.3, x + side + 0.3, y + side + 0.3), rectangle(x, y, x + side, y + side)},
+        {0, 1}};
+    for (std::size_t p = 0; p < 4; ++p)
+      region.contours.push_back(turned(random_star(draw, 7, 0.04 * side, 0.4), 0,
+                                       corner + side * Vec2(0.2 + 0.6 * static_cast<double>(p % 2),
+                                                            0.2 + 0.6 * static_cast<double>(p / 2))));
+    crowd.walls.push_back(std::move(region));
+  }
+  if (options.bounded) {
+    crowd.bounds = Box::around(corner + Vec2(side / 2, side / 2), 0.48 * side);
+  }
+
+  std::vector<Blocks> solid;
+  for (const Solid& wall : crowd.walls) solid.push_back(place({wall}, {}));
+  for (std::size_t i = 0; i < options.most_bodies; ++i) {
+    const Kind& kind = crowd.kinds[draw.below(kinds)];
+    const bool anyhow = draw.chance(options.overlapping);
+    for (int trial = 0; trial < 25; ++trial) {
+      const Vec2 p = anywhere();
+      const Pose pose{p.x(), p.y(), draw.chance(0.8) ? 0 : 0.3, draw.real(-3, 3)};
+      Blocks placed = place(kind.body.blocks, pose);
+      if (!anyhow && std::ranges::any_of(solid, [&](const Blocks& other) { return overlap(placed, other); }))
+        continue;
+      solid.push_back(std::move(placed));
+      crowd.add(kind, pose);
+      break;
+    }
+  }
+  return crowd;
+}
+
+/// New motions for all: some stand, most go about as far as they are wide, some fast, and all turn as they
+/// please. At `most_poses` a motion is cut short, which keeps the oracle from taking all day.
+inline void random_motions(TestCrowd& crowd, Draw& draw, double most_poses) {
+  for (std::size_t i = 0; i < crowd.size(); ++i) {
+    engine::Motion& m = crowd.motions[i];
+    m = {m.from, m.from, 0, false};
+    if (draw.chance(0.1)) continue;
+    const double reach = crowd.shapes[i]->radius;
+    double far = draw.chance(0.2) ? draw.real(0, 1) : reach * draw.real(0, 1.5);
+    double turn = draw.chance(0.3) ? 0 : draw.chance(0.2) ? draw.real(-3, 3) : draw.real(-0.4, 0.4);
+    const double poses = (far + reach * std::abs(turn)) / (crowd.shapes[i]->thinnest / 4);
+    if (poses > most_poses) {
+      far *= most_poses / poses;
+      turn *= most_poses / poses;
+    }
+    const double direction = draw.real(-k_pi, k_pi);
+    m.moves = true;
+    m.turn = turn;
+    m.to = compose(m.from, {far * std::cos(direction), far * std::sin(direction), 0, turn});
+  }
+}
+
+inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
+  std::vector<partition::FixedSolid> solids;
+  for (const Solid& wall : crowd.walls) solids.push_back({wall, BodyId(solids.size()), true, 1});
+  for (const Solid& ghost : crowd.ghosts) solids.push_back({ghost, BodyId(solids.size()), false, 1});
+  return {std::move(solids), cell_m};
+}
+
+/// What the engine says.
+inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
+                                                      const partition::StaticScene& scene,
+                                                      const partition::GridGeometry& grid,
+                                                      partition::Parallel& parallel,
+                                                      engine::Conflicts& conflicts) {
+  std::vector<Vec2> positions;
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < crowd.size(); ++i) {
+    positions.push_back(crowd.motions[i].from.position());
+    radii.push_back(crowd.shapes[i]->radius);
+  }
+  partition::BodyIndex index(grid);
+  index.rebuild(positions, radii, parallel);
+  std::vector<engine::Conflicts::Outcome> outcomes(crowd.size());
+  conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick,
+                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))}, scene,
+                   index, parallel, outcomes);
+  return outcomes;
+}
+
+}  // namespace troupe::oracle

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "base/random.hpp"
+#include "engine/conflicts.hpp"
+#include "tests/engine/oracle_polygons.hpp"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::oracle {
+
+/// A body as the rule sees it: its blocks as they were drawn, and the smallest width of the convex parts that
+/// it was cut into.
+struct Body {
+  std::vector<Solid> blocks;
+  double thinnest = 0;
+};
+
+/// Smallest extent of a convex outline in any direction; that of one of its edges' normals.
+inline double thickness(const Ring& ring) {
+  double least = 1e300;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2 edge = ring[(i + 1) % ring.size()] - ring[i];
+    const Vec2 normal = Vec2(-edge.y(), edge.x()) / std::hypot(edge.x(), edge.y());
+    double low = 1e300;
+    double high = -1e300;
+    for (const Vec2& v : ring) {
+      low = std::min(low, normal.dot(v));
+      high = std::max(high, normal.dot(v));
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
+}
+
+inline std::vector<Pose> poses_of_motion(const engine::Motion& m, const Body& body) {
+  double radius = 0;
+  for (const Solid& block : body.blocks)
+    for (const Ring& ring : block.contours)
+      for (const Vec2& v : ring) radius = std::max(radius, std::hypot(v.x(), v.y()));
+  const double displacement = std::hypot(m.to.x - m.from.x, m.to.y - m.from.y) + radius * std::abs(m.turn);
+  const double n = std::max(1.0, std::ceil(displacement / (body.thinnest / 4)));
+  std::vector<Pose> poses;
+  for (double k = 1; k < n; ++k)
+    poses.push_back({m.from.x + (m.to.x - m.from.x) * (k / n), m.from.y + (m.to.y - m.from.y) * (k / n),
+                     m.from.z + (m.to.z - m.from.z) * (k / n), m.from.heading + m.turn * (k / n)});
+  poses.push_back(m.to);
+  return poses;
+}
+
+struct Question {
+  std::span<const engine::Motion> motions;
+  std::span<const Body* const> bodies;
+  std::span<const std::uint32_t> ids;
+  std::span<const Solid> walls;  ///< world frame, those that block
+  std::uint64_t seed = 1;
+  std::uint64_t tick = 0;
+  std::optional<Box> bounds;
+};
+
+/// The rule, one body after the other: no grid, no culls, no threads. `by_priority` false is the wrong rule
+/// that lets bodies go in the order of their ids: crowds on which it makes no difference prove nothing.
+inline std::vector<engine::Conflicts::Outcome> settle(const Question& q, bool by_priority = true) {
+  using enum engine::Conflicts::Outcome;
+  const auto squared = [](double x, double y) { return x * x + y * y; };
+  const std::size_t count = q.motions.size();
+  std::vector<std::size_t> order(count);
+  for (std::size_t i = 0; i < count; ++i) order[i] = i;
+  if (by_priority)
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return mix(q.seed, q.tick, q.ids[i]); });
+
+  std::vector<Blocks> walls;
+  for (const Solid& wall : q.walls) walls.push_back(place({wall}, {}));
+  std::vector<Pose> now;
+  std::vector<Blocks> placed;
+  for (std::size_t i = 0; i < count; ++i) {
+    now.push_back(q.motions[i].from);
+    placed.push_back(place(q.bodies[i]->blocks, now[i]));
+  }
+
+  std::vector<engine::Conflicts::Outcome> outcomes(count, stands);
+  for (const std::size_t i : order) {
+    const engine::Motion& m = q.motions[i];
+    if (!m.moves) continue;
+    const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
+    if (m.to.x < all.min.x() || m.to.x > all.max.x() || m.to.y < all.min.y() || m.to.y > all.max.y()) {
+      outcomes[i] = held;
+      continue;
+    }
+    outcomes[i] = moved;
+    Blocks there;
+    for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
+      there = place(q.bodies[i]->blocks, pose);
+      for (const Blocks& wall : walls)
+        if (overlap(there, wall) && !overlap(placed[i], wall)) outcomes[i] = refused;
+      for (std::size_t o = 0; o < count; ++o) {
+        if (o == i || !overlap(there, placed[o])) continue;
+        const bool apart =
+            squared(m.to.x - now[o].x, m.to.y - now[o].y) > squared(m.from.x - now[o].x, m.from.y - now[o].y);
+        if (!apart || !overlap(placed[i], placed[o])) outcomes[i] = refused;
+      }
+      if (outcomes[i] == refused) break;
+    }
+    if (outcomes[i] == refused) continue;
+    now[i] = m.to;
+    placed[i] = std::move(there);
+  }
+  return outcomes;
+}
+
+}  // namespace troupe::oracle

@@ -1,0 +1,216 @@
+#include "engine/world.hpp"
+
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cfenv>
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+namespace troupe::engine {
+namespace {
+
+using test::SceneBuilder;
+
+Solid box(double x, double y, double z = 1) { return {{test::box_ring(x, y)}, {0, z}}; }
+
+TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].controllers = {test::controller("script", {{"law", "line"}})};
+  const BodyId body = scene.body("r", type);
+  World world = scene.world();
+  world.step();
+  EXPECT_EQ(world.pose(body).x, 0) << "decided in this tick, driven in the next";
+  world.step();
+  EXPECT_DOUBLE_EQ(world.pose(body).x, 0.05);
+}
+
+TEST(World, PeriodsRoundUpToTicks) {
+  EXPECT_EQ(period_ticks(0, 0.1), 1u);
+  EXPECT_EQ(period_ticks(0.01, 0.1), 1u);
+  EXPECT_EQ(period_ticks(0.1, 0.1), 1u);
+  EXPECT_EQ(period_ticks(0.25, 0.1), 3u);
+  EXPECT_EQ(period_ticks(0.3, 0.1), 3u);
+  EXPECT_EQ(period_ticks(0.1, 0.02), 5u);
+  EXPECT_EQ(period_ticks(1e300, 0.1), 1000000000000000u);
+}
+
+TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {
+  SceneBuilder scene;
+  const BodyId body = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0.95, 0, 0, 0});
+  scene.spec.bounds = Box::around(Vec2::Zero(), 1);
+  World world = scene.world();
+  world.set_command(world.row(body), {1, 0, 0});
+  world.step();
+  EXPECT_EQ(world.pose(body).x, 0.95);
+  EXPECT_TRUE(world.stalled(world.row(body)));
+  EXPECT_EQ(world.held_count(), 1u);
+  world.set_command(world.row(body), {-1, 0, 0});
+  world.step();
+  EXPECT_DOUBLE_EQ(world.pose(body).x, 0.85);
+  EXPECT_EQ(world.held_count(), 0u);
+}
+
+TEST(World, ARobotWithoutAMotionIsNotStalled) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  const BodyId a = scene.body("a", type);
+  scene.body("b", type, {0.405, 0, 0, 0});
+  World world = scene.world();
+  world.set_command(world.row(a), {0.5, 0, 0});
+  world.step();
+  EXPECT_TRUE(world.stalled(world.row(a)));
+  EXPECT_EQ(world.stalled_count(), 1u);
+  world.set_command(world.row(a), {});
+  world.step();
+  EXPECT_FALSE(world.stalled(world.row(a)));
+}
+
+TEST(World, BodiesAtDifferentHeightsPassEachOther) {
+  SceneBuilder scene;
+  const BodyId low = scene.body("low", scene.robot("low", {box(0.4, 0.4, 0.2)}));
+  const TypeId bridge = scene.type("bridge", {Solid{{test::rectangle(0.3, -1, 0.5, 1)}, {0.2, 0.4}}});
+  scene.body("bridge", bridge);
+  World world = scene.world();
+  world.set_command(world.row(low), {1, 0, 0});
+  for (int i = 0; i < 10; ++i) world.step();
+  EXPECT_NEAR(world.pose(low).x, 1, 1e-12) << "the bridge begins at the height where the robot ends";
+}
+
+TEST(World, OnlyObstaclesBlock) {
+  SceneBuilder scene;
+  const BodyId robot = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}));
+  scene.wall(0.5, -1, 0.6, 1, {.obstacle = false, .ranger = 1});
+  World world = scene.world();
+  world.set_command(world.row(robot), {1, 0, 0});
+  for (int i = 0; i < 10; ++i) world.step();
+  EXPECT_NEAR(world.pose(robot).x, 1, 1e-12);
+}
+
+TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene.body("a", type);
+  scene.body("b", type, {0.1, 0, 0, 0});
+  scene.body("c", type, {0.2, 0, 0, 0});
+  Diagnostics diagnostics;
+  const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, first \"a\" and \"b\"; they may "
+                                   "move apart, but not closer"));
+}
+
+TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  const BodyId a = scene.body("a", type);
+  const BodyId b = scene.body("b", type, {0.3, 0, 0, 0});
+  World world = scene.world();
+  world.set_command(world.row(a), {0.5, 0, 0});
+  world.step();
+  EXPECT_EQ(world.pose(a).x, 0);
+  world.set_command(world.row(a), {});
+  world.set_command(world.row(b), {0.5, 0, 0});
+  world.step();
+  EXPECT_DOUBLE_EQ(world.pose(b).x, 0.35);
+}
+
+TEST(World, UnknownKindsAreErrorsThatNameTheKnownOnes) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].drive->kind = "hover";
+  scene[type].controllers = {{.kind = "dance", .params = {}, .where = {}}};
+  scene.body("r", type);
+  Diagnostics diagnostics;
+  try {
+    const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown drive \"hover\"; known: car, diff, omni"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown controller \"dance\"; known: expand, script, wander"));
+  }
+}
+
+TEST(World, AControllerWithoutItsSensorIsAnError) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].controllers = {test::controller("expand")};
+  Diagnostics diagnostics;
+  EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
+  EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]),
+            "error: controller \"expand\" needs a ranger that no other controller of the robot reads");
+}
+
+TEST(World, NamesAndAliases) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  const BodyId a = scene.body("a", type);
+  scene.spec.aliases["position:0"] = a;
+  const World world = scene.world();
+  EXPECT_EQ(world.find("a"), a);
+  EXPECT_EQ(world.find("position:0"), a);
+  EXPECT_EQ(world.find("_ground_model"), BodyId(0));
+  EXPECT_FALSE(world.find("b").valid());
+}
+
+TEST(World, EveryPartOfTheStateReachesTheHash) {
+  const auto hashes = [](auto&& change) {
+    SceneBuilder scene;
+    const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+    scene[type].sensors = {test::ranger("ir", {{.range_max = 3}})};
+    scene[type].controllers = {test::controller("script", {{"law", "wave"}})};
+    scene.body("r", type);
+    change(scene);
+    World world = scene.world();
+    for (int i = 0; i < 3; ++i) world.step();
+    return world.hashes();
+  };
+  const Hashes plain = hashes([](SceneBuilder&) {});
+  EXPECT_EQ(plain.state, plain.groups[0] + plain.groups[1] + plain.groups[2] + plain.groups[3]);
+  const Hashes seen = hashes([](SceneBuilder& s) { s.wall(2, -1, 2.1, 1); });
+  EXPECT_EQ(seen.groups[0], plain.groups[0]);
+  EXPECT_NE(seen.groups[2], plain.groups[2]) << "a reading changed";
+  const Hashes turned = hashes([](SceneBuilder& s) { s.spec.bodies.back().pose_world_body.heading = 1e-9; });
+  EXPECT_NE(turned.groups[0], plain.groups[0]);
+  const Hashes other = hashes([](SceneBuilder& s) {
+    s.spec.types.back().controllers = {test::controller("script", {{"law", "line"}})};
+  });
+  EXPECT_NE(other.groups[1], plain.groups[1]);
+  EXPECT_EQ(other.groups[3], plain.groups[3]) << "both have counted three updates";
+}
+
+TEST(World, ThingsThatDoNotMoveAddNothingToTheHash) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene.body("r", type);
+  World alone = scene.world();
+  scene.wall(5, 5, 6, 6);
+  World with_wall = scene.world();
+  EXPECT_EQ(alone.hashes().state, with_wall.hashes().state);
+}
+
+#if defined(__SSE2__)
+TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
+  const auto run = [] {
+    SceneBuilder scene;
+    const BodyId body = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {1e-310, 0, 0, 0});
+    World world = scene.world();
+    world.set_command(world.row(body), {1e-310, 0, 0.1});
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // flush to zero, denormals are zero: what gcc's -ffast-math start-up does
+    world.step();
+    const std::uint64_t hash = world.hashes().state;
+    std::fesetenv(FE_DFL_ENV);
+    return std::pair(hash, world.pose(body).x);
+  };
+  const auto [hash, x] = run();
+  EXPECT_GT(x, 1e-310) << "a denormal step was lost";
+  EXPECT_NE(hash, 0u);
+}
+#endif
+
+}  // namespace
+}  // namespace troupe::engine

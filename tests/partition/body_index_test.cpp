@@ -1,0 +1,181 @@
+#include "partition/body_index.hpp"
+
+#include "tests/engine/conflict_crowds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace troupe::partition {
+namespace {
+
+using oracle::Draw;
+
+constexpr std::array<GridGeometry, 5> k_grids{{{0.2, 4}, {1, 3}, {1, 0}, {3.7, 2}, {50, 5}}};
+
+struct Bodies {
+  std::vector<Vec2> positions;
+  std::vector<double> radii;
+};
+
+/// Crowds of bodies around the origin, some lying exactly on the borders of cells, some far away.
+Bodies random_bodies(Draw& draw, std::size_t count, double far, double widest = 8) {
+  Bodies bodies;
+  const double extent = draw.scale(1, 60);
+  if (draw.chance(0.5)) widest = 0.5;
+  for (std::size_t i = 0; i < count; ++i) {
+    Vec2 p(draw.real(-extent, extent), draw.real(-extent, extent));
+    if (draw.chance(0.1)) p = p.array().round();
+    bodies.positions.push_back(p + Vec2(far, -far));
+    bodies.radii.push_back(draw.chance(0.05) ? 0 : draw.scale(0.02, widest));
+  }
+  return bodies;
+}
+
+/// The box and the circle meet.
+bool may_touch(const Box& box, const Vec2& p, double radius) {
+  const double x = std::max({box.min.x() - p.x(), 0.0, p.x() - box.max.x()});
+  const double y = std::max({box.min.y() - p.y(), 0.0, p.y() - box.max.y()});
+  return x * x + y * y <= radius * radius;
+}
+
+TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
+  Parallel parallel(2);
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    Draw draw(seed);
+    const double far = draw.chance(0.2) ? 1e5 : draw.chance(0.2) ? -300 : 0;
+    BodyIndex index(k_grids[seed % k_grids.size()]);
+    // Three times into one index: what it held before must not show.
+    for (int filling = 0; filling < 3; ++filling) {
+      const Bodies bodies = random_bodies(draw, draw.below(300), far);
+      index.rebuild(bodies.positions, bodies.radii, parallel);
+      for (int query = 0; query < 20; ++query) {
+        const Box box =
+            Box::around(Vec2(far, -far) + Vec2(draw.real(-60, 60), draw.real(-60, 60)), draw.scale(0.01, 30));
+        std::vector<int> visits(bodies.positions.size());
+        index.for_each_near(box, [&](const BodyEntry& entry) {
+          ++visits.at(entry.row);
+          EXPECT_EQ(entry.position, bodies.positions[entry.row]);
+          EXPECT_EQ(entry.radius, bodies.radii[entry.row]);
+        });
+        for (std::size_t r = 0; r < visits.size(); ++r) {
+          ASSERT_LE(visits[r], 1) << "row " << r << ", seed " << seed;
+          if (!may_touch(box, bodies.positions[r], bodies.radii[r])) continue;
+          ASSERT_EQ(visits[r], 1) << "row " << r << " of radius " << bodies.radii[r] << ", seed " << seed;
+          ++found;
+        }
+      }
+    }
+  }
+  EXPECT_GT(found, 50'000u);
+}
+
+TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
+  Parallel parallel(1);
+  Draw draw(1);
+  Bodies bodies;
+  for (int i = 0; i < 10'000; ++i) {
+    bodies.positions.emplace_back(draw.real(0, 100), draw.real(0, 100));
+    bodies.radii.push_back(0.1);
+  }
+  // One truck must not widen every query.
+  bodies.positions.emplace_back(50, 50);
+  bodies.radii.push_back(20);
+  BodyIndex index({1, 3});
+  index.rebuild(bodies.positions, bodies.radii, parallel);
+  std::size_t visited = 0;
+  index.for_each_near(Box::around({50, 50}, 0.5), [&](const BodyEntry&) { ++visited; });
+  EXPECT_GT(visited, 1u);
+  EXPECT_LT(visited, 30u);
+}
+
+TEST(BodyIndex, IsEmptyAtFirstAndCanBeEmptied) {
+  Parallel parallel(2);
+  BodyIndex index({1, 3});
+  const auto visit_all = [&] {
+    std::size_t visited = 0;
+    index.for_each_near(Box::around({0, 0}, 100), [&](const BodyEntry&) { ++visited; });
+    return visited;
+  };
+  EXPECT_EQ(visit_all(), 0u);
+  index.rebuild({}, {}, parallel);
+  EXPECT_EQ(visit_all(), 0u);
+  EXPECT_TRUE(index.order().empty());
+  const std::vector<Vec2> positions{{1, 1}};
+  const std::vector<double> radii{0.1};
+  index.rebuild(positions, radii, parallel);
+  EXPECT_EQ(visit_all(), 1u);
+  index.rebuild({}, {}, parallel);
+  EXPECT_EQ(visit_all(), 0u);
+}
+
+TEST(BodyIndex, ForgetsTilesLongLeft) {
+  Parallel parallel(1);
+  BodyIndex index({1, 0});
+  const std::vector<double> radii{0.1};
+  for (int i = 0; i < 1000; ++i) {
+    const std::vector<Vec2> positions{{static_cast<double>(i), 0}};
+    index.rebuild(positions, radii, parallel);
+    std::size_t visited = 0;
+    index.for_each_near(Box::around(positions[0], 1), [&](const BodyEntry&) { ++visited; });
+    ASSERT_EQ(visited, 1u);
+  }
+  EXPECT_LT(index.tiles(), 100u);
+}
+
+// What queries visit, and in which order, is the same on any number of threads; the order of work has every
+// row once, those of one tile together.
+TEST(BodyIndex, IsTheSameOnAnyNumberOfThreads) {
+  std::vector<Parallel> teams;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) teams.emplace_back(threads);
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Draw draw(seed);
+    const GridGeometry grid = k_grids[seed % k_grids.size()];
+    const Bodies bodies = random_bodies(draw, 5000, 0, 1.5);
+    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> visited;
+    for (Parallel& parallel : teams) {
+      BodyIndex index(grid);
+      index.rebuild(bodies.positions, bodies.radii, parallel);
+      std::vector<std::uint32_t> rows;
+      index.for_each_near(Box::around({0, 0}, 30),
+                          [&](const BodyEntry& entry) { rows.push_back(entry.row); });
+      if (&parallel == &teams.front()) {
+        order.assign(index.order().begin(), index.order().end());
+        visited = rows;
+      }
+      ASSERT_TRUE(std::ranges::equal(index.order(), order))
+          << parallel.threads() << " threads, seed " << seed;
+      ASSERT_EQ(rows, visited) << parallel.threads() << " threads, seed " << seed;
+    }
+
+    std::vector<std::uint32_t> sorted = order;
+    std::ranges::sort(sorted);
+    std::vector<std::uint32_t> all(5000);
+    std::iota(all.begin(), all.end(), 0u);
+    ASSERT_EQ(sorted, all);
+    // (cell, row) order: within a tile, cells row by row, and rows ascending within a cell.
+    std::vector<Cell> tiles;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const Cell cell = grid.cell(bodies.positions[order[i]]);
+      if (i > 0) {
+        const Cell before = grid.cell(bodies.positions[order[i - 1]]);
+        if (grid.tile(before) == grid.tile(cell)) {
+          const auto key = std::pair(grid.in_tile(cell), order[i]);
+          ASSERT_LT(std::pair(grid.in_tile(before), order[i - 1]), key);
+          continue;
+        }
+      }
+      ASSERT_EQ(std::ranges::count(tiles, grid.tile(cell)), 0) << "a tile's rows lie together";
+      tiles.push_back(grid.tile(cell));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace troupe::partition

@@ -1,0 +1,133 @@
+#include "partition/parallel.hpp"
+
+#include "base/fp_environment.hpp"
+
+#include <gtest/gtest.h>
+
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace troupe::partition {
+namespace {
+
+class ParallelOf : public ::testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Threads, ParallelOf, ::testing::Values(1u, 2u, 3u, 4u, 8u),
+                         [](const auto& threads) { return std::to_string(threads.param); });
+
+TEST_P(ParallelOf, RunsEveryIndexOnce) {
+  Parallel parallel(GetParam());
+  EXPECT_EQ(parallel.threads(), GetParam());
+  for (const std::size_t count : {0, 1, 2, 3, 7, 8, 9, 64, 1000, 20'000}) {
+    std::vector<std::atomic<int>> calls(count);
+    parallel.for_each(count, [&](std::size_t i) { ++calls.at(i); });
+    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(calls[i], 1) << i << " of " << count;
+  }
+}
+
+// Many short loops in a row: a worker that wakes late, or for the loop before, would call twice or too
+// seldom.
+TEST_P(ParallelOf, RunsShortLoopsInARow) {
+  Parallel parallel(GetParam());
+  std::vector<int> calls(5);
+  constexpr int k_loops = 20'000;
+  for (int loop = 0; loop < k_loops; ++loop)
+    parallel.for_each(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  for (const int n : calls) EXPECT_EQ(n, k_loops);
+}
+
+// When for_each returns, what its tasks wrote can be read.
+TEST_P(ParallelOf, HandsItsWritesOver) {
+  Parallel parallel(GetParam());
+  std::vector<std::size_t> written(1000);
+  for (std::size_t round = 1; round < 200; ++round) {
+    parallel.for_each(written.size(), [&](std::size_t i) { written[i] += i * round; });
+    std::size_t sum = 0;
+    for (const std::size_t w : written) sum += w;
+    ASSERT_EQ(sum, 999 * 1000 / 2 * (round * (round + 1) / 2));
+  }
+}
+
+// As many threads as were asked for, however few the cores are: else "the same on 8 threads" would be said
+// of 2.
+TEST_P(ParallelOf, UsesAllItsThreads) {
+  Parallel parallel(GetParam());
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  parallel.for_each(GetParam(), [&](std::size_t) {
+    for (;;) {  // hold the thread until all the others have come
+      {
+        const std::lock_guard lock(mutex);
+        threads.insert(std::this_thread::get_id());
+        if (threads.size() == GetParam() || std::chrono::steady_clock::now() > give_up) return;
+      }
+      std::this_thread::yield();
+    }
+  });
+  EXPECT_EQ(threads.size(), GetParam());
+}
+
+// A simulation inside another's loop, as in a sweep over parameters.
+TEST_P(ParallelOf, NestsInAnother) {
+  Parallel outer(3);
+  constexpr std::size_t k_simulations = 6;
+  std::vector<std::vector<int>> calls(k_simulations, std::vector<int>(500));
+  outer.for_each(k_simulations, [&](std::size_t s) {
+    Parallel inner(GetParam());
+    for (int loop = 0; loop < 20; ++loop)
+      inner.for_each(calls[s].size(), [&](std::size_t i) { ++calls[s][i]; });
+  });
+  for (const auto& of_one : calls)
+    for (const int n : of_one) ASSERT_EQ(n, 20);
+}
+
+TEST_P(ParallelOf, RunsBesideOthers) {
+  std::vector<std::vector<int>> calls(4, std::vector<int>(500));
+  std::vector<std::thread> programs;
+  for (auto& mine : calls)
+    programs.emplace_back([&] {
+      Parallel parallel(GetParam());
+      for (int loop = 0; loop < 100; ++loop)
+        parallel.for_each(mine.size(), [&](std::size_t i) { ++mine[i]; });
+    });
+  for (std::thread& program : programs) program.join();
+  for (const auto& of_one : calls)
+    for (const int n : of_one) ASSERT_EQ(n, 100);
+}
+
+TEST_P(ParallelOf, CanBeMoved) {
+  Parallel first(GetParam());
+  Parallel parallel = std::move(first);
+  std::vector<int> calls(100);
+  parallel.for_each(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  EXPECT_EQ(calls, std::vector<int>(100, 1));
+}
+
+#ifdef __SSE__
+TEST_P(ParallelOf, PutsEachThreadsArithmeticRight) {
+  _mm_setcsr(_mm_getcsr() |
+             0x8040);  // flush to zero, denormals are zero: as a library built with -ffast-math does
+  ASSERT_NE(fp_environment_fault(), "");
+  Parallel parallel(GetParam());
+  std::atomic<int> wrong = 0;
+  parallel.for_each(200, [&](std::size_t) { wrong += !fp_environment_fault().empty(); });
+  restore_fp_environment();
+  EXPECT_EQ(wrong, 0);
+}
+#endif
+
+TEST(Parallel, TakesTheCoresByDefault) {
+  EXPECT_EQ(Parallel(0).threads(), std::max(1u, std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+}  // namespace troupe::partition

@@ -1,0 +1,189 @@
+#include "partition/static_scene.hpp"
+
+#include "tests/engine/conflict_crowds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace troupe::partition {
+namespace {
+
+using oracle::Draw;
+using oracle::rectangle;
+
+/// A scene of floor plans with holes and islands in them, blocks, planks, and solids that block nobody.
+std::vector<FixedSolid> random_solids(Draw& draw) {
+  std::vector<FixedSolid> solids;
+  const std::size_t count = 1 + draw.below(8);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec2 at(draw.real(-5, 5), draw.real(-5, 5));
+    Solid solid{{}, draw.chance(0.7) ? ZInterval{0, 1} : ZInterval{0.5, 2}};
+    switch (draw.below(4)) {
+      case 0:
+        solid.contours = {oracle::turned(rectangle(0, 0, draw.scale(0.2, 12), 0.02), draw.real(0, 6), at)};
+        break;
+      case 1:
+        solid.contours = {oracle::turned(oracle::random_star(draw, 9, draw.scale(0.3, 4), 0.3), 0, at)};
+        break;
+      case 2: {
+        const double r = draw.scale(0.5, 6);
+        solid.contours = {oracle::turned(rectangle(-r, -r, r, r), 0, at),
+                          oracle::turned(oracle::random_star(draw, 7, 0.9 * r, 0.6), 0, at),
+                          oracle::turned(oracle::random_star(draw, 5, 0.4 * r, 0.6), 0, at)};
+        break;
+      }
+      default:
+        solid.contours = {
+            rectangle(at.x(), at.y(), at.x() + draw.scale(0.1, 3), at.y() + draw.scale(0.1, 3))};
+    }
+    // Two solids may belong to one body.
+    solids.push_back(
+        {std::move(solid), BodyId(3 + i / 2), draw.chance(0.8), draw.chance(0.8) ? 1.0f : -1.0f});
+  }
+  return solids;
+}
+
+TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
+  std::size_t blocked = 0;
+  std::size_t swallowed = 0;
+  std::size_t asked = 0;
+  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+    Draw draw(seed);
+    const std::vector<FixedSolid> solids = random_solids(draw);
+    std::vector<oracle::Blocks> placed;
+    for (const FixedSolid& fixed : solids) placed.push_back(oracle::place({fixed.solid}, {}));
+    const std::array<StaticScene, 3> scenes{StaticScene(solids, 0.1), StaticScene(solids, 0.9),
+                                            StaticScene(solids, 20)};
+    const oracle::Kind kind = oracle::random_kind(draw, draw.scale(0.05, 3));
+    for (int i = 0; i < 20; ++i) {
+      const Pose pose{draw.real(-5, 5), draw.real(-5, 5), draw.real(-0.5, 0.8), draw.real(-4, 4)};
+      const oracle::Blocks body = oracle::place(kind.body.blocks, pose);
+      std::set<BodyId> met;
+      std::vector<bool> overlaps;
+      for (std::size_t s = 0; s < solids.size(); ++s) {
+        overlaps.push_back(solids[s].obstacle && oracle::overlap(body, placed[s]));
+        if (overlaps.back()) met.insert(solids[s].body);
+      }
+      for (const StaticScene& scene : scenes) {
+        ASSERT_EQ(scene.blocked(kind.shape, pose), !met.empty()) << "seed " << seed;
+        for (std::uint32_t s = 0; s < solids.size(); ++s)
+          ASSERT_EQ(scene.overlaps_solid(s, kind.shape, pose), overlaps[s])
+              << "seed " << seed << ", solid " << s;
+        const std::vector<BodyId> expected(met.begin(), met.end());
+        ASSERT_EQ(scene.overlapping(kind.shape, pose), expected) << "seed " << seed;
+
+        // Crossed: an edge, not only the inside, of some solid that is not to be ignored.
+        const int hit = scene.crossed(kind.shape, pose, [](std::uint32_t) { return false; });
+        ASSERT_TRUE(hit < 0 || overlaps[static_cast<std::size_t>(hit)]) << "seed " << seed;
+        ASSERT_EQ(scene.crossed(kind.shape, pose, [&](std::uint32_t s) { return overlaps[s]; }), -1)
+            << "seed " << seed;
+        if (hit >= 0) {
+          const auto all_but = [&](std::uint32_t s) { return s != static_cast<std::uint32_t>(hit); };
+          ASSERT_EQ(scene.crossed(kind.shape, pose, all_but), hit) << "seed " << seed;
+        } else if (!met.empty()) {
+          ++swallowed;
+        }
+      }
+      ++asked;
+      blocked += !met.empty();
+    }
+  }
+  EXPECT_GT(blocked, asked / 20);
+  EXPECT_LT(blocked, asked * 9 / 10);
+  EXPECT_GT(swallowed, 100u) << "few bodies lay wholly inside a solid";
+}
+
+TEST(StaticScene, ABodyInAHoleIsFree) {
+  const Solid plan{
+      {rectangle(-10, -10, 10, 10), rectangle(-1, -1, 1, 1), rectangle(-0.125, -0.125, 0.125, 0.125)},
+      {0, 1}};
+  const StaticScene scene({{plan, BodyId(1), true, 1}}, 0.5);
+  const oracle::Kind body = oracle::make_kind({{{rectangle(-0.25, -0.25, 0.25, 0.25)}, {0, 0.5}}});
+  EXPECT_FALSE(scene.blocked(body.shape, {0.5, 0.5, 0, 0}));
+  EXPECT_FALSE(scene.blocked(body.shape, {0.75, 0.75, 0, 0})) << "touching is free";
+  EXPECT_TRUE(scene.blocked(body.shape, {0.8, 0.75, 0, 0}));
+  EXPECT_TRUE(scene.blocked(body.shape, {5, 5, 0, 0}));
+  EXPECT_TRUE(scene.blocked(body.shape, {0, 0, 0, 0})) << "around the pillar";
+  EXPECT_FALSE(scene.blocked(body.shape, {0, 0, 1, 0})) << "on top of it";
+  EXPECT_FALSE(scene.blocked(body.shape, {50, 0, 0, 0}));
+  // Far inside no edge is near.
+  EXPECT_EQ(scene.crossed(body.shape, {5, 5, 0, 0}, [](std::uint32_t) { return false; }), -1);
+}
+
+TEST(StaticScene, ABodyThatFillsAHoleTouchesOnAllSides) {
+  const Solid plan{{rectangle(-4, -4, 4, 4), rectangle(-1, -1, 1, 1)}, {0, 1}};
+  const StaticScene scene({{plan, BodyId(1), true, 1}}, 0.5);
+  const oracle::Kind plug = oracle::make_kind({{{rectangle(-1, -1, 1, 1)}, {0, 1}}});
+  EXPECT_FALSE(scene.blocked(plug.shape, {}));
+  const StaticScene block({{{{rectangle(-1, -1, 1, 1)}, {0, 1}}, BodyId(1), true, 1}}, 0.5);
+  EXPECT_TRUE(block.blocked(plug.shape, {})) << "the same ground, edge on edge";
+}
+
+TEST(StaticScene, WithoutSolidsBlocksNothing) {
+  const oracle::Kind body = oracle::make_kind({{{rectangle(-1, -1, 1, 1)}, {0, 1}}});
+  for (const StaticScene& scene :
+       {StaticScene(), StaticScene({}, 1),
+        StaticScene({{{{rectangle(-9, -9, 9, 9)}, {0, 1}}, BodyId(1), false, 1}}, 1)}) {
+    EXPECT_FALSE(scene.has_obstacles());
+    EXPECT_FALSE(scene.blocked(body.shape, {}));
+    EXPECT_TRUE(scene.overlapping(body.shape, {}).empty());
+  }
+}
+
+TEST(StaticScene, CountsItsEdgesAndBounds) {
+  const StaticScene scene(
+      {{{{rectangle(0, 0, 2, 1), rectangle(0.5, 0.25, 1, 0.5)}, {0, 1}}, BodyId(1), true, 1},
+       {{{{{-3, 0}, {-2, 0}, {-2, 5}}}, {0, 1}}, BodyId(2), false, -1}},
+      1);
+  EXPECT_EQ(scene.edge_count(), 11u);
+  EXPECT_EQ(scene.bounds().min, Vec2(-3, 0));
+  EXPECT_EQ(scene.bounds().max, Vec2(2, 5));
+}
+
+// Every edge is found wherever a box touches it, in the cells of any size.
+TEST(EdgeGrid, FindsEveryEdgeThatMeetsABox) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Draw draw(seed);
+    std::vector<FixedEdge> edges;
+    const double far = draw.chance(0.2) ? 9e4 : 0;
+    const auto point = [&] {
+      Vec2 p(draw.real(-20, 20), draw.real(-20, 20));
+      if (draw.chance(0.3)) p = p.array().round();
+      return Vec2(p + Vec2(far, far));
+    };
+    for (std::uint32_t e = 0; e < 60; ++e) {
+      FixedEdge edge{point(), point(), e};
+      if (draw.chance(0.3))
+        edge.b.x() = edge.a.x();  // along the borders of cells, some of them
+      else if (draw.chance(0.3))
+        edge.b.y() = edge.a.y();
+      edges.push_back(edge);
+    }
+    for (const double cell : {0.25, 1.0, 3.3, 100.0}) {
+      const EdgeGrid grid(edges, {cell, 3});
+      for (int q = 0; q < 20; ++q) {
+        const Box box = Box::around(point(), draw.scale(0.01, 5));
+        std::vector<bool> found(edges.size());
+        grid.for_each_run(box, [&](std::span<const FixedEdge> run) {
+          for (const FixedEdge& edge : run) {
+            found[edge.solid] = true;
+            ASSERT_EQ(edge.a, edges[edge.solid].a) << "edges are never clipped";
+            ASSERT_EQ(edge.b, edges[edge.solid].b);
+          }
+        });
+        const Ring corners = rectangle(box.min.x(), box.min.y(), box.max.x(), box.max.y());
+        for (const FixedEdge& edge : edges)
+          ASSERT_TRUE(found[edge.solid] || !segment_overlap(edge.a, edge.b, corners))
+              << "edge " << edge.solid << ", cells of " << cell << " m, seed " << seed;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace troupe::partition

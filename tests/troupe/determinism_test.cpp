@@ -1,0 +1,243 @@
+// The short form of scripts/prove: the same bits for any number of threads and any tile size, and those of the
+// golden hashes. What else must not reach the state has a test here too: the caller's rounding and denormals, the
+// locale, the working directory.
+
+#include "base/fp_environment.hpp"
+#include "base/hash.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/golden_hashes.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cfenv>
+#include <clocale>
+#include <cstdlib>
+#include <filesystem>
+#include <locale>
+#include <string>
+#include <thread>
+#include <vector>
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using test::GoldenRun;
+
+const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+
+SimulationOptions options_of(const GoldenRun& run, unsigned threads, double tile_size_m = 0) {
+  SimulationOptions options;
+  options.threads = threads;
+  options.tile_size_m = tile_size_m;
+  if (run.robots) options.robots = {{"", *run.robots}};
+  return options;
+}
+
+/// The lines of the hash log of a run.
+std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double tile_size_m = 0) {
+  Simulation simulation(k_worlds / run.world, options_of(run, threads, tile_size_m));
+  std::vector<std::string> lines{simulation.hash_log_line()};
+  while (simulation.tick() < run.ticks) {
+    simulation.step();
+    lines.push_back(simulation.hash_log_line());
+  }
+  EXPECT_EQ(lines.back().find(hex(simulation.state_hash())), lines.back().find(' ') + 1);
+  return lines;
+}
+
+std::string state_of(const std::string& line) { return line.substr(line.find(' ') + 1, 16); }
+
+class SameBits : public ::testing::TestWithParam<GoldenRun> {};
+
+TEST_P(SameBits, ForAnyThreadsAndTiles) {
+  const GoldenRun& run = GetParam();
+  const std::vector<std::string> expected = log_of(run, 1, 1.7);
+  for (const double tile_size_m : {1.7, 45.1}) {
+    for (const unsigned threads : {1u, 2u, 8u}) {
+      if (threads == 1 && tile_size_m == 1.7) continue;
+      const std::vector<std::string> got = log_of(run, threads, tile_size_m);
+      for (std::size_t tick = 0; tick < expected.size(); ++tick)
+        ASSERT_EQ(got[tick], expected[tick]) << threads << " threads, tiles of " << tile_size_m << " m";
+    }
+  }
+  const auto golden = test::golden_hashes();
+  ASSERT_TRUE(golden.contains(run)) << "no line in worlds/golden_hashes.txt: scripts/prove --golden makes it";
+  EXPECT_EQ(state_of(expected.back()), golden.at(run))
+      << "results have changed; if that was meant, scripts/prove --golden, and docs/decisions.md says why";
+}
+
+std::vector<GoldenRun> runs() {
+  if (test::k_slow_build)
+    return {{"hospital.json", 150, 10}, {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 10}};
+  return {{"hospital.json", {}, 50}, {"cave-complex-laser.json", {}, 50}, {"crowd.json", {}, 50}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& info) {
+  std::string name = fs::path(info.param.world).stem();
+  std::erase(name, '-');
+  return name;
+});
+
+TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
+  const auto golden = test::golden_hashes();
+  for (const char* world : {"hospital.json", "cave-complex-laser.json", "crowd.json"})
+    for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
+}
+
+// A robot at the origin creeps by less than the smallest normal number a tick, among others that do ordinary things:
+// flush-to-zero would leave it where it is, and another rounding would show in all of them.
+class Environment : public test::ScratchTest {
+ protected:
+  static constexpr double k_creep_mps = 0x1p-1040;
+
+  fs::path world() const {
+    return write("creep.json", R"({
+  "troupe": 1, "title": "One creeps, others wander",
+  "types": {
+    "wall": {"size_m": [0.2, 6.5, 1]},
+    "creeper": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}},
+    "wanderer": {"size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 7}]}]}
+  },
+  "models": [
+    {"name": "creeper", "type": "creeper"},
+    {"name": "wall", "type": "wall", "pose": {"x_m": 3.7, "heading_deg": 0.7}}
+  ],
+  "populations": [
+    {"name": "w", "type": "wanderer", "count": 40, "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}
+  ]
+})");
+  }
+  static SimulationOptions threads(unsigned n) {
+    SimulationOptions options;
+    options.threads = n;
+    return options;
+  }
+  static std::string log(Simulation& simulation) {
+    simulation.find("creeper").set_speed(k_creep_mps, 0);
+    std::string lines = simulation.hash_log_line();
+    for (int i = 0; i < 10; ++i) {
+      simulation.step();
+      lines += '\n' + simulation.hash_log_line();
+    }
+    return lines;
+  }
+  std::string expected() const {
+    Simulation simulation(world(), threads(3));
+    std::string lines = log(simulation);
+    EXPECT_GT(simulation.find("creeper").pose().x, 0);
+    EXPECT_LT(simulation.find("creeper").pose().x, 0x1p-1022);
+    EXPECT_GT(simulation.statistics().mean_displacement_m, 0.1);
+    return lines;
+  }
+  /// In a thread of its own, whose environment goes with it.
+  template <class Work>
+  static void in_thread(Work&& work) {
+    std::thread(std::forward<Work>(work)).join();
+  }
+  static void spoil_rounding() { std::fesetround(FE_UPWARD); }
+  static void spoil_denormals() {
+#if defined(__x86_64__)
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // what gcc's -ffast-math start-up code sets: FTZ and DAZ
+#endif
+  }
+};
+
+TEST_F(Environment, IsPutRightBeforeALoad) {
+  const std::string clean = expected();
+  for (const auto spoil : {spoil_rounding, spoil_denormals}) {
+    for (const unsigned n : {1u, 3u}) {
+      std::string got;
+      in_thread([&] {
+        spoil();
+        Simulation simulation(world(), threads(n));
+        EXPECT_EQ(fp_environment_fault(), "");
+        got = log(simulation);
+      });
+      EXPECT_EQ(got, clean) << n << " threads";
+    }
+  }
+}
+
+TEST_F(Environment, IsPutRightBeforeAStep) {
+  const std::string clean = expected();
+  for (const auto spoil : {spoil_rounding, spoil_denormals}) {
+    for (const unsigned n : {1u, 3u}) {
+      Simulation simulation(world(), threads(n));
+      std::string got;
+      in_thread([&] {  // another thread than loaded it, as when a plug-in was loaded there
+        spoil();
+        got = log(simulation);
+      });
+      EXPECT_EQ(got, clean) << n << " threads";
+    }
+  }
+}
+
+TEST_F(Environment, TheWorkingFolderIsNotState) {
+  const std::string clean = expected();
+  world();
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_);
+  std::string got;
+  {
+    Simulation simulation("creep.json", threads(3));
+    got = log(simulation);
+  }
+  fs::current_path(before);
+  EXPECT_EQ(got, clean);
+}
+
+struct DecimalComma : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST_F(Environment, TheLocaleOfStreamsIsNotState) {
+  const std::string clean = expected();
+  world();
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
+  std::string got;
+  std::string header;
+  {
+    Simulation simulation(folder_ / "creep.json", threads(3));
+    got = log(simulation);
+    header = simulation.hash_log_header();
+  }
+  std::locale::global(before);
+  EXPECT_EQ(got, clean);
+  EXPECT_NE(header.find("# tick_s: 0.1\n"), std::string::npos) << header;
+}
+
+TEST_F(Environment, TheLocaleOfCIsNotState) {
+  const std::string clean = expected();
+  const auto comma = [this] {
+    for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "nl_NL.UTF-8"})
+      if (std::setlocale(LC_ALL, name)) return true;
+    // None is installed: perhaps one can be made.
+    const std::string make = "localedef -f UTF-8 -i de_DE " + (folder_ / "de_DE.UTF-8").string() + " 2>/dev/null";
+    return std::system(make.c_str()) == 0 && setenv("LOCPATH", folder_.c_str(), 1) == 0 &&
+           std::setlocale(LC_ALL, "de_DE.UTF-8") != nullptr;
+  };
+  if (!comma()) GTEST_SKIP() << "no locale with a decimal comma (de_DE.UTF-8) is installed or can be made";
+  ASSERT_STREQ(std::localeconv()->decimal_point, ",");
+  std::string got;
+  {
+    Simulation simulation(world(), threads(3));
+    got = log(simulation);
+  }
+  std::setlocale(LC_ALL, "C");
+  unsetenv("LOCPATH");
+  EXPECT_EQ(got, clean);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+namespace troupe::test {
+
+/// A line of worlds/golden_hashes.txt, which `scripts/prove --golden` makes.
+struct GoldenRun {
+  std::string world;  ///< file name in worlds/
+  std::optional<std::size_t> robots;
+  std::uint64_t ticks = 0;
+
+  friend auto operator<=>(const GoldenRun& a, const GoldenRun& b) {
+    return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=> std::tuple(b.world, b.robots.value_or(0), b.ticks);
+  }
+};
+
+inline std::map<GoldenRun, std::string> golden_hashes() {
+  std::map<GoldenRun, std::string> hashes;
+  std::ifstream file(TROUPE_SOURCE_DIR "/worlds/golden_hashes.txt");
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line.starts_with('#')) continue;
+    std::istringstream words(line);
+    GoldenRun run;
+    std::string robots;
+    std::string hash;
+    if (!(words >> run.world >> robots >> run.ticks >> hash)) throw std::runtime_error("golden_hashes.txt: " + line);
+    if (robots != "-") run.robots = std::stoul(robots);
+    hashes[run] = hash;
+  }
+  return hashes;
+}
+
+}  // namespace troupe::test

@@ -1,0 +1,59 @@
+#include "worldio/colors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace troupe::worldio {
+namespace {
+
+Color rgb(int r, int g, int b) {
+  const auto part = [](int x) { return static_cast<float>(x) / 255.0f; };
+  return {part(r), part(g), part(b), 1};
+}
+
+TEST(StageColors, NamesThatWorldsUse) {
+  EXPECT_EQ(color_by_name("red"), rgb(255, 0, 0));
+  EXPECT_EQ(color_by_name("green"), rgb(0, 255, 0));
+  EXPECT_EQ(color_by_name("purple"), rgb(160, 32, 240));
+  EXPECT_EQ(color_by_name("gray"), rgb(190, 190, 190));
+  EXPECT_EQ(color_by_name("gray30"), rgb(77, 77, 77));
+  EXPECT_EQ(color_by_name("gray50"), rgb(127, 127, 127));
+  EXPECT_EQ(color_by_name("NavyBlue"), rgb(0, 0, 128));
+  EXPECT_EQ(color_by_name("dark slate grey"), color_by_name("DarkSlateGray"));
+}
+
+TEST(StageColors, OtherWordsAreNoNames) {
+  for (const char* word : {"", " ", "Red", "rde", "gray101", "gray007", "grayx", "snow0", "snow5", "snow1x",
+                           "random", "DARKBLUE", "4", "gray99999999999"})
+    EXPECT_FALSE(color_by_name(word)) << word;
+}
+
+TEST(StageColors, SuggestionsAreNames) {
+  for (const std::string_view name : color_names()) EXPECT_TRUE(color_by_name(name)) << name;
+}
+
+TEST(StageColors, EveryNameOfX11IsKnown) {
+  const std::filesystem::path file =
+      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/rgb.txt";
+  std::ifstream in(file);
+  if (!in) GTEST_SKIP() << "X11's colours are not in " << file;
+  std::size_t names = 0;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream fields(line);
+    int r = 0, g = 0, b = 0;
+    std::string name;
+    if (!(fields >> r >> g >> b >> std::ws) || !std::getline(fields, name)) continue;
+    while (!name.empty() && (name.back() == ' ' || name.back() == '\t' || name.back() == '\r'))
+      name.pop_back();
+    EXPECT_EQ(color_by_name(name), rgb(r, g, b)) << name;
+    ++names;
+  }
+  EXPECT_GT(names, 700u);
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "engine/world_spec.hpp"
+#include "models/drives.hpp"
+#include "models/expand.hpp"
+#include "models/model_kinds.hpp"
+#include "models/script.hpp"
+#include "models/wander.hpp"
+#include "sensors/ranger.hpp"
+#include "worldio/load.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::worldio {
+
+inline const engine::Registry& test_registry() {
+  static const engine::Registry registry = [] {
+    engine::Registry r;
+    r.models = models::model_kinds();
+    r.sensors = {sensors::ranger_kind()};
+    r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
+    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+    r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
+    return r;
+  }();
+  return registry;
+}
+
+/// Loads worlds in a folder of its own. A test takes every message with `messages()`; one that it did not
+/// take fails it.
+class StageTest : public testing::Test {
+ protected:
+  StageTest() {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("troupe_") + info->test_suite_name() + "_" + info->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  ~StageTest() override { std::filesystem::remove_all(folder_); }
+
+  void TearDown() override { EXPECT_THAT(messages(), testing::IsEmpty()); }
+
+  void write(std::string_view name, std::string_view text) const {
+    const std::filesystem::path file = folder_ / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << text;
+  }
+
+  /// Reads the text as the file `w.world` of the folder.
+  engine::WorldSpec load(std::string_view text, const LoadOptions& options = {}) {
+    return read(folder_ / "w.world", std::string(text), options, test_registry());
+  }
+
+  engine::WorldSpec read(const std::filesystem::path& file, const std::string& text,
+                         const LoadOptions& options, const engine::Registry& registry) {
+    Diagnostics diagnostics;
+    engine::WorldSpec spec = load_stage_world(file, text, registry, options, diagnostics);
+    keep(diagnostics);
+    return spec;
+  }
+
+  void keep(const Diagnostics& diagnostics) {
+    // Warnings carry their counts; errors follow them.
+    for (const std::string& line : diagnostics.warnings()) messages_.push_back(shortened(line));
+    for (const Finding& finding : diagnostics.findings())
+      if (finding.severity == Severity::error) messages_.push_back(shortened(diagnostics.text(finding)));
+  }
+
+  /// What was reported since the last call, paths relative to the folder.
+  std::vector<std::string> messages() { return std::exchange(messages_, {}); }
+
+  const std::filesystem::path& folder() const { return folder_; }
+  void shorten(const std::filesystem::path& prefix) { prefix_ = prefix.string() + "/"; }
+
+ private:
+  std::string shortened(std::string line) const {
+    for (const std::string& prefix : {folder_.string() + "/", prefix_})
+      for (std::size_t at; !prefix.empty() && (at = line.find(prefix)) != std::string::npos;)
+        line.erase(at, prefix.size());
+    return line;
+  }
+
+  std::filesystem::path folder_;
+  std::string prefix_;
+  std::vector<std::string> messages_;
+};
+
+inline const engine::TypeSpec& type_of(const engine::WorldSpec& spec, std::size_t body) {
+  return spec.types[spec.bodies[body].type.index()];
+}
+
+inline std::vector<std::string> body_names(const engine::WorldSpec& spec) {
+  std::vector<std::string> names;
+  for (const engine::BodySpec& body : spec.bodies) names.push_back(body.name);
+  return names;
+}
+
+inline std::vector<std::string> part_names(const engine::TypeSpec& type) {
+  std::vector<std::string> names;
+  for (const engine::PartSpec& part : type.parts) names.push_back(part.name);
+  return names;
+}
+
+}  // namespace troupe::worldio

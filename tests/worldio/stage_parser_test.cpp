@@ -1,0 +1,483 @@
+#include "tests/worldio/stage_fixture.hpp"
+
+#include <rapidcheck/gtest.h>
+
+#include <fmt/format.h>
+
+namespace troupe::worldio {
+namespace {
+
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class StageParser : public StageTest {};
+
+// Conformance vector 14: the parser, row by row of what Stage gets wrong or refuses.
+
+TEST_F(StageParser, ConformanceVector14CommaInATuple) {
+  load("model(\n  pose [1, 2 3 4] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: unexpected ','; the values of a tuple are separated by "
+                          "blanks: [1 2 3]"));
+}
+
+TEST_F(StageParser, ConformanceVector14MissingParenthesis) {
+  load("model()\n\nmodel(\n  size [1 1 1]\n");
+  EXPECT_THAT(messages(), ElementsAre("w.world:3: error: the ( of \"model\" is never closed"));
+}
+
+TEST_F(StageParser, ConformanceVector14ExtraParenthesis) {
+  load("model()\n)\nmodel()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: this ) closes nothing"));
+}
+
+TEST_F(StageParser, ConformanceVector14EntityWithoutParentheses) {
+  load("model\nmodel( position\n name \"x\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"model\" needs a value on the same line, or a body in ( )",
+                          "w.world:2: error: \"position\" needs a value on the same line, or a body in ( )"));
+}
+
+TEST_F(StageParser, ConformanceVector14UnquotedString) {
+  const auto spec = load("model(\n color red\n name \"x\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: the value of \"color\" must be a number, a string or a "
+                          "tuple; a string needs quotes: color \"red\""));
+  EXPECT_EQ(spec.bodies[1].name, "x");  // reading goes on behind the error
+}
+
+TEST_F(StageParser, ConformanceVector14DefineWithoutBase) {
+  load("define foo (\n size [1 1 1] )\nmodel()");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: define foo needs a base: define foo position( ... )"));
+}
+
+TEST_F(StageParser, ConformanceVector14IncludeWithoutQuotes) {
+  load("# one\ninclude map.inc\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: include needs a file name in double quotes: include "
+                          "\"map.inc\"",
+                          "w.world:2: error: \"map.inc\" needs a value on the same line, or a body "
+                          "in ( )"));
+}
+
+TEST_F(StageParser, ConformanceVector14WordWithoutValueAtTheEnd) {
+  load("model()\nfoo");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: \"foo\" needs a value on the same line, or a body in ( )"));
+}
+
+TEST_F(StageParser, ConformanceVector14NamelessBody) {
+  load("model(\n ( size [1 1 1] ) )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a ( must follow a model's type or a macro's name"));
+}
+
+TEST_F(StageParser, ConformanceVector14ErrorsInAnIncludedFileNameIt) {
+  write("a.inc", "# one\n# two\ndefine rob position( size [1 0 1] )\nfoo bar\n");
+  load("include \"a.inc\"\n\nrob()\nmodel( pose [1 2] )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "a.inc:4: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
+          "quotes: foo \"bar\"",
+          "a.inc:3: error: \"size\" must be above 0 in every direction; here is 0",
+          "w.world:4: error: \"pose\" needs 4 values [x y z heading]; here are 2"));
+}
+
+TEST_F(StageParser, ConformanceVector14ShortTuples) {
+  load("model( pose [1 2] )\nmodel( size [1] )\nposition( velocity_bounds [1 2 3] )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
+                  "w.world:2: error: \"size\" needs 3 values [x y z]; here is 1",
+                  "w.world:3: error: \"velocity_bounds\" needs 8 values [xmin xmax ymin ymax zmin zmax amin "
+                  "amax]; here are 3"));
+}
+
+TEST_F(StageParser, ConformanceVector14UnknownType) {
+  load("model( laser() )\npositron()");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"laser\" is no model type, nor a macro defined before; types: actuator, "
+          "blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, model, "
+          "position, ranger",
+          "w.world:2: error: \"positron\" is no model type, nor a macro defined before; types: "
+          "actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, "
+          "model, position, ranger (did you mean \"position\"?)"));
+}
+
+TEST_F(StageParser, ConformanceVector14UnknownProperty) {
+  load("speedupp 2\nmodel( colour \"red\"\n wibble 3 )\nranger( samples 3 )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: warning: the world has no property \"speedupp\"; it is ignored (did you mean "
+                  "\"speedup\"?)",
+                  "w.world:2: warning: a model has no property \"colour\"; it is ignored (did you mean "
+                  "\"color\"?)",
+                  "w.world:3: warning: a model has no property \"wibble\"; it is ignored",
+                  "w.world:4: warning: a ranger has no property \"samples\"; it is ignored, it belongs into "
+                  "a sensor( ... )",
+                  "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
+}
+
+TEST_F(StageParser, ConformanceVector14MissingBitmap) {
+  load("model(\n bitmap \"no.png\" )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the image no.png"));
+}
+
+TEST_F(StageParser, ConformanceVector14MissingController) {
+  load("position(\n ctrl \"wandr 1\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: unknown controller \"wandr\"; known: expand, expand_pioneer, "
+                          "expand_swarm, script, wander (did you mean \"wander\"?)"));
+}
+
+TEST_F(StageParser, ConformanceVector14PiecesInWrongPlaces) {
+  load("block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )");
+  const auto found = messages();
+  EXPECT_THAT(found,
+              testing::IsSupersetOf({"w.world:1: error: a block belongs into a model, not at top level",
+                                     "w.world:2: error: a sensor belongs into a ranger, not at top level",
+                                     "w.world:3: error: a sensor belongs into a ranger, not into: model",
+                                     "w.world:4: error: a block holds properties only, no \"model\""}));
+}
+
+TEST_F(StageParser, ConformanceVector14FirstDefineWins) {
+  const auto spec = load("define a model( name \"first\" )\ndefine a model( name \"second\" )\na()");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: \"a\" is defined already, at line 1; the first definition "
+                          "holds"));
+  EXPECT_EQ(spec.bodies[1].name, "first");
+}
+
+TEST_F(StageParser, ConformanceVector14LastPropertyWins) {
+  EXPECT_EQ(load("model( name \"a\" size [1 1 1] name \"b\" )").bodies[1].name, "b");
+}
+
+TEST_F(StageParser, ConformanceVector14IncludeInABody) {
+  write("name.inc", "name \"inside\"\n");
+  EXPECT_EQ(load("model(\n include \"name.inc\"\n size [1 1 1]\n)").bodies[1].name, "inside");
+}
+
+TEST_F(StageParser, ConformanceVector14CommentBeforeTheBody) {
+  EXPECT_THAT(load("model # a comment\n\n # another\n (name \"x\"#third\n)").bodies, SizeIs(2));
+  EXPECT_THAT(load("define foo # c\n model # d\n ( )\nfoo()").bodies, SizeIs(2));
+}
+
+TEST_F(StageParser, ParsesWhatStageParses) {
+  const auto spec = load(
+      "define foo model( color \"blue\" )\n"
+      "define bar foo( color \"NavyBlue\" model() )\n"
+      "bar( model() model( model( name \"deep\" ) ) name \"top\" pose[0] [ 1 2 ] )\n"
+      "model(name \"a\"size[1 1 1]pose [1 2 3 4])model( )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:3: warning: a model has no property \"pose[0]\"; it is ignored",
+                          "w.world:4: error: \"size[1\": a blank must stand before the ["));
+  ASSERT_THAT(spec.bodies, SizeIs(4));
+  EXPECT_EQ(spec.bodies[1].name, "top");
+  EXPECT_FLOAT_EQ(spec.bodies[1].color.b, 128 / 255.0f);
+  EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "model:0", "model:1", "model:2", "model:2.deep"));
+}
+
+TEST_F(StageParser, CountsEveryKindOfLineEnd) {
+  for (const std::string end : {"\n", "\r", "\r\n", "\n\r"}) {
+    load("# comment" + end + end + "model()" + end + "?" + end);
+    EXPECT_THAT(messages(), ElementsAre("w.world:4: error: unexpected '?'"));
+  }
+}
+
+TEST_F(StageParser, LexicalErrors) {
+  load("a = 1\nb ; 2\nc { 3\nd '4'\ne \x01\nf \"open\ng 2e-2\nh [1 2\ni [1 [2] 3]\nj [1 two]\n5\n]\n[1 2]\n");
+  EXPECT_THAT(messages(),
+              testing::IsSupersetOf(
+                  {"w.world:1: error: unexpected '='; a property is written: name value",
+                   "w.world:2: error: unexpected ';'; a line end or a blank separates properties",
+                   "w.world:3: error: unexpected '{'; a body stands in ( )",
+                   "w.world:4: error: unexpected \"'\"; strings stand in double quotes",
+                   "w.world:5: error: unexpected byte 0x01",
+                   "w.world:6: error: a string must end with \" on the line on which it begins",
+                   "w.world:7: error: \"2e-2\" is no number; numbers have neither exponent nor unit: 0.02",
+                   "w.world:8: error: a tuple must end with ] on the line on which it begins",
+                   "w.world:9: error: a tuple cannot hold a tuple",
+                   "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
+                   "w.world:11: error: the value 5 belongs to no property",
+                   "w.world:12: error: this ] closes nothing",
+                   "w.world:13: error: this tuple belongs to no property"}));
+}
+
+TEST_F(StageParser, TuplesStickToTheirBracket) {
+  const auto spec = load("model( pose[1 2 3 90] )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"pose[1\": a blank must stand before the ["));
+  EXPECT_EQ(spec.bodies[1].pose_world_body.y, 2);
+}
+
+TEST_F(StageParser, NumbersAreReadWhole) {
+  load(
+      "model( ranger_return 1.2.3 )\nmodel( ranger_return --4 )\nmodel( ranger_return + )\n"
+      "model( ranger_return \"nan\" )\nmodel( ranger_return 99999999999999999999 )\nmodel( noblocks 0.5 )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"1.2.3\" is none",
+          "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"--4\" is none",
+          "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"+\" is none",
+          "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"nan\" is none",
+          "w.world:5: error: \"ranger_return\": 99999999999999999999 is too large a number",
+          "w.world:6: error: \"noblocks\" needs a whole number; 0.5 is none"));
+  const auto spec = load("model( pose [+1 -.5 2. \"90\"] name 5 )");
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 2, k_pi / 2}));
+  EXPECT_EQ(spec.bodies[1].name, "5");
+}
+
+TEST_F(StageParser, DefineInABodyIsAnError) {
+  const auto spec = load("model(\n define x model( size [1 1 1] )\n name \"y\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: define belongs at the top level of a file, not into a model"));
+  EXPECT_EQ(spec.bodies[1].name, "y");
+}
+
+TEST_F(StageParser, IncompleteDefines) {
+  load("define 5\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: define needs a name and a base: define robot position( ... )",
+                          "w.world:1: error: the value 5 belongs to no property"));
+  load("define b model\nquit_time 5");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: define b needs a body in ( )"));
+}
+
+// Includes.
+
+TEST_F(StageParser, IncludesAreRelativeToTheWorldFile) {
+  write("inc/a.inc", "include \"inc/b.inc\"\n");
+  write("inc/b.inc", "define rob model( name \"b\" )\n");
+  EXPECT_EQ(load("include \"inc/a.inc\"  # the rest may be a comment\nrob()").bodies[1].name, "b");
+}
+
+TEST_F(StageParser, AnIncludeMayEndTheFile) {
+  write("a.inc", "model( name \"a\" )");
+  EXPECT_THAT(load("include \"a.inc\"").bodies, SizeIs(2));
+}
+
+TEST_F(StageParser, WhatFollowsAnIncludeIsIgnoredWithAWarning) {
+  write("a.inc", "model()\n");
+  load("include \"a.inc\" model()\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: ignored, as in Stage, behind an include: model()"));
+}
+
+TEST_F(StageParser, IncludeCyclesAreReported) {
+  write("a.inc", "\ninclude \"b.inc\"\n");
+  write("b.inc", "include \"./a.inc\"\n");
+  load("include \"a.inc\"\nmodel()");
+  EXPECT_THAT(messages(), ElementsAre("b.inc:1: error: include cycle: a.inc -> b.inc -> a.inc"));
+}
+
+TEST_F(StageParser, IncludesThatMultiplyAreReported) {
+  for (int i = 0; i < 20; ++i)
+    write(fmt::format("{}.inc", i), fmt::format("include \"{0}.inc\"\ninclude \"{0}.inc\"\n", i + 1));
+  write("20.inc", "");
+  load("include \"0.inc\"\n");
+  EXPECT_THAT(messages(), ElementsAre(EndsWith("files are included more than 1000 times")));
+}
+
+TEST_F(StageParser, AMissingIncludeIsReported) {
+  load("\ninclude \"no.inc\"\n");
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the included file no.inc"));
+}
+
+TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
+  write("elsewhere/a.inc", "include \"b.inc\"\n");
+  write("elsewhere/b.inc", "model( name \"b\" )\n");
+  LoadOptions options;
+  options.search_path = {folder() / "nowhere", folder() / "elsewhere"};
+  // The file found there moves the base of later paths: b.inc lies beside it.
+  EXPECT_EQ(load("include \"inc/a.inc\"\n", options).bodies[1].name, "b");
+  load("include \"c.inc\"\n", options);
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: cannot read the included file c.inc, nor one of that name on "
+                          "the search path"));
+}
+
+// Macros.
+
+TEST_F(StageParser, ABaseMayBeDefinedLater) {
+  EXPECT_EQ(load("define a b( name \"x\" )\ndefine b model( name \"y\" )\na()").bodies[1].name, "x");
+}
+
+TEST_F(StageParser, AMacroMustStandBeforeItsUse) {
+  load("a()\ndefine a model()\n");
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: error: \"a\" is no model type, nor a macro defined before")));
+}
+
+TEST_F(StageParser, AMacroMayShadowAType) {
+  load("define model position()\nmodel()");
+  EXPECT_THAT(messages(), IsEmpty());
+  load("define model model()\nmodel()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"model\" is built on itself"));
+}
+
+TEST_F(StageParser, EndlessMacrosAreReported) {
+  load("define a b()\ndefine b a()\na()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" is built on itself"));
+  load("define a model( a() )\na()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" contains itself"));
+  load("define a model( b() )\ndefine b model( model( a() ) )\na()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: macro \"a\" contains itself"));
+}
+
+TEST_F(StageParser, MacrosThatMultiplyAreReported) {
+  std::string text = "define a0 model()\n";
+  for (int i = 1; i < 40; ++i) text += fmt::format("define a{0} model( a{1}() a{1}() )\n", i, i - 1);
+  load(text + "a39()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:41: error: its macros expand to more than 20000 entities"));
+}
+
+TEST_F(StageParser, DeepNestingIsReported) {
+  std::string text;
+  for (int i = 0; i < 100000; ++i) text += "model(";
+  load(text);
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200"));
+  text = "define a0 model()\n";
+  for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
+  load(text + "a999()");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: its macros nest deeper than 200"));
+}
+
+TEST_F(StageParser, LongChainsOfBasesAreFine) {
+  std::string text = "define a0 model( name \"x\" )\n";
+  for (int i = 1; i < 20000; ++i) text += fmt::format("define a{} a{}()\n", i, i - 1);
+  EXPECT_EQ(load(text + "a19999()").bodies[1].name, "x");
+}
+
+TEST_F(StageParser, GivesUpOnGarbage) {
+  load(std::string(100000, '\0'));
+  const auto found = messages();
+  ASSERT_THAT(found, SizeIs(51));
+  EXPECT_EQ(found.back(), "w.world:1: error: that makes 50 syntax errors; the rest is not read");
+}
+
+// Any input: never a crash, never a hang.
+
+const std::vector<std::string>& soup_words() {
+  static const std::vector<std::string> words{"model (",
+                                              "position (",
+                                              "ranger (",
+                                              "sensor (",
+                                              "block (",
+                                              "window (",
+                                              "fiducial (",
+                                              "gripper (",
+                                              "a (",
+                                              "b (",
+                                              "define a model (",
+                                              "define b a (",
+                                              "define position b (",
+                                              ")",
+                                              ")",
+                                              ")",
+                                              ")",
+                                              ")",
+                                              "\n",
+                                              "\n",
+                                              "name \"x\"",
+                                              "name \"/g\"",
+                                              "name \"\"",
+                                              "pose [1 2 3 4]",
+                                              "pose [1 2 3]",
+                                              "pose [999999 0 0 0]",
+                                              "size [0.1 0.2 0.3]",
+                                              "size [1 2]",
+                                              "size [0 1 1]",
+                                              "origin [-0.1 0 0 0]",
+                                              "color \"random\"",
+                                              "color \"rde\"",
+                                              "color_rgba [0 1 0 1]",
+                                              "points 3",
+                                              "points 900",
+                                              "point[0] [0 0]",
+                                              "point[1] [1 0]",
+                                              "point[2] [0 1]",
+                                              "point[7] [0 1]",
+                                              "z [0 1]",
+                                              "z [1 0]",
+                                              "boundary 1",
+                                              "noblocks 1",
+                                              "bitmap \"x.png\"",
+                                              "ctrl \"expand speed=1\"",
+                                              "ctrl \"script line\"",
+                                              "ctrl [\"wander\" \"x\"]",
+                                              "ctrl \"\"",
+                                              "drive \"car\"",
+                                              "drive 7",
+                                              "wheelbase 0",
+                                              "range [0 5]",
+                                              "range [5 1]",
+                                              "fov 180",
+                                              "fov -1",
+                                              "samples 180",
+                                              "samples 0.5",
+                                              "noise [1 2 3]",
+                                              "update_interval 250",
+                                              "update_interval -1",
+                                              "unit_length \"cm\"",
+                                              "unit_angle \"radians\"",
+                                              "quit_time 60",
+                                              "interval_sim 0",
+                                              "velocity_bounds [-1 1 -1 1 -1 1 -1 1]",
+                                              "velocity_bounds [1 -1 1 -1 1 -1 1 -1]",
+                                              "stack_children 0",
+                                              "paddle_size [0.5 0.1 0.5]",
+                                              "paddle_size [5 5 5]",
+                                              "ranger_return -1",
+                                              "obstacle_return 0",
+                                              "alwayson 1",
+                                              "mass 3",
+                                              "wibble 3",
+                                              "include \"w.inc\""};
+  return words;
+}
+
+void read_soup(const std::string& text) {
+  Diagnostics diagnostics;
+  const auto spec = load_stage_world("/nowhere/w.world", text, test_registry(), {}, diagnostics);
+  for (const engine::BodySpec& body : spec.bodies) RC_ASSERT(body.type.index() < spec.types.size());
+  for (const Finding& finding : diagnostics.findings()) RC_ASSERT(!diagnostics.text(finding).empty());
+}
+
+RC_GTEST_PROP(StageSoup, AnyBodiesAreReadOrRefused, ()) {
+  const auto words =
+      *rc::gen::scale(5, rc::gen::container<std::vector<std::string>>(rc::gen::elementOf(soup_words())));
+  std::string text;
+  std::size_t depth = 0;
+  for (const std::string& word : words) {
+    if (word == ")" && depth == 0) continue;
+    depth += word.ends_with('(');
+    depth -= word == ")";
+    text += word + ' ';
+  }
+  read_soup(text + std::string(depth, ')'));
+}
+
+RC_GTEST_PROP(StageSoup, TokensInAnyOrderAreReadOrRefused, ()) {
+  std::vector<std::string> tokens = soup_words();
+  for (const char* token :
+       {"model", "define", "include", "[", "]", "(", "\"", "#", "1", "1.2.3", "--", "\xff", ","})
+    tokens.emplace_back(token);
+  const auto words =
+      *rc::gen::scale(5, rc::gen::container<std::vector<std::string>>(rc::gen::elementOf(tokens)));
+  std::string text;
+  for (const std::string& word : words) text += word + ' ';
+  read_soup(text);
+}
+
+RC_GTEST_PROP(StageSoup, BytesInAnyOrderAreReadOrRefused, (const std::string& text)) {
+  read_soup(text);
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,886 @@
+#include "tests/worldio/stage_fixture.hpp"
+#include "worldio/png.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::get;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr double k_degree = k_pi / 180;
+
+class StageWorld : public StageTest {};
+
+const engine::FieldTable& ranger_table() {
+  return test_registry().sensor("ranger")->params;
+}
+
+/// One field of one transducer of a ranger.
+const engine::Value& transducer(const engine::SensorSpec& sensor, std::size_t number,
+                                std::string_view field) {
+  const engine::FieldTable& table = *ranger_table().fields[ranger_table().find("transducers")].record;
+  return get(table, get(ranger_table(), sensor.params, "transducers").records()[number], field);
+}
+
+double transducer_pose(const engine::SensorSpec& sensor, std::size_t number, std::string_view field) {
+  return get(engine::pose_fields(), transducer(sensor, number, "pose").records()[0], field).number();
+}
+
+Box bounds_of(const std::vector<Solid>& solids) {
+  Box box;
+  for (const Solid& solid : solids)
+    for (const Ring& ring : solid.contours) box.extend(bounds(ring));
+  return box;
+}
+
+void expect_box(const Box& box, double x_min, double x_max, double y_min, double y_max) {
+  EXPECT_NEAR(box.min.x(), x_min, 1e-12);
+  EXPECT_NEAR(box.max.x(), x_max, 1e-12);
+  EXPECT_NEAR(box.min.y(), y_min, 1e-12);
+  EXPECT_NEAR(box.max.y(), y_max, 1e-12);
+}
+
+// The world.
+
+TEST_F(StageWorld, AnEmptyFileIsTheGroundAlone) {
+  const auto spec = load("");
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model"));
+  EXPECT_EQ(spec.tick_s, 0.1);
+  EXPECT_FALSE(spec.quit_time_s);
+  EXPECT_FALSE(spec.bounds);
+  EXPECT_EQ(spec.seed, 1u);
+  EXPECT_EQ(spec.title, (folder() / "w.world").string());
+}
+
+TEST_F(StageWorld, TakesItsPropertiesFromTheTopLevel) {
+  const auto spec = load("name \"arena\" interval_sim 20.0005 quit_time 60 seed 7\n");
+  EXPECT_EQ(spec.title, "arena");
+  EXPECT_EQ(spec.tick_s, 0.02);  // whole microseconds
+  EXPECT_EQ(spec.quit_time_s, 60);
+  EXPECT_EQ(spec.seed, 7u);
+  LoadOptions options;
+  options.seed = 9;
+  EXPECT_EQ(load("seed 7", options).seed, 9u);
+  EXPECT_FALSE(load("quit_time 0").quit_time_s);
+}
+
+TEST_F(StageWorld, RefusesWrongWorldProperties) {
+  load("interval_sim 0\nquit_time -1\nseed -1\nunit_length \"km\"\nunit_angle \"grad\"\nseed 1.5\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:4: error: unknown unit_length \"km\"; known: m, cm, mm",
+                          "w.world:5: error: unknown unit_angle \"grad\"; known: degrees, radians",
+                          "w.world:1: error: \"interval_sim\" must be at least 0.001 ms; here is 0",
+                          "w.world:2: error: \"quit_time\" must be 0 (never) or above, in s; here is -1",
+                          "w.world:6: error: \"seed\" needs a whole number; 1.5 is none"));
+  load("seed -1");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"seed\" must be 0 or above; here is -1"));
+}
+
+TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
+  load(
+      "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
+      "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
+                  "w.world:1: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+                  "threads, friction",
+                  "w.world:3: warning: accepted, but only Stage's window would use it: paused, speedup, "
+                  "window, gui_nose",
+                  "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
+                  "polygon[k].points"));
+}
+
+TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
+  load(
+      "define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n"
+      "position( localization \"odom\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
+                          "w.world:4: warning: not supported yet: fiducial_return",
+                          "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
+                          "here",
+                          "w.world:5: warning: not supported yet: fov of a fiducial",
+                          "w.world:6: warning: not supported yet: localization of a position"));
+}
+
+TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
+  load("define a laser( wibble 3 pose [1] )\nmodel()");
+  EXPECT_THAT(messages(), IsEmpty());
+}
+
+TEST_F(StageWorld, PopulationsAndPointersAreForJson) {
+  LoadOptions options;
+  options.robots = {{"", 3}};
+  options.set = {{"/seed", "3"}};
+  load("", options);
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world: error: --robots needs a world with populations; a .world file lists its robots one "
+          "by one",
+          "w.world: error: --set reaches into JSON worlds; a .world file has no keys to set"));
+}
+
+// Names.
+
+TEST_F(StageWorld, ConformanceVector7Names) {
+  const auto spec = load(
+      "model()\nposition()\nmodel( name \"box\" )\nmodel( name \"/g\" )\n"
+      "position( name \"r0\" ranger() ranger( name \"eye\" model() ) ranger() model( name \"/gkid\" model() "
+      ") )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: a ranger without a sensor( ... ) measures nothing"));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "model:1", "position:0", "box", "g", "r0"));
+  EXPECT_EQ(spec.aliases.at("model:0"), BodyId(0));
+  EXPECT_EQ(spec.aliases.at("model:2"), BodyId(3));
+  EXPECT_EQ(spec.aliases.at("position:1"), BodyId(5));
+  EXPECT_FALSE(spec.aliases.contains("model:1"));  // it is the body's name
+  const engine::TypeSpec& r0 = type_of(spec, 5);
+  EXPECT_THAT(part_names(r0),
+              ElementsAre("", "ranger:0", "eye", "eye.model:0", "ranger:2", "gkid", "gkid.model:0"));
+  EXPECT_EQ(r0.parts[2].alias, "ranger:1");
+  EXPECT_EQ(r0.parts[5].alias, "model:0");
+  EXPECT_EQ(spec.part_aliases.at("gkid").body, BodyId(5));
+  EXPECT_EQ(spec.part_aliases.at("gkid").part, "gkid");
+  EXPECT_EQ(spec.part_aliases.at("gkid.model:0").part, "gkid.model:0");
+  EXPECT_THAT(spec.part_aliases, SizeIs(2));
+}
+
+TEST_F(StageWorld, ConformanceVector7Sizes) {
+  const auto spec = load("model()\nranger( sensor() )\nfiducial()\nposition()\n");
+  EXPECT_THAT(messages(), SizeIs(1));
+  EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(0.4, 0.4, 1.0));
+  EXPECT_EQ(type_of(spec, 2).parts[0].size, Eigen::Vector3d(0.15, 0.15, 0.2));
+  EXPECT_EQ(type_of(spec, 3).parts[0].size, Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(type_of(spec, 4).parts[0].size, Eigen::Vector3d(0.4, 0.4, 1.0));
+  EXPECT_EQ(spec.bodies[2].color, (Color{0, 0, 0.5f, 1}));
+}
+
+TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
+  const auto spec = load(
+      "model( name \"x\" )\nmodel( name \"x\" )\nmodel( name \"\" )\nmodel( name \"/\" )\n"
+      "model( name [\"a\"] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: the name \"x\" is taken already; looking it up finds the last",
+                          "w.world:3: warning: an empty name; the generated one stays (and 1 more)",
+                          "w.world:5: error: \"name\" needs one value, not a tuple"));
+  EXPECT_EQ(spec.bodies[3].name, "model:3");
+}
+
+// Bodies.
+
+TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
+  const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
+  EXPECT_THAT(messages(), SizeIs(1));
+  const engine::PartSpec& box = type_of(spec, 1).parts[0];
+  ASSERT_THAT(box.solids, SizeIs(1));
+  expect_box(bounds_of(box.solids), -1, 1, -2, 2);
+  EXPECT_EQ(box.solids[0].z, (ZInterval{0, 3}));
+  EXPECT_GT(signed_area(box.solids[0].contours[0]), 0);
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids, IsEmpty());
+  EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(1));
+  EXPECT_THAT(type_of(spec, 4).parts[0].solids, IsEmpty());
+}
+
+TEST_F(StageWorld, BlocksAreStretchedTogetherAndTurnLeft) {
+  const auto spec = load(
+      "model( size [2 2 1]\n"
+      " block( points 3 point[0] [0 0] point[1] [0 10] point[2] [10 0] z [0.5 1] )\n"
+      " block( points 3 point[0] [10 10] point[1] [20 10] point[2] [20 20] z [0.75 1] ) )\n");
+  const engine::PartSpec& part = type_of(spec, 1).parts[0];
+  ASSERT_THAT(part.solids, SizeIs(2));
+  EXPECT_THAT(part.solids[0].contours[0], ElementsAre(Vec2(0, -1), Vec2(-1, 0), Vec2(-1, -1)));  // reversed
+  EXPECT_THAT(part.solids[1].contours[0], ElementsAre(Vec2(0, 0), Vec2(1, 0), Vec2(1, 1)));
+  EXPECT_EQ(part.solids[0].z, (ZInterval{1, 2}));  // z keeps its ratio and is not shifted
+  EXPECT_EQ(part.solids[1].z, (ZInterval{1.5, 2}));
+}
+
+TEST_F(StageWorld, RefusesBrokenBlocks) {
+  load(
+      "model( block() )\nmodel( block( points 2 ) )\nmodel( block( points 3.5 ) )\n"
+      "model( block( points 3 point[0] [0 0] point[1] [1] point[2] [1 1] z [0 1] ) )\n"
+      "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 0] ) )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: a block needs \"points\", the number of its vertices",
+                          "w.world:2: error: \"points\" must be from 3 to 100000; here is 2",
+                          "w.world:3: error: \"points\" needs a whole number; 3.5 is none",
+                          "w.world:4: error: \"point[1]\" needs 2 values [x y]; here is 1",
+                          "w.world:5: error: \"z\" needs [min max] with min below max"));
+}
+
+TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
+  load(
+      "model( block( points 4 point[1] [1 0] point[2] [1 1]\n point[7] [3 3] ) )\n"
+      "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 points",
+                          "w.world:1: warning: 2 of the 4 points are not given; as in Stage they lie at "
+                          "[0 0]",
+                          "w.world:1: warning: this block has no height; give it z [min max]",
+                          "w.world:3: warning: this block has no area"));
+}
+
+TEST_F(StageWorld, BoundaryIsFourWallsWithin) {
+  const auto spec = load("model( size [4 2 1] boundary 1 noblocks 1 )\nmodel( size [4 2 1] boundary 1 )\n");
+  const engine::PartSpec& walls = type_of(spec, 1).parts[0];
+  ASSERT_THAT(walls.solids, SizeIs(4));
+  expect_box(bounds(walls.solids[0].contours[0]), -2, -1.99, -1, 1);
+  expect_box(bounds(walls.solids[1].contours[0]), 1.99, 2, -1, 1);
+  expect_box(bounds(walls.solids[2].contours[0]), -2, 2, -1, -0.99);
+  expect_box(bounds(walls.solids[3].contours[0]), -2, 2, 0.99, 1);
+  EXPECT_EQ(walls.solids[3].z, (ZInterval{0, 1}));
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(5));
+}
+
+TEST_F(StageWorld, BlocksDiscardWhatCameBeforeUnlessABitmapDid) {
+  write_png(folder() / "dot.png", Image{.width = 1, .height = 1, .rgba = {0, 0, 0, 255}});
+  const std::string block = " block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1] ) )\n";
+  const auto spec = load("model( size [4 2 1]\n boundary 1" + block + "model( boundary 1 bitmap \"dot.png\"" +
+                         block + "ranger( boundary 1 sensor()" + block);
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: as in Stage, the blocks of this model discard its boundary"));
+  EXPECT_THAT(type_of(spec, 1).parts[0].solids, SizeIs(1));
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(6));
+  EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(5));
+}
+
+TEST_F(StageWorld, ABitmapIsOneSolidStretchedToItsSize) {
+  // A ring of solid pixels with a white margin, which is trimmed; its file lies beside the world's.
+  Image image{.width = 6, .height = 5, .rgba = std::vector<std::uint8_t>(6 * 5 * 4, 255)};
+  for (const int x : {1, 2, 3})
+    for (const int y : {1, 2, 3})
+      if (x != 2 || y != 2) image.rgba[static_cast<std::size_t>((y * 6 + x) * 4)] = 0;
+  write("maps/map.inc", "define plan model( bitmap \"maps/ring.png\" size [3 6 0.5] )\n");
+  write_png(folder() / "maps/ring.png", image);
+  const auto spec = load("include \"maps/map.inc\"\nplan()");
+  const engine::PartSpec& part = type_of(spec, 1).parts[0];
+  ASSERT_THAT(part.solids, SizeIs(1));
+  ASSERT_THAT(part.solids[0].contours, SizeIs(2));
+  expect_box(bounds_of(part.solids), -1.5, 1.5, -3, 3);
+  EXPECT_EQ(part.solids[0].z, (ZInterval{0, 0.5}));
+  EXPECT_FALSE(contains(part.solids[0], Vec2(0, 0)));
+  EXPECT_TRUE(contains(part.solids[0], Vec2(1.2, 0)));
+}
+
+TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
+  write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
+  load("model( bitmap \"white.png\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: the image white.png has no solid pixel; solid is what is darker "
+                          "than half"));
+}
+
+TEST_F(StageWorld, TheGripperIsABaseAndTwoPaddles) {
+  const auto spec =
+      load("gripper( size [2 4 1] paddle_size [0.5 0.25 0.5] )\ngripper( paddle_size [1 2 3] )");
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("not supported yet: what a gripper does"),
+                          "w.world:2: error: \"paddle_size\" needs fractions of the gripper's size, between "
+                          "0 and 1, y below 0.5"));
+  const auto& solids = type_of(spec, 1).parts[0].solids;
+  ASSERT_THAT(solids, SizeIs(3));
+  expect_box(bounds(solids[0].contours[0]), -1, 0, -2, 2);
+  expect_box(bounds(solids[1].contours[0]), 0, 1, 1, 2);
+  expect_box(bounds(solids[2].contours[0]), 0, 1, -2, -1);
+  EXPECT_EQ(solids[1].z, (ZInterval{0, 0.5}));
+}
+
+TEST_F(StageWorld, ZeroAndNegativeSizesAreErrors) {
+  load(
+      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [0 1 1] ) )\nmodel( size [1000000 "
+      "1 1] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction; here is 0",
+                          "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
+                          "w.world:3: error: \"size\" must be above 0 in every direction; here is 0",
+                          "w.world:4: error: \"size\" is larger than the world, 200 km"));
+}
+
+// Frames.
+
+TEST_F(StageWorld, PosesTakeTheFilesUnits) {
+  const auto spec =
+      load("unit_length \"cm\"\nmodel( pose [100 -50 10 0.5] size [200 100 50] )\nunit_angle \"radians\"\n");
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 0.1, 0.5}));
+  EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(2, 1, 0.5));
+  EXPECT_NEAR(load("model( pose [0 0 0 270] )").bodies[1].pose_world_body.heading, -k_pi / 2, 1e-15);
+}
+
+TEST_F(StageWorld, OldTuplesAreReadWithAWarning) {
+  const auto spec = load("model( pose [1 2 90] size [3 4] origin [0.5 0 0] )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], the "
+          "height stays 1 m",
+          "w.world:1: warning: old syntax: \"origin\" takes [x y z heading]; three values are read as "
+          "[x y heading]",
+          "w.world:1: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as "
+          "[x y heading]"));
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, 2, 0, k_pi / 2}));
+  EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(3, 4, 1));
+}
+
+TEST_F(StageWorld, LongTuplesAreCutWithAWarning) {
+  load("model( size [1 1 1 0] )\nposition( velocity_bounds [-1 1 -1 1 -1 1 -90 90 3] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+                          "w.world:2: warning: \"velocity_bounds\" takes 8 values [xmin xmax ymin ymax "
+                          "zmin zmax amin amax]; the rest is ignored"));
+}
+
+TEST_F(StageWorld, PlacesOutsideTheWorldAreErrors) {
+  load("model( pose [200000 0 0 0] )\nmodel( model( pose [0 0 -100001 0] ) )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"pose\" lies outside the world, which ends 100 km from its "
+                          "origin",
+                          "w.world:2: error: \"pose\" lies outside the world, which ends 100 km from its "
+                          "origin"));
+}
+
+TEST_F(StageWorld, ChildrenStackOnTheirParent) {
+  const auto spec = load(
+      "model( size [1 1 0.5] pose [9 9 2 0]\n"
+      " model( pose [1 0 0.1 90] size [0.2 0.4 0.3] model( pose [1 0 0 0] ) )\n"
+      " model( stack_children 0 model() ) )\n");
+  const engine::TypeSpec& type = type_of(spec, 1);
+  ASSERT_THAT(type.parts, SizeIs(5));
+  EXPECT_EQ(type.parts[1].pose_body_part, (Pose{1, 0, 0.6, k_pi / 2}));
+  EXPECT_NEAR(type.parts[2].pose_body_part.x, 1, 1e-15);
+  EXPECT_NEAR(type.parts[2].pose_body_part.y, 1, 1e-15);
+  EXPECT_NEAR(type.parts[2].pose_body_part.z, 0.9, 1e-15);
+  EXPECT_EQ(type.parts[3].pose_body_part.z, 0.5);
+  EXPECT_EQ(type.parts[4].pose_body_part.z, 0.5);
+  // Solids are in the body's frame: a child turned by 90 degrees.
+  expect_box(bounds_of(type.parts[1].solids), 0.8, 1.2, -0.1, 0.1);
+  EXPECT_NEAR(type.parts[1].solids[0].z.min, 0.6, 1e-15);
+  EXPECT_NEAR(type.parts[1].solids[0].z.max, 0.9, 1e-15);
+}
+
+TEST_F(StageWorld, OriginMovesTheBodyButNotItsChildren) {
+  const auto spec = load("model( size [2 1 1] origin [-0.5 0.25 0.125 90] model( size [1 1 1] ) )");
+  const engine::TypeSpec& type = type_of(spec, 1);
+  expect_box(bounds_of(type.parts[0].solids), -1, 0, -0.75, 1.25);
+  EXPECT_EQ(type.parts[0].solids[0].z, (ZInterval{0.125, 1.125}));
+  EXPECT_EQ(type.parts[1].pose_body_part, (Pose{0, 0, 1, 0}));
+}
+
+TEST_F(StageWorld, ReturnsAndColours) {
+  const auto spec = load(
+      "model( obstacle_return 0 ranger_return 0.5 color \"DarkBlue\" color_rgba [1 1 1 1] )\n"
+      "model( ranger_return -1 color_rgba [0.25 0.5 0.75 0.5] model( color \"green\" ) ranger( sensor() ) )\n"
+      "model( color \"rde\" )\nmodel( color_rgba [0 0 0 2] )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:3: warning: unknown colour \"rde\", drawn red; colours have X11 names (did "
+                  "you mean \"red\"?)",
+                  "w.world:4: error: \"color_rgba\" needs values from 0 to 1; here is 2"));
+  EXPECT_FALSE(type_of(spec, 1).parts[0].returns.obstacle);
+  EXPECT_EQ(type_of(spec, 1).parts[0].returns.ranger, 0.5f);
+  EXPECT_EQ(spec.bodies[1].color, (Color{0, 0, 139 / 255.0f, 1}));
+  EXPECT_EQ(type_of(spec, 2).parts[0].returns, (engine::Returns{true, -1}));
+  EXPECT_EQ(spec.bodies[2].color, (Color{0.25f, 0.5f, 0.75f, 0.5f}));
+  EXPECT_FALSE(type_of(spec, 2).parts[0].color);
+  EXPECT_EQ(type_of(spec, 2).parts[1].color, (Color{0, 1, 0, 1}));
+  EXPECT_EQ(type_of(spec, 2).parts[2].color, (Color{0, 0, 0.5f, 1}));
+}
+
+TEST_F(StageWorld, RandomColoursFollowFromSeedAndBody) {
+  const std::string text =
+      "define r model( color \"random\" )\nr()\nr()\nmodel( model( color \"random\" ) )\n";
+  const auto spec = load(text);
+  EXPECT_NE(spec.bodies[1].color, spec.bodies[2].color);
+  EXPECT_EQ(spec.bodies[1].type, spec.bodies[2].type);
+  const auto again = load("# another file\n" + text);
+  for (const std::size_t b : {1u, 2u}) EXPECT_EQ(spec.bodies[b].color, again.bodies[b].color);
+  EXPECT_EQ(type_of(spec, 3).parts[1].color, type_of(again, 3).parts[1].color);
+  LoadOptions options;
+  options.seed = 2;
+  EXPECT_NE(load(text, options).bodies[1].color, spec.bodies[1].color);
+}
+
+// Rangers.
+
+TEST_F(StageWorld, RangersBecomeSensors) {
+  const auto spec = load(
+      "position( size [0.4 0.4 0.2]\n"
+      " ranger( name \"eyes\" pose [0.1 0 -0.05 90] origin [0.2 0 0 0] update_interval 250 alwayson 1\n"
+      "  sensor( pose [0.01 0 0.1 -30] size [0.1 0.1 0.01] range [0.5 8] fov 180 samples 180 )\n"
+      "  sensor() ) )\n");
+  const engine::TypeSpec& type = type_of(spec, 1);
+  ASSERT_THAT(type.sensors, SizeIs(1));
+  const engine::SensorSpec& eyes = type.sensors[0];
+  EXPECT_EQ(eyes.name, "eyes");
+  EXPECT_EQ(eyes.kind, "ranger");
+  EXPECT_TRUE(eyes.active);
+  EXPECT_EQ(eyes.period_s, 0.25);
+  EXPECT_NEAR(eyes.pose_body_sensor.x, 0.1, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_sensor.y, 0.2, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_sensor.z, 0.15, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_sensor.heading, k_pi / 2, 1e-15);
+  EXPECT_EQ(eyes.where.line, 2u);
+  EXPECT_EQ(transducer_pose(eyes, 0, "x"), 0.01);
+  EXPECT_NEAR(transducer_pose(eyes, 0, "z"), 0.105, 1e-15);  // half of the transducer's height is added
+  EXPECT_NEAR(transducer_pose(eyes, 0, "heading"), -30 * k_degree, 1e-15);
+  EXPECT_EQ(transducer(eyes, 0, "range_min").number(), 0.5);
+  EXPECT_EQ(transducer(eyes, 0, "range_max").number(), 8);
+  EXPECT_NEAR(transducer(eyes, 0, "fov").number(), k_pi, 1e-15);
+  EXPECT_EQ(transducer(eyes, 0, "samples").integer(), 180);
+  EXPECT_EQ(transducer_pose(eyes, 1, "z"), 0.01);
+  EXPECT_EQ(transducer(eyes, 1, "range_max").number(), 5);
+  EXPECT_EQ(transducer(eyes, 1, "fov").number(), 0.1);
+  EXPECT_EQ(transducer(eyes, 1, "samples").integer(), 1);
+  EXPECT_FALSE(get(ranger_table(), eyes.params, "intensity").boolean());
+}
+
+TEST_F(StageWorld, RangersRunAtStagesPaceUnlessTold) {
+  const auto spec = load("position( ranger( sensor() ) )");
+  EXPECT_FALSE(type_of(spec, 1).sensors[0].active);
+  EXPECT_EQ(type_of(spec, 1).sensors[0].period_s, 0.1);
+  EXPECT_EQ(type_of(spec, 1).drive->period_s, 0.1);
+}
+
+TEST_F(StageWorld, RefusesWrongTransducers) {
+  load(
+      "ranger( sensor( samples 0 ) )\nranger( sensor( range [0 0] ) )\nranger( sensor( range [3 2] ) )\n"
+      "ranger( sensor( fov 361 ) )\nranger( sensor( range 5 ) )\nranger( update_interval -1 sensor() )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"samples\" must be at least 1; here is 0",
+          "w.world:2: error: \"range\" must be above 0 m; here is 0",
+          "w.world:3: error: \"range\" needs [min max] with min at most max",
+          HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+          "w.world:5: error: \"range\" needs a tuple [min max]",
+          "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms; here is -1"));
+}
+
+// Drives.
+
+double drive_param(const engine::WorldSpec& spec, std::size_t body, std::string_view field) {
+  const engine::DriveSpec& drive = *type_of(spec, body).drive;
+  return get(test_registry().drive(drive.kind)->params, drive.params, field).number();
+}
+
+TEST_F(StageWorld, PositionsDrive) {
+  const auto spec = load(
+      "position()\nposition( drive \"omni\" velocity_bounds [-0.5 0.6 -0.1 0.2 0 0 -360 270] update_interval "
+      "0 )\n"
+      "position( drive \"car\" wheelbase 0.5 )\nmodel()");
+  ASSERT_TRUE(type_of(spec, 1).drive);
+  EXPECT_EQ(type_of(spec, 1).drive->kind, "diff");
+  EXPECT_EQ(drive_param(spec, 1, "velocity_min_x"), -1);
+  EXPECT_EQ(drive_param(spec, 1, "velocity_max_x"), 1);
+  EXPECT_EQ(drive_param(spec, 1, "turn_max"), radians(90));
+  EXPECT_EQ(type_of(spec, 2).drive->kind, "omni");
+  EXPECT_EQ(drive_param(spec, 2, "velocity_max_x"), 0.6);
+  EXPECT_EQ(drive_param(spec, 2, "velocity_min_y"), -0.1);
+  EXPECT_EQ(drive_param(spec, 2, "velocity_max_y"), 0.2);
+  EXPECT_NEAR(drive_param(spec, 2, "turn_min"), -2 * k_pi, 1e-15);  // a rate does not wrap
+  EXPECT_NEAR(drive_param(spec, 2, "turn_max"), 1.5 * k_pi, 1e-15);
+  EXPECT_EQ(type_of(spec, 2).drive->period_s, 0);
+  EXPECT_EQ(drive_param(spec, 3, "wheelbase"), 0.5);
+  EXPECT_FALSE(type_of(spec, 4).drive);
+}
+
+TEST_F(StageWorld, RefusesWrongDrives) {
+  load("position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( wheelbase 0 )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: diff, omni, car (did you mean \"omni\"?)",
+                  "w.world:2: error: \"velocity_bounds\" needs each minimum at most its maximum",
+                  "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
+}
+
+TEST_F(StageWorld, APositionInsideAModelIsCarried) {
+  const auto spec = load("model( position() )\nposition( position() )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: a position model inside another model does not drive on its "
+                          "own yet; it is carried along (and 1 more)"));
+  EXPECT_FALSE(type_of(spec, 1).drive);
+  EXPECT_TRUE(type_of(spec, 2).drive);
+}
+
+// Controllers.
+
+TEST_F(StageWorld, ControllersTakeArgumentsByPlaceAndByName) {
+  const auto spec = load(
+      "position( ctrl \"expand 0.4 invert=1 cone_deg=45\" )\nposition( ctrl [ \"wander\" \"script wave\" ] "
+      ")\n"
+      "position( ctrl \"expand_swarm gain=2\" )\nposition( ctrl \"  expand   clearances=0.5,0.25  \" )");
+  const engine::FieldTable& expand = test_registry().controller("expand")->params;
+  const auto& first = type_of(spec, 1).controllers;
+  ASSERT_THAT(first, SizeIs(1));
+  EXPECT_EQ(first[0].kind, "expand");
+  EXPECT_EQ(get(expand, first[0].params, "speed").number(), 0.4);
+  EXPECT_EQ(get(expand, first[0].params, "gain").number(), 1);
+  EXPECT_TRUE(get(expand, first[0].params, "invert").boolean());
+  EXPECT_NEAR(get(expand, first[0].params, "cone").number(), k_pi / 4, 1e-15);
+  const auto& second = type_of(spec, 2).controllers;
+  ASSERT_THAT(second, SizeIs(2));
+  EXPECT_EQ(second[0].kind, "wander");
+  EXPECT_EQ(second[1].kind, "script");
+  EXPECT_EQ(get(test_registry().controller("script")->params, second[1].params, "law").text(), "wave");
+  const auto& third = type_of(spec, 3).controllers;
+  EXPECT_EQ(third[0].kind, "expand");
+  EXPECT_EQ(get(expand, third[0].params, "gain").number(), 2);
+  EXPECT_THAT(get(expand, third[0].params, "clearances").numbers(), SizeIs(12));
+  EXPECT_THAT(get(expand, type_of(spec, 4).controllers[0].params, "clearances").numbers(),
+              ElementsAre(0.5, 0.25));
+}
+
+TEST_F(StageWorld, RefusesWrongArguments) {
+  load(
+      "position( ctrl \"\" )\nposition( ctrl \"wander 1 2 3 4 5 6\" )\nposition( ctrl \"expand spede=3\" )\n"
+      "position( ctrl \"expand fast\" )\nposition( ctrl \"expand cone=-1\" )\nposition( ctrl \"expand "
+      "invert=2\" )\n"
+      "position( ctrl \"script wvae\" )\nposition( ctrl \"script legs=1\" )\nposition( ctrl \"expand "
+      "clearances=1,,2\" )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"ctrl\" names no controller; known: expand, expand_pioneer, expand_swarm, "
+          "script, "
+          "wander",
+          "w.world:2: error: controller \"wander\" takes no more than 5 arguments",
+          "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
+          "clearance, "
+          "clearances, cone, invert (did you mean \"speed\"?)",
+          "w.world:4: error: controller \"expand\": \"speed\" needs a number; here is \"fast\"",
+          "w.world:5: error: controller \"expand\": \"cone\" must be at least 0 rad; here is \"-1\"",
+          "w.world:6: error: controller \"expand\": \"invert\" needs true or false; here is \"2\"",
+          HasSubstr("w.world:7: error: controller \"script\": \"law\" must be one of timed, wave, line"),
+          "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON; "
+          "here "
+          "is \"1\"",
+          "w.world:9: error: controller \"expand\": \"clearances\" needs numbers, separated by commas "
+          "without "
+          "blanks; here is \"1,,2\""));
+}
+
+TEST_F(StageWorld, ControllersNeedATopLevelPosition) {
+  load("model( ctrl \"wander\" )\nposition( ranger( sensor() ctrl \"wander\" ) )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:2: warning: \"ctrl\" of a model inside another model is not supported yet; "
+                  "it does not run",
+                  "w.world:1: error: \"ctrl\" needs a position model to drive; this one is a model"));
+}
+
+// Types.
+
+TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
+  const auto spec = load(
+      "define rob position( ranger( sensor( samples 4 ) ) )\ndefine red rob( color \"red\" )\n"
+      "define blue rob( color \"blue\" )\n"
+      "red( pose [1 0 0 0] )\nblue( name \"x\" )\nposition( ranger( sensor( samples 4 ) ) color_rgba [0 0 0 "
+      "1] )\n"
+      "red( mass 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
+  EXPECT_THAT(messages(), SizeIs(1));
+  ASSERT_THAT(spec.bodies, SizeIs(8));
+  for (const std::size_t b : {2u, 3u, 4u, 7u}) EXPECT_EQ(spec.bodies[b].type, spec.bodies[1].type) << b;
+  EXPECT_THAT(spec.types, SizeIs(4));
+  EXPECT_EQ(type_of(spec, 1).name, "position");  // what the bodies' words have in common
+  EXPECT_EQ(spec.bodies[2].pose_world_body, Pose{});
+  EXPECT_EQ(load("define rob position()\ndefine red rob( color \"red\" )\nrob()\nred()").types[1].name,
+            "rob");
+}
+
+TEST_F(StageWorld, TheSameWordsMayMeanSomethingElseLater) {
+  const auto spec = load("position( ranger() )\ndefine ranger model()\nposition( ranger() )");
+  EXPECT_THAT(messages(), SizeIs(1));
+  EXPECT_EQ(type_of(spec, 1).parts[1].kind, "ranger");
+  EXPECT_EQ(type_of(spec, 2).parts[1].kind, "model");
+}
+
+TEST_F(StageWorld, AHundredThousandRobotsLoadQuickly) {
+  std::string text = "define bot position( size [0.1 0.1 0.1] color \"random\" ranger( ";
+  for (int i = 0; i < 12; ++i) text += fmt::format("sensor( pose [0 0 0 {}] ) ", 30 * i);
+  text += ") ctrl \"expand_swarm\" )\n";
+  for (int i = 0; i < 100000; ++i)
+    text += fmt::format("bot( name \"r{}\" pose [ {:.3f} {:.3f} 0 {} ] )\n", i, 0.25 * (i / 300),
+                        0.25 * (i % 300), i % 360);
+  const auto start = std::chrono::steady_clock::now();
+  const auto spec = load(text);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  EXPECT_THAT(spec.bodies, SizeIs(100001));
+  EXPECT_THAT(spec.types, SizeIs(2));
+  // A second is usual; sanitizers and loaded machines take longer, quadratic code takes for ever.
+  EXPECT_LT(time.count(), 60);
+}
+
+// Stage's own worlds.
+
+class StageOwnWorld : public StageTest {
+ protected:
+  static inline const std::filesystem::path worlds =
+      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds";
+
+  engine::WorldSpec open(const std::string& name, const engine::Registry& registry = test_registry()) {
+    shorten(worlds.lexically_normal());
+    const std::filesystem::path file = (worlds / name).lexically_normal();
+    std::ifstream in(file);
+    return read(file, {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}, {}, registry);
+  }
+
+  void SetUp() override {
+    if (!std::filesystem::exists(worlds)) GTEST_SKIP() << "Stage's worlds are not in " << worlds;
+  }
+};
+
+constexpr const char* k_floorplan_1 = "map.inc:17: warning: not supported yet: gripper_return";
+
+TEST_F(StageOwnWorld, Simple) {
+  const auto spec = open("simple.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
+          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "simple.world:15: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+          "blob_return, acceleration_bounds of a position",
+          "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
+          "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
+  EXPECT_EQ(spec.quit_time_s, 3600);
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
+  EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);
+  EXPECT_EQ(spec.bodies[2].pose_world_body, (Pose{-6.946, -6.947, 0, radians(45)}));
+
+  const engine::PartSpec& cave = type_of(spec, 1).parts[0];
+  ASSERT_THAT(cave.solids, SizeIs(5));  // the bitmap and four walls
+  EXPECT_THAT(cave.solids[0].contours, SizeIs(15));
+  expect_box(bounds_of(cave.solids), -8, 8, -8, 8);
+  EXPECT_FALSE(cave.returns.obstacle);
+  EXPECT_EQ(cave.returns.ranger, 0.5f);
+
+  const engine::TypeSpec& robot = type_of(spec, 2);
+  EXPECT_EQ(robot.name, "pioneer2dx");
+  EXPECT_THAT(part_names(robot), ElementsAre("", "ranger:0", "ranger:1"));
+  // The octagon's corners after normalisation, moved by the origin.
+  expect_box(bounds_of(robot.parts[0].solids), -0.26, 0.18, -0.19, 0.19);
+  EXPECT_EQ(robot.parts[0].solids[0].z, (ZInterval{0, 0.22}));
+  ASSERT_THAT(robot.sensors, SizeIs(2));
+  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 3, "z"), 0.195, 1e-12);
+  EXPECT_NEAR(robot.sensors[1].pose_body_sensor.z + transducer_pose(robot.sensors[1], 0, "z"), 0.33, 1e-12);
+  EXPECT_EQ(transducer(robot.sensors[1], 0, "samples").integer(), 180);
+  EXPECT_NEAR(robot.parts[2].solids[0].z.max, 0.41, 1e-12);
+  ASSERT_THAT(robot.controllers, SizeIs(1));
+  EXPECT_EQ(robot.controllers[0].kind, "wander");
+  EXPECT_EQ(drive_param(spec, 2, "velocity_max_x"), 0.5);
+}
+
+TEST_F(StageOwnWorld, PioneerWalle) {
+  const auto spec = open("pioneer_walle.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
+          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "acceleration_bounds of a position",
+          "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
+          "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+          "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
+  expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
+  EXPECT_THAT(type_of(spec, 2).parts[2].solids, SizeIs(4));
+  EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(15));
+  EXPECT_TRUE(type_of(spec, 3).drive);
+}
+
+TEST_F(StageOwnWorld, Roomba) {
+  const auto spec = open("roomba.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
+          "irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
+          "irobot.inc:30: warning: not supported yet: bcount of a bumper",
+          "irobot.inc:31: warning: not supported yet: blength of a bumper",
+          "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
+          "roomba.world:43: warning: not supported yet: localization of a position",
+          "roomba.world:44: warning: not supported yet: localization_origin of a position",
+          "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+          "roomba.world:13: warning: accepted without effect, docs/stage-worlds.md says why: resolution",
+          "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
+          "gui_nose, gui_grid, gui_move, gui_outline"));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
+  EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
+  EXPECT_EQ(spec.bodies[2].color, (Color{127 / 255.0f, 127 / 255.0f, 127 / 255.0f, 1}));
+}
+
+TEST_F(StageOwnWorld, SensorNoiseDemo) {
+  const auto spec = open("sensor_noise_demo.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
+          "pioneer.inc:116: warning: not supported yet: localization of a position",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "acceleration_bounds of a position",
+          "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
+          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
+  const engine::TypeSpec& robot = type_of(spec, 2);
+  EXPECT_FALSE(robot.sensors[0].active);
+  EXPECT_TRUE(robot.sensors[1].active);
+  EXPECT_THAT(robot.controllers, IsEmpty());
+}
+
+TEST_F(StageOwnWorld, Cave) {
+  const auto spec = open("benchmark/cave.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
+          "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
+          "definition holds",
+          "pioneer.inc:116: warning: not supported yet: localization of a position",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "benchmark/cave.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
+          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  ASSERT_THAT(spec.bodies, SizeIs(102));
+  ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
+  EXPECT_EQ(spec.types[2].name, "rob");
+  EXPECT_EQ(spec.bodies[2].name, "position:0");
+  EXPECT_EQ(spec.bodies[101].name, "position:99");
+  for (std::size_t b = 2; b < 102; ++b) EXPECT_EQ(spec.bodies[b].type, TypeId(2));
+  EXPECT_NE(spec.bodies[2].color, spec.bodies[12].color);
+  const engine::TypeSpec& robot = spec.types[2];
+  EXPECT_THAT(robot.parts[0].solids, SizeIs(7));
+  ASSERT_THAT(robot.sensors, SizeIs(2));
+  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(16));
+  EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(8));
+  EXPECT_EQ(robot.controllers[0].kind, "expand");
+}
+
+TEST_F(StageOwnWorld, Hospital) {
+  const auto spec = open("benchmark/hospital.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
+          "benchmark/hospital.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "resolution, threads",
+          "benchmark/hospital.world:11: warning: accepted, but only Stage's window would use it: speedup, "
+          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  ASSERT_THAT(spec.bodies, SizeIs(1002));
+  EXPECT_THAT(spec.types, SizeIs(3));
+  EXPECT_EQ(spec.bodies[1].name, "model:1");
+  EXPECT_EQ(spec.quit_time_s, 60);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const engine::BodySpec& body = spec.bodies[i + 2];
+    EXPECT_EQ(body.name, fmt::format("r{}", i));
+    EXPECT_NEAR(body.pose_world_body.x, -59 + 0.25 * static_cast<double>(i / 5), 1e-9);
+    EXPECT_NEAR(body.pose_world_body.y, -15 + 0.25 * static_cast<double>(i % 5), 1e-9);
+  }
+  const engine::TypeSpec& robot = spec.types[2];
+  EXPECT_EQ(robot.name, "swarmbot");
+  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(12));
+  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 0, "z"), 0.06, 1e-12);
+  expect_box(bounds_of(spec.types[1].parts[0].solids), -70, 70, -30, 30);
+  EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(979));
+}
+
+TEST_F(StageOwnWorld, LspTest) {
+  const auto spec = open("lsp_test.world");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
+          "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
+          "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
+          "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
+          "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
+          "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "acceleration_bounds of a position",
+          "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
+          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+          "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
+          "blobfinder, channels of a blobfinder"));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
+  EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);  // the fiducials they show are no part of a type yet
+  EXPECT_THAT(part_names(type_of(spec, 2)),
+              ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));
+}
+
+TEST_F(StageOwnWorld, PioneerFlocking) {
+  open("pioneer_flocking.world");
+  EXPECT_THAT(messages(),
+              testing::Contains("pioneer_flocking.world:40: error: unknown controller \"pioneer_flocking\"; "
+                                "known: expand, expand_pioneer, expand_swarm, script, wander"));
+
+  engine::Registry registry = test_registry();
+  registry.presets.push_back({.name = "pioneer_flocking", .kind = "expand"});
+  const auto spec = open("pioneer_flocking.world", registry);
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
+          "pioneer.inc:116: warning: not supported yet: localization of a position",
+          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
+          "pioneer.inc:144: warning: not supported yet: mass",
+          "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
+          "here",
+          "pioneer_flocking.world:13: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
+          "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
+  EXPECT_THAT(spec.bodies, SizeIs(102));
+  EXPECT_THAT(spec.types, SizeIs(3));
+  EXPECT_EQ(spec.types[2].name, "flocker");
+}
+
+// Choosing the reader.
+
+TEST_F(StageTest, WorldsAreReadByTheirEnding) {
+  const auto load_file = [this](const std::filesystem::path& file, const LoadOptions& options = {}) {
+    Diagnostics diagnostics;
+    auto spec = load_world(file, test_registry(), options, diagnostics);
+    keep(diagnostics);
+    return spec;
+  };
+  write("deep/a.world", "model()");
+  EXPECT_THAT(load_file(folder() / "deep/a.world").bodies, SizeIs(2));
+  LoadOptions options;
+  options.search_path = {folder() / "deep"};
+  EXPECT_THAT(load_file(folder() / "a.world", options).bodies, SizeIs(2));
+  EXPECT_THAT(messages(), IsEmpty());
+  load_file(folder() / "a.world");
+  EXPECT_THAT(messages(), ElementsAre("a.world: error: there is no such file"));
+  load_file(folder() / "deep.world");
+  load_file(folder() / "a.txt");
+  EXPECT_THAT(messages(),
+              ElementsAre("deep.world: error: there is no such file",
+                          "a.txt: error: a world's file name ends in .world (Stage's syntax) or .json, not "
+                          "in \".txt\""));
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Checks the plans: that the scripts still draw what lies here, that the plans are as intricate as they are meant
+to be, that their outer walls are closed, and that robots can reach everything. Exit code 1 when one fails.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zlib
+
+import make_cave
+import make_hospital
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+DRAWN = ("hospital.png", "cave.png", "cave-simple.json", "cave-simple-laser.json", "cave-complex.json",
+         "cave-complex-laser.json", "crowd.json")
+SCRIPTS = ("make_hospital.py", "make_cave.py", "make_crowd.py")
+DARK = bytes(ord("1" if value <= 127 else "0") for value in range(256))
+
+
+def solid_rows(bitmap):
+    """Each row from the top as a whole number, a bit a pixel."""
+    return [int(row.translate(DARK), 2) for row in bitmap.rows]
+
+
+def count_edges(rows):
+    """Corners of the contours, which are as many as their edges once collinear runs are merged: a point of four
+    pixels is one corner where an odd number of them is solid, two where two that lie across are."""
+    corners = 0
+    rows = [0] + [row << 1 for row in rows] + [0]
+    for above, below in zip(rows, rows[1:]):
+        left_above, left_below = above >> 1, below >> 1
+        corners += (above ^ below ^ left_above ^ left_below).bit_count()
+        corners += 2 * ((above ^ left_above) & (below ^ left_below) & (above ^ below)).bit_count()
+    return corners
+
+
+def standing_room(rows, width, pixels):
+    """Where the corner of a square robot of `pixels` can be without touching what is solid."""
+    whole = (1 << width) - 1
+
+    def shrink(free, reach):
+        for _ in range(reach - 1):
+            free &= free << 1
+        return free & whole
+
+    free = [shrink(whole & ~row, pixels) for row in rows]
+    room = []
+    for top in range(len(rows) - pixels + 1):
+        row = whole
+        for other in free[top:top + pixels]:
+            row &= other
+        room.append(row)
+    return room
+
+
+def along(row, seed):
+    """The runs of a row that hold a bit of the seed; by doubling, a run of thousands of pixels in a dozen steps."""
+    left = right = row
+    span = 1
+    while span < row.bit_length():
+        seed |= (seed << span & left) | (seed >> span & right)
+        left &= left << span
+        right &= right >> span
+        span *= 2
+    return seed
+
+
+def unreached(room):
+    """Bits of the room that cannot be reached from its widest part, as (row, bits)."""
+    start = max(range(len(room)), key=lambda i: room[i].bit_count())
+    reached = [0] * len(room)
+    lowest = room[start] & -room[start]
+    reached[start] = along(room[start], lowest)
+    changed = True
+    while changed:
+        changed = False
+        for order in (range(1, len(room)), range(len(room) - 2, -1, -1)):
+            for i in order:
+                seed = reached[i] | (reached[i - 1 if order.step > 0 else i + 1] & room[i])
+                if seed != reached[i]:
+                    reached[i] = along(room[i], seed)
+                    changed = True
+    return [room[i] & ~reached[i] for i in range(len(room))]
+
+
+def check(name, bitmap, edges, robot_m, pockets_m2):
+    rows = solid_rows(bitmap)
+    whole = (1 << bitmap.width) - 1
+    sides = 1 | 1 << (bitmap.width - 1)
+    faults = []
+    if rows[0] != whole or rows[-1] != whole or any(row & sides != sides for row in rows):
+        faults.append("the outer wall is open")
+    count = count_edges(rows)
+    if not edges[0] <= count <= edges[1]:
+        faults.append(f"{count} contour edges, not {edges[0]} to {edges[1]}")
+    room = standing_room(rows, bitmap.width, bitmap.px(robot_m))
+    lost = sum(row.bit_count() for row in unreached(room)) / bitmap.scale ** 2
+    if lost > pockets_m2:
+        faults.append(f"{lost:.2f} m2 are out of reach for a robot of {robot_m} m")
+    floor = sum(bitmap.width - row.bit_count() for row in rows) / bitmap.scale ** 2
+    print(f"{name}: {count} contour edges, {floor:.0f} m2 of floor, {lost:.2f} m2 out of reach")
+    return [f"{name}: {fault}" for fault in faults]
+
+
+def content(data):
+    """Of a PNG what zlib packed, because versions of zlib pack differently; of other files, all."""
+    if not data.startswith(b"\x89PNG"):
+        return data
+    at, packed = 8, b""
+    while at < len(data):
+        size = int.from_bytes(data[at:at + 4], "big")
+        if data[at + 4:at + 8] == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += 12 + size
+    return data[16:29] + zlib.decompress(packed)
+
+
+def redrawn():
+    with tempfile.TemporaryDirectory() as folder:
+        for script in SCRIPTS + ("drawing.py",):
+            shutil.copy(os.path.join(HERE, script), folder)
+        for script in SCRIPTS:
+            subprocess.run([sys.executable, script], cwd=folder, check=True)
+        for name in DRAWN:
+            with open(os.path.join(HERE, name), "rb") as ours, open(os.path.join(folder, name), "rb") as new:
+                if content(ours.read()) != content(new.read()):
+                    yield f"{name} is not what its script makes: run the script again"
+
+
+if __name__ == "__main__":
+    # Pockets behind rows of chairs are no rooms.
+    found = [*check("hospital", make_hospital.hospital(), (14000, 18000), 0.25, 2.5),
+             *check("cave", make_cave.cave(), (700, 1500), 0.5, 0.0), *redrawn()]
+    for fault in found:
+        print(fault, file=sys.stderr)
+    sys.exit(1 if found else 0)
