@@ -11,6 +11,13 @@
 
 namespace troupe::oracle {
 
+/// Builds that are slow, unoptimised or under a sanitizer, do a tenth of the work.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+inline constexpr std::uint64_t k_thrift = 1;
+#else
+inline constexpr std::uint64_t k_thrift = 10;
+#endif
+
 /// Draws for tests: the engine's words are fixed by the standard, and what is made of them is written here,
 /// so that a seed means the same everywhere.
 class Draw {
@@ -254,8 +261,8 @@ inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
   index.rebuild(positions, radii, parallel);
   std::vector<engine::Conflicts::Outcome> outcomes(crowd.size());
   conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick,
-                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))}, scene,
-                   index, parallel, outcomes);
+                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
+                   scene, index, parallel, outcomes);
   return outcomes;
 }
 
