@@ -8,7 +8,6 @@ namespace troupe::models {
 namespace {
 
 using engine::Command;
-using engine::Field;
 using engine::FieldTable;
 using engine::Record;
 using engine::Unit;

@@ -5,7 +5,6 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 #include <optional>
@@ -13,18 +12,15 @@
 
 namespace troupe::partition {
 
-struct Parallel::Workers : tbb::task_scheduler_observer {
-  explicit Workers(unsigned threads) : tbb::task_scheduler_observer(arena), arena(static_cast<int>(threads)) {
+struct Parallel::Workers {
+  explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
     // Left alone, oneTBB runs no more threads than there are cores, whatever an arena asks for, and complains
     // on standard error. Of several such limits the least counts, so each asks for the same plenty.
     constexpr std::size_t k_plenty = 256;
     if (threads > std::thread::hardware_concurrency())
       limit.emplace(tbb::global_control::max_allowed_parallelism, std::max<std::size_t>(threads, k_plenty));
     arena.initialize();
-    observe(true);
   }
-  ~Workers() override { observe(false); }
-  void on_scheduler_entry(bool) override { restore_fp_environment(); }
 
   std::optional<tbb::global_control> limit;
   tbb::task_arena arena;
@@ -47,7 +43,14 @@ void Parallel::run(std::size_t count, Call call, void* task) {
   }
   workers_->arena.execute([&] {
     tbb::parallel_for(
-        std::size_t{0}, count, [&](std::size_t i) { call(task, i); }, tbb::simple_partitioner{});
+        std::size_t{0}, count,
+        [&](std::size_t i) {
+          // Not a task_scheduler_observer, which oneTBB leaks.
+          thread_local const bool ready = (restore_fp_environment(), true);
+          static_cast<void>(ready);
+          call(task, i);
+        },
+        tbb::simple_partitioner{});
   });
 }
 

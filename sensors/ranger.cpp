@@ -9,7 +9,6 @@
 namespace troupe::sensors {
 namespace {
 
-using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Unit;

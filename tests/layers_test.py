@@ -104,9 +104,9 @@ def without_comments(text, texts_too):
 def include_fault(root, folder, path, quote, name):
     """What is wrong with one include, or None."""
     first = name.split("/")[0]
-    if quote == '"' or (first in BELOW and (root / name).is_file()):
-        # A file that the build makes from NAME.in counts as NAME.
-        if first not in BELOW or not ((root / name).is_file() or (root / (name + ".in")).is_file()):
+    is_ours = first in BELOW and ((root / name).is_file() or (root / f"{name}.in").is_file())  # .in: made by CMake
+    if quote == '"' or is_ours:
+        if not is_ours:
             return f'"{name}" is no file of ours, named from the root'
         if quote == "<" and folder in LIBRARY:
             return f"<{name}> is ours: use quotes"
@@ -176,7 +176,8 @@ class PlantedFaults(unittest.TestCase):
         "models/drives.hpp": '#include "engine/world.hpp"\n',
         "worldio/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
         "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
-        "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n',
+        "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
+        "troupe/made.hpp.in": "",
         "apps/main.cpp": '#include <CLI/CLI.hpp>\n#include <chrono>\n#include "troupe/troupe.hpp"\n',
         "apps/examples/minimal.cpp": "#include <troupe/troupe.hpp>\n#include <iostream>\n",
         "tests/base/pose_test.cpp": '#include <gtest/gtest.h>\n#include "base/pose.hpp"\n',

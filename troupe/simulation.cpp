@@ -22,7 +22,8 @@
 namespace troupe {
 namespace {
 
-constexpr double k_longest_run_s = 1e12;  // longer than the age of the universe; its ticks still count in 64 bits
+constexpr double k_longest_run_s =
+    1e12;  // longer than the age of the universe; its ticks still count in 64 bits
 
 }  // namespace
 
@@ -62,21 +63,24 @@ struct Model::Place {
     for (const auto* sensor : sensors()) {
       if (wanted.empty() || sensor->name == wanted) {
         if (!sensor->active) {
-          throw std::logic_error(
-              fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor->name, name));
+          throw std::logic_error(fmt::format(
+              "sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor->name, name));
         }
         return *sensor;
       }
       known.push_back(sensor->name);
     }
     if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no sensor", name));
-    throw std::out_of_range(fmt::format("\"{}\" has no sensor \"{}\"; it has: {}", name, wanted, comma_list(known)));
+    throw std::out_of_range(
+        fmt::format("\"{}\" has no sensor \"{}\"; it has: {}", name, wanted, comma_list(known)));
   }
 };
 
 Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 
-const std::string& Model::name() const { return place_->name; }
+const std::string& Model::name() const {
+  return place_->name;
+}
 
 Pose Model::pose() const {
   const engine::WorldSpec& spec = place_->world->spec();
@@ -99,7 +103,9 @@ Model::Speed Model::speed() const {
   return {v.x, v.y, v.turn};
 }
 
-bool Model::stalled() const { return place_->world->stalled(place_->row()); }
+bool Model::stalled() const {
+  return place_->world->stalled(place_->row());
+}
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
@@ -129,8 +135,9 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
   diagnostics.throw_if_errors();
-  impl_->world = std::make_unique<engine::World>(
-      std::move(spec), impl_->registry, engine::WorldOptions{options.threads, options.tile_size_m}, diagnostics);
+  impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,
+                                                 engine::WorldOptions{options.threads, options.tile_size_m},
+                                                 diagnostics);
   impl_->warnings = diagnostics.warnings();
 }
 
@@ -138,7 +145,9 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-const std::vector<std::string>& Simulation::warnings() const { return impl_->warnings; }
+const std::vector<std::string>& Simulation::warnings() const {
+  return impl_->warnings;
+}
 
 std::vector<std::pair<std::string, std::string>> Simulation::effective_options() const {
   std::vector<std::pair<std::string, std::string>> out{
@@ -162,17 +171,30 @@ void Simulation::step() {
 
 void Simulation::run_for(double seconds) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
-    throw std::invalid_argument(fmt::format("run_for({}): give a time in seconds from 0 to {}", seconds, k_longest_run_s));
+    throw std::invalid_argument(
+        fmt::format("run_for({}): give a time in seconds from 0 to {:g}", seconds, k_longest_run_s));
   const auto ticks = static_cast<std::uint64_t>(std::max(0.0, std::ceil(seconds / tick_s() - 1e-6)));
   for (std::uint64_t i = 0; i < ticks; ++i) step();
 }
 
-double Simulation::time_s() const { return impl_->world->time_s(); }
-std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
-double Simulation::tick_s() const { return impl_->world->tick_s(); }
-std::size_t Simulation::robots() const { return impl_->world->robots(); }
-std::string Simulation::title() const { return impl_->world->spec().title; }
-std::optional<double> Simulation::quit_time_s() const { return impl_->world->spec().quit_time_s; }
+double Simulation::time_s() const {
+  return impl_->world->time_s();
+}
+std::uint64_t Simulation::tick() const {
+  return impl_->world->tick();
+}
+double Simulation::tick_s() const {
+  return impl_->world->tick_s();
+}
+std::size_t Simulation::robots() const {
+  return impl_->world->robots();
+}
+std::string Simulation::title() const {
+  return impl_->world->spec().title;
+}
+std::optional<double> Simulation::quit_time_s() const {
+  return impl_->world->spec().quit_time_s;
+}
 
 Model Simulation::find(std::string_view name) {
   engine::World& world = *impl_->world;
@@ -181,7 +203,7 @@ Model Simulation::find(std::string_view name) {
     return spec.types[spec.bodies[body.index()].type.index()].parts;
   };
   const auto place = [&](BodyId body, std::size_t part) {
-    return Model(std::make_shared<Model::Place>(&world, body, part, std::string(name)));
+    return Model(std::make_shared<Model::Place>(Model::Place{&world, body, part, std::string(name)}));
   };
   if (const BodyId body = world.find(name); body.valid()) return place(body, 0);
   if (const auto global = spec.part_aliases.find(std::string(name)); global != spec.part_aliases.end()) {
@@ -191,7 +213,8 @@ Model Simulation::find(std::string_view name) {
   }
   std::vector<std::string> known;
   // A part is named below its body: "r0.ranger:1".
-  for (std::size_t dot = name.rfind('.'); dot != std::string_view::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
+  for (std::size_t dot = name.rfind('.'); dot != std::string_view::npos && dot > 0;
+       dot = name.rfind('.', dot - 1)) {
     const BodyId body = world.find(name.substr(0, dot));
     if (!body.valid()) continue;
     const auto& parts = parts_of(body);
@@ -203,7 +226,8 @@ Model Simulation::find(std::string_view name) {
   }
   for (const engine::BodySpec& body : spec.bodies) known.push_back(body.name);
   const std::vector<std::string_view> names(known.begin(), known.end());
-  throw std::out_of_range(fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
+  throw std::out_of_range(
+      fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
 }
 
 std::vector<std::string> Simulation::robot_names() const {
@@ -219,7 +243,9 @@ void Simulation::subscribe(std::string_view model) {
   impl_->world->activate(find(model).place_->body);
 }
 
-std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }
+std::uint64_t Simulation::state_hash() const {
+  return impl_->world->hashes().state;
+}
 
 Simulation::Hashes Simulation::hashes() const {
   const engine::Hashes h = impl_->world->hashes();
@@ -236,17 +262,26 @@ std::string Simulation::hash_log_line() const {
   const engine::Hashes h = impl_->world->hashes();
   std::string line = fmt::format("{} {}", tick(), hex(h.state));
   for (std::size_t g = 0; g < engine::k_hash_groups; ++g)
-    line += fmt::format(" {}={}", engine::hash_group_name(static_cast<engine::HashGroup>(g)), hex(h.groups[g]));
+    line +=
+        fmt::format(" {}={}", engine::hash_group_name(static_cast<engine::HashGroup>(g)), hex(h.groups[g]));
   return line;
 }
 
 Statistics Simulation::statistics() const {
   const engine::World& w = *impl_->world;
-  return {w.robots(),        w.tick(),       w.time_s(),           w.beams_cast(),
-          w.stalled_count(), w.held_count(), w.mean_displacement(), w.conflict_rounds()};
+  return {w.robots(),
+          w.tick(),
+          w.time_s(),
+          w.beams_cast(),
+          w.stalled_count(),
+          w.held_count(),
+          w.mean_displacement(),
+          w.conflict_rounds()};
 }
 
-unsigned Simulation::threads() const { return impl_->world->parallel().threads(); }
+unsigned Simulation::threads() const {
+  return impl_->world->parallel().threads();
+}
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
   impl_->world->on_phase(std::move(callback));
@@ -272,8 +307,8 @@ void Simulation::snapshot(const std::filesystem::path& png, int width, int heigh
 }
 
 std::string version_line() {
-  return fmt::format("troupe {} ({}; {}; {}; assertions {})", k_build_version, k_build_compiler, k_build_flags,
-                     k_build_instruction_set, k_build_assertions ? "on" : "off");
+  return fmt::format("troupe {} ({}; {}; {}; assertions {})", k_build_version, k_build_compiler,
+                     k_build_flags, k_build_instruction_set, k_build_assertions ? "on" : "off");
 }
 
 }  // namespace troupe

@@ -43,10 +43,10 @@ struct Statistics {
   std::size_t robots = 0;
   std::uint64_t ticks = 0;
   double time_s = 0;
-  std::uint64_t beams = 0;          ///< rays cast, counted where they are cast
-  std::size_t stalled = 0;          ///< robots whose last motion was refused
-  std::size_t held_at_bounds = 0;   ///< robots whose last motion would have left the world
-  double mean_displacement_m = 0;   ///< of robots, straight from where they started
+  std::uint64_t beams = 0;         ///< rays cast, counted where they are cast
+  std::size_t stalled = 0;         ///< robots whose last motion was refused
+  std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the world
+  double mean_displacement_m = 0;  ///< of robots, straight from where they started
   std::uint64_t conflict_rounds = 0;
 };
 
@@ -61,7 +61,8 @@ class Model {
   /// Extent as declared in the world, m.
   Eigen::Vector3d size() const;
   /// Commanded speeds: forward and left in m/s, turn in rad/s (the steering angle in rad for a car). They act
-  /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides them.
+  /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides
+  /// them.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
   /// Velocity of the last tick, body frame.
@@ -105,8 +106,8 @@ class Simulation {
   /// Options as they took effect, `key=value` each, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
-  /// One tick: sense, decide, move, index. Throws std::runtime_error that names tick and robot where a commanded
-  /// speed is not a finite number; the state is then no longer of use.
+  /// One tick: sense, decide, move, index. Throws std::runtime_error that names tick and robot where a
+  /// commanded speed is not a finite number; the state is then no longer of use.
   void step();
   /// Steps until `seconds` more of world time have passed: a time between two ticks is rounded up. Throws
   /// std::invalid_argument for what is no time (negative, not a number, beyond 1e12 s).
@@ -120,8 +121,8 @@ class Simulation {
   /// Where the world itself asks to end.
   std::optional<double> quit_time_s() const;
 
-  /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives or
-  /// the one that Stage would generate. Throws std::out_of_range with near names when there is none.
+  /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives
+  /// or the one that Stage would generate. Throws std::out_of_range with near names when there is none.
   Model find(std::string_view name);
   /// Names of all robots, in id order.
   std::vector<std::string> robot_names() const;

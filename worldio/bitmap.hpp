@@ -24,8 +24,8 @@ struct Bitmap {
 /// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, when the file is missing or no image.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
 
-/// The outlines of the solid pixels as closed rings, holes included, collinear runs merged; pixel units, +y up
-/// (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.
+/// The outlines of the solid pixels as closed rings, holes included, collinear runs merged; pixel units, +y
+/// up (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
 /// Scales the contours of several solids together so that their common bounding box fills `size` and is

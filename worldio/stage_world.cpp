@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <type_traits>
 #include <unordered_map>
 #include <unordered_set>
@@ -164,6 +165,20 @@ class StageWorld {
     bool broken = false;
   };
 
+  struct Contents {
+    std::vector<StageModel> blocks;
+    std::vector<StageModel> sensors;                                  // of a ranger
+    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body each stands in
+  };
+
+  /// Where a part lies in its body, and how it is called there.
+  struct Place {
+    Pose pose_body_part;
+    std::string name;
+    std::string alias;
+    bool has_own_name = false;  ///< it or a model around it has a name of its own: not one below the body's
+  };
+
   const StageProperty* world_property(std::string_view key) const {
     const auto it = std::find_if(document_.world.rbegin(), document_.world.rend(),
                                  [&](const StageProperty& p) { return document_.key(p) == key; });
@@ -174,7 +189,11 @@ class StageWorld {
   void add_body(const StageEntity& entity);
   Prototype make_prototype(const StageEntity& entity);
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
-  void add_part(const StageModel& model, const Pose& pose_body_part, engine::PartSpec part, Draft& draft);
+  std::optional<Contents> contents(const StageModel& model, Draft& draft);
+  void add_part(const StageModel& model, const Place& place, Draft& draft);
+  void add_behaviour(const StageModel& model, bool is_root, Draft& draft);
+  void add_children(const StageModel& model, const Place& place, double height,
+                    const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
   Color color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
               std::string_view stream, BodyId body);
@@ -325,7 +344,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
     prototype.inherited[i] = inherited.find(document_, k_own_keys[i]);
 
   Draft draft{.where = model->where};
-  add_part(*model, Pose{}, engine::PartSpec{}, draft);
+  add_part(*model, Place{}, draft);
   if (draft.broken) return prototype;
   prototype.global_parts = std::move(draft.global_parts);
   prototype.type = share_type(std::move(draft.type), model->names);
@@ -352,65 +371,61 @@ TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>
   return id;
 }
 
-void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, engine::PartSpec part,
-                          Draft& draft) {
-  const auto find = [&](std::string_view key) { return model.find(document_, key); };
-  const bool is_root = draft.type.parts.empty();
-  const engine::ModelKind& kind = *registry_.model(model.type);
-
-  std::vector<StageModel> blocks;
-  std::vector<StageModel> sensors;
-  std::vector<std::pair<StageModel, const StageEntity*>> children;
+/// Sorts what a model holds; empty when its macros never end.
+std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
+  Contents out;
+  const auto fail = [&](Where where, std::string message) {
+    values_.error(where, std::move(message));
+    draft.broken = true;
+  };
   for (const StageModel::Child& child : model.children()) {
-    if (++draft.entities > k_most_entities || draft.inside.size() >= k_deepest_nesting) {
-      values_.error(draft.where,
-                    draft.entities > k_most_entities
-                        ? fmt::format("its macros expand to more than {} entities", k_most_entities)
-                        : fmt::format("its macros nest deeper than {}", k_deepest_nesting));
-      draft.broken = true;
-      return;
+    if (++draft.entities > k_most_entities) {
+      fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
+      return {};
+    }
+    if (draft.inside.size() >= k_deepest_nesting) {
+      fail(draft.where, fmt::format("its macros nest deeper than {}", k_deepest_nesting));
+      return {};
     }
     auto resolved = macros_.resolve(*child.entity);
     if (!resolved) {
       draft.broken = true;
       continue;
     }
-    draft.inside.push_back(child.layer);
-    for (const StageEntity* layer : resolved->layers)
-      if (std::ranges::find(draft.inside, layer) != draft.inside.end()) {
-        values_.error(resolved->where, fmt::format("macro \"{}\" contains itself", document_.word(*layer)));
-        draft.broken = true;
-        resolved.reset();
-        break;
-      }
-    draft.inside.pop_back();
-    if (!resolved) continue;
-
+    const auto itself = std::ranges::find_if(resolved->layers, [&](const StageEntity* layer) {
+      return layer == child.layer || std::ranges::find(draft.inside, layer) != draft.inside.end();
+    });
+    if (itself != resolved->layers.end()) {
+      fail(resolved->where, fmt::format("macro \"{}\" contains itself", document_.word(**itself)));
+      continue;
+    }
     const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
     if (is_piece)
-      for (const StageModel::Child& inner : resolved->children()) {
-        values_.error(document_.token(inner.entity->word).where(),
-                      fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
-                                  document_.word(*inner.entity)));
-        draft.broken = true;
-      }
-    if (resolved->type == "block") {
-      blocks.push_back(std::move(*resolved));
-    } else if (resolved->type == "sensor") {
-      if (model.type == "ranger") {
-        sensors.push_back(std::move(*resolved));
-      } else {
-        values_.error(resolved->where,
-                      fmt::format("a sensor belongs into a ranger, not into a {}", model.type));
-        draft.broken = true;
-      }
-    } else if (resolved->type != "window") {
-      children.emplace_back(std::move(*resolved), child.layer);
-    }
+      for (const StageModel::Child& inner : resolved->children())
+        fail(document_.token(inner.entity->word).where(),
+             fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
+                         document_.word(*inner.entity)));
+    if (resolved->type == "block")
+      out.blocks.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor" && model.type == "ranger")
+      out.sensors.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor")
+      fail(resolved->where, fmt::format("a sensor belongs into a ranger, not into: {}", model.type));
+    else if (resolved->type != "window")
+      out.children.emplace_back(std::move(*resolved), child.layer);
   }
+  return out;
+}
 
-  part.kind = kind.name;
-  part.pose_body_part = pose_body_part;
+void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
+  const auto find = [&](std::string_view key) { return model.find(document_, key); };
+  const bool is_root = draft.type.parts.empty();
+  const engine::ModelKind& kind = *registry_.model(model.type);
+  const std::optional<Contents> holds = contents(model, draft);
+  if (!holds) return;
+
+  engine::PartSpec part{.name = place.name, .alias = place.alias, .kind = std::string(kind.name)};
+  part.pose_body_part = place.pose_body_part;
   part.where = model.where;
   part.size = kind.size;
   if (const StageProperty* property = find("size"))
@@ -418,8 +433,8 @@ void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, e
   Pose origin;
   if (const StageProperty* property = find("origin"))
     if (const auto given = values_.pose(*property)) origin = *given;
-  const Pose pose_body_frame = compose(pose_body_part, origin);
-  part.solids = bodies_.make(model, kind, part.size, blocks);
+  const Pose pose_body_frame = compose(place.pose_body_part, origin);
+  part.solids = bodies_.make(model, kind, part.size, holds->blocks);
   const Transform to_body(pose_body_frame);
   for (Solid& solid : part.solids) {
     for (Ring& ring : solid.contours)
@@ -431,61 +446,65 @@ void StageWorld::add_part(const StageModel& model, const Pose& pose_body_part, e
   if (const StageProperty* property = find("ranger_return"))
     part.returns.ranger = static_cast<float>(values_.number(*property).value_or(1));
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  const double height = part.size.z();
+  draft.type.parts.push_back(std::move(part));
 
   if (model.type == "ranger")
-    if (auto sensor = kinds_.ranger(model, sensors)) {
-      sensor->name = part.name;
+    if (auto sensor = kinds_.ranger(model, holds->sensors)) {
+      sensor->name = place.name;
       sensor->pose_body_sensor = pose_body_frame;
       draft.type.sensors.push_back(std::move(*sensor));
     }
-  if (model.type == "position") {
-    if (is_root)
-      draft.type.drive = kinds_.drive(model);
-    else
-      values_.warning_once(
-          model.where,
-          "a position model inside another model does not drive on its own yet; it is carried along");
-  }
-  if (const StageProperty* property = find("ctrl")) {
-    std::vector<engine::ControllerSpec> controllers = kinds_.controllers(model);
-    if (!is_root)
-      values_.warning_once(values_.where(*property),
-                           "\"ctrl\" of a model inside another model is not supported yet; it does not run");
-    else if (model.type != "position")
-      values_.error(values_.where(*property),
-                    fmt::format("a {} has nothing to drive; \"ctrl\" needs a position model", model.type));
-    else
-      draft.type.controllers = std::move(controllers);
-  }
+  add_behaviour(model, is_root, draft);
+  add_children(model, place, height, holds->children, draft);
+}
 
-  const Eigen::Vector3d size = part.size;
-  const std::string name = part.name;
-  const bool has_own_name = !draft.global_parts.empty() && draft.global_parts.back() == name && !is_root;
-  draft.type.parts.push_back(std::move(part));
+void StageWorld::add_behaviour(const StageModel& model, bool is_root, Draft& draft) {
+  const bool is_position = model.type == "position";
+  if (is_position && is_root) draft.type.drive = kinds_.drive(model);
+  if (is_position && !is_root)
+    values_.warning_once(
+        model.where,
+        "a position model inside another model does not drive on its own yet; it is carried along");
+  const StageProperty* ctrl = model.find(document_, "ctrl");
+  if (!ctrl) return;
+  std::vector<engine::ControllerSpec> controllers = kinds_.controllers(model);
+  if (!is_root)
+    values_.warning_once(values_.where(*ctrl),
+                         "\"ctrl\" of a model inside another model is not supported yet; it does not run");
+  else if (!is_position)
+    values_.error(values_.where(*ctrl),
+                  fmt::format("\"ctrl\" needs a position model to drive; this one is a {}", model.type));
+  else
+    draft.type.controllers = std::move(controllers);
+}
 
-  const StageProperty* stack = find("stack_children");
-  const double base_z = !stack || values_.flag(*stack).value_or(true) ? size.z() : 0;
+void StageWorld::add_children(const StageModel& model, const Place& place, double height,
+                              const std::vector<std::pair<StageModel, const StageEntity*>>& children,
+                              Draft& draft) {
+  const StageProperty* stack = model.find(document_, "stack_children");
+  const bool is_stacked = !stack || values_.flag(*stack).value_or(true);
   std::map<std::string_view, std::size_t> generated_names;
+  const auto below = [&place](std::string_view last) {
+    return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
+  };
   for (const auto& [child, layer] : children) {
-    const auto below = [&name](std::string_view last) {
-      return name.empty() ? std::string(last) : fmt::format("{}.{}", name, last);
-    };
-    engine::PartSpec child_part;
-    child_part.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
-    bool is_global = has_own_name;
+    Place child_place{.pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
+    child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
     if (const StageProperty* property = child.find(document_, "name"))
-      if (auto given = values_.name(*property)) {
-        child_part.alias = std::move(child_part.name);
-        is_global = is_global || given->starts_with('/');
-        child_part.name = given->starts_with('/') ? std::string(given->substr(1)) : below(*given);
+      if (const auto given = values_.name(*property)) {
+        child_place.alias = std::move(child_place.name);
+        const bool is_global = given->starts_with('/');
+        child_place.has_own_name = child_place.has_own_name || is_global;
+        child_place.name = is_global ? std::string(given->substr(1)) : below(*given);
       }
-    if (is_global) draft.global_parts.push_back(child_part.name);
-    Pose pose_body_child = pose_body_part;
-    pose_body_child.z += base_z;
+    if (child_place.has_own_name) draft.global_parts.push_back(child_place.name);
+    if (is_stacked) child_place.pose_body_part.z += height;
     if (const StageProperty* property = child.find(document_, "pose"))
-      if (const auto pose = values_.pose(*property)) pose_body_child = compose(pose_body_child, *pose);
+      if (const auto pose = values_.pose(*property))
+        child_place.pose_body_part = compose(child_place.pose_body_part, *pose);
     draft.inside.push_back(layer);
-    add_part(child, pose_body_child, std::move(child_part), draft);
+    add_part(child, child_place, draft);
     draft.inside.pop_back();
   }
 }

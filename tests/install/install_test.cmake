@@ -58,7 +58,8 @@ endforeach()
 
 run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/consumer)
 run(IN ${SOURCE} OUTPUT printed ${SCRATCH}/consumer/minimal worlds/minimal.world)
-if(NOT printed MATCHES "at \\(")
+# A circle of 4 m radius from (-3.5, 2), heading -45 degrees, 10 s at 0.2 m/s, in steps of 0.1 s.
+if(NOT printed MATCHES "^r0 is at \\(-1\\.80[0-9]*, 0\\.98[0-9]*\\) m, the nearest thing [0-9.]+ m away\n$")
   message(FATAL_ERROR "the example printed:\n${printed}")
 endif()
 file(REMOVE_RECURSE ${SCRATCH})

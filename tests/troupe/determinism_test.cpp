@@ -1,6 +1,6 @@
-// The short form of scripts/prove: the same bits for any number of threads and any tile size, and those of the
-// golden hashes. What else must not reach the state has a test here too: the caller's rounding and denormals, the
-// locale, the working directory.
+// The short form of scripts/prove: the same bits for any number of threads and any tile size, and those of
+// the golden hashes. What else must not reach the state has a test here too: the caller's rounding and
+// denormals, the locale, the working directory.
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
@@ -52,7 +52,9 @@ std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double t
   return lines;
 }
 
-std::string state_of(const std::string& line) { return line.substr(line.find(' ') + 1, 16); }
+std::string state_of(const std::string& line) {
+  return line.substr(line.find(' ') + 1, 16);
+}
 
 class SameBits : public ::testing::TestWithParam<GoldenRun> {};
 
@@ -79,8 +81,8 @@ std::vector<GoldenRun> runs() {
   return {{"hospital.json", {}, 50}, {"cave-complex-laser.json", {}, 50}, {"crowd.json", {}, 50}};
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& info) {
-  std::string name = fs::path(info.param.world).stem();
+INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {
+  std::string name = fs::path(world.param.world).stem();
   std::erase(name, '-');
   return name;
 });
@@ -91,8 +93,8 @@ TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
     for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
 }
 
-// A robot at the origin creeps by less than the smallest normal number a tick, among others that do ordinary things:
-// flush-to-zero would leave it where it is, and another rounding would show in all of them.
+// A robot at the origin creeps by less than the smallest normal number a tick, among others that do ordinary
+// things: flush-to-zero would leave it where it is, and another rounding would show in all of them.
 class Environment : public test::ScratchTest {
  protected:
   static constexpr double k_creep_mps = 0x1p-1040;
@@ -104,7 +106,7 @@ class Environment : public test::ScratchTest {
     "wall": {"size_m": [0.2, 6.5, 1]},
     "creeper": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}},
     "wanderer": {"size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"}, "sensors": [
-      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 7}]}]}
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]}]}
   },
   "models": [
     {"name": "creeper", "type": "creeper"},
@@ -223,7 +225,8 @@ TEST_F(Environment, TheLocaleOfCIsNotState) {
     for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "nl_NL.UTF-8"})
       if (std::setlocale(LC_ALL, name)) return true;
     // None is installed: perhaps one can be made.
-    const std::string make = "localedef -f UTF-8 -i de_DE " + (folder_ / "de_DE.UTF-8").string() + " 2>/dev/null";
+    const std::string make =
+        "localedef -f UTF-8 -i de_DE " + (folder_ / "de_DE.UTF-8").string() + " 2>/dev/null";
     return std::system(make.c_str()) == 0 && setenv("LOCPATH", folder_.c_str(), 1) == 0 &&
            std::setlocale(LC_ALL, "de_DE.UTF-8") != nullptr;
   };

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <ostream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -19,7 +20,12 @@ struct GoldenRun {
   std::uint64_t ticks = 0;
 
   friend auto operator<=>(const GoldenRun& a, const GoldenRun& b) {
-    return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=> std::tuple(b.world, b.robots.value_or(0), b.ticks);
+    return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=>
+           std::tuple(b.world, b.robots.value_or(0), b.ticks);
+  }
+  friend bool operator==(const GoldenRun& a, const GoldenRun& b) { return a <=> b == 0; }
+  friend std::ostream& operator<<(std::ostream& out, const GoldenRun& run) {
+    return out << run.world << ", " << run.ticks << " ticks";
   }
 };
 
@@ -32,7 +38,8 @@ inline std::map<GoldenRun, std::string> golden_hashes() {
     GoldenRun run;
     std::string robots;
     std::string hash;
-    if (!(words >> run.world >> robots >> run.ticks >> hash)) throw std::runtime_error("golden_hashes.txt: " + line);
+    if (!(words >> run.world >> robots >> run.ticks >> hash))
+      throw std::runtime_error("golden_hashes.txt: " + line);
     if (robots != "-") run.robots = std::stoul(robots);
     hashes[run] = hash;
   }

@@ -1,5 +1,6 @@
-// The hospital after its swarm has dispersed: nobody in a wall, nobody in another, and as crowded with walls as it is
-// meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by edge, without any grid.
+// The hospital after its swarm has dispersed: nobody in a wall, nobody in another, and as crowded with walls
+// as it is meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by edge,
+// without any grid.
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
@@ -29,7 +30,9 @@ struct Overlaps {
 
 Overlaps overlaps(const engine::World& world) {
   Overlaps found;
-  const auto shape = [&](std::size_t r) -> const partition::ObstacleShape& { return world.type(Row(r)).obstacle; };
+  const auto shape = [&](std::size_t r) -> const partition::ObstacleShape& {
+    return world.type(Row(r)).obstacle;
+  };
   for (std::size_t a = 0; a < world.rows(); ++a) {
     const Pose& pose = world.poses()[a];
     found.with_walls += world.scene().blocked(shape(a), pose);
@@ -68,8 +71,8 @@ TEST(Hospital, NobodyIsInAWallAndTheSwarmHasSpread) {
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   if (test::k_slow_build) options.robots = {{"", 150}};
-  engine::WorldSpec spec = worldio::load_world(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json",
-                                               registry, options, diagnostics);
+  engine::WorldSpec spec = worldio::load_world(
+      std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json", registry, options, diagnostics);
   diagnostics.throw_if_errors();
   engine::World world(std::move(spec), registry, {}, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
@@ -99,8 +102,8 @@ TEST(Hospital, TheCheckFindsRobotsInWallsAndInEachOther) {
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   options.robots = {{"", 3}};
-  engine::WorldSpec spec = worldio::load_world(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json",
-                                               registry, options, diagnostics);
+  engine::WorldSpec spec = worldio::load_world(
+      std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json", registry, options, diagnostics);
   diagnostics.throw_if_errors();
   const std::size_t last = spec.bodies.size() - 1;
   spec.bodies[last - 2].pose_world_body.x = -70 + 0.05;  // the outer wall

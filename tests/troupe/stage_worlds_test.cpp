@@ -1,4 +1,5 @@
-// Stage's own worlds, unmodified: they load, they run, and in its hospital the swarm spreads as it does in Stage.
+// Stage's own worlds, unmodified: they load, they run, and in its hospital the swarm spreads as it does in
+// Stage.
 
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -7,6 +8,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 namespace troupe {
@@ -16,14 +18,15 @@ namespace fs = std::filesystem;
 
 const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
 
-#define SKIP_WITHOUT_STAGE_WORLDS()          \
-  if (!fs::exists(k_stage_worlds))           \
-  GTEST_SKIP() << "Stage's worlds are not at " << k_stage_worlds.string()
+#define SKIP_WITHOUT_STAGE_WORLDS() \
+  if (!fs::exists(k_stage_worlds)) GTEST_SKIP() << "Stage's worlds are not at " << k_stage_worlds.string()
 
 struct StageWorld {
   const char* file;
   std::size_t robots;
   bool drives_itself;  ///< has a controller that we ship
+
+  friend std::ostream& operator<<(std::ostream& out, const StageWorld& world) { return out << world.file; }
 };
 
 class StageWorlds : public ::testing::TestWithParam<StageWorld> {};
@@ -47,8 +50,8 @@ INSTANTIATE_TEST_SUITE_P(Unmodified, StageWorlds,
                                            StageWorld{"pioneer_walle.world", 2, true},
                                            StageWorld{"roomba.world", 1, false},
                                            StageWorld{"sensor_noise_demo.world", 1, false}),
-                         [](const auto& info) {
-                           std::string name = fs::path(info.param.file).stem();
+                         [](const auto& world) {
+                           std::string name = fs::path(world.param.file).stem();
                            std::erase(name, '_');
                            return name;
                          });
@@ -63,7 +66,8 @@ TEST(StageHospital, TheSwarmSpreadsAsInStage) {
   };
   for (const auto& [time_s, displacement_m] : {Point{10, 0.51}, Point{30, 1.30}, Point{60, 2.07}}) {
     simulation.run_for(time_s - simulation.time_s());
-    EXPECT_NEAR(simulation.statistics().mean_displacement_m, displacement_m, 0.2 * displacement_m) << time_s << " s";
+    EXPECT_NEAR(simulation.statistics().mean_displacement_m, displacement_m, 0.2 * displacement_m)
+        << time_s << " s";
     if (test::k_slow_build) break;
   }
 }

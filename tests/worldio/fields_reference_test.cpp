@@ -1,7 +1,7 @@
 #include "worldio/fields_reference.hpp"
 
-#include "troupe/registry.hpp"
 #include "tests/worldio/json_test_world.hpp"
+#include "troupe/registry.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
+#include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json_document.hpp"
 #include "worldio/json_types.hpp"
-#include "tests/worldio/json_test_world.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -142,7 +142,7 @@ TEST_F(StageParser, ConformanceVector14PiecesInWrongPlaces) {
   EXPECT_THAT(found,
               testing::IsSupersetOf({"w.world:1: error: a block belongs into a model, not at top level",
                                      "w.world:2: error: a sensor belongs into a ranger, not at top level",
-                                     "w.world:3: error: a sensor belongs into a ranger, not into a model",
+                                     "w.world:3: error: a sensor belongs into a ranger, not into: model",
                                      "w.world:4: error: a block holds properties only, no \"model\""}));
 }
 

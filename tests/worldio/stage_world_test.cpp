@@ -574,7 +574,7 @@ TEST_F(StageWorld, ControllersNeedATopLevelPosition) {
       messages(),
       ElementsAre("w.world:2: warning: \"ctrl\" of a model inside another model is not supported yet; "
                   "it does not run",
-                  "w.world:1: error: a model has nothing to drive; \"ctrl\" needs a position model"));
+                  "w.world:1: error: \"ctrl\" needs a position model to drive; this one is a model"));
 }
 
 // Types.

@@ -1,0 +1,303 @@
+#include "tests/engine/conflict_crowds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace troupe::oracle {
+namespace {
+
+using engine::Conflicts;
+using engine::Motion;
+using Outcome = Conflicts::Outcome;
+
+/// A crowd that moves tick after tick.
+class Ticks {
+ public:
+  Ticks(TestCrowd& crowd, unsigned threads, double cell_m = 1)
+      : crowd_(crowd), scene_(scene_of(crowd, cell_m)), parallel_(threads) {}
+
+  /// Settles the proposed motions and takes those that are allowed.
+  const std::vector<Outcome>& step(const partition::GridGeometry& grid = {1, 3}) {
+    outcomes_ = settle(crowd_, scene_, grid, parallel_, conflicts_);
+    for (std::size_t i = 0; i < crowd_.size(); ++i)
+      if (outcomes_[i] == Outcome::moved) crowd_.motions[i].from = crowd_.motions[i].to;
+    ++crowd_.tick;
+    return outcomes_;
+  }
+  std::vector<Blocks> placed() const {
+    std::vector<Blocks> all;
+    for (std::size_t i = 0; i < crowd_.size(); ++i)
+      all.push_back(place(crowd_.bodies[i]->blocks, crowd_.motions[i].from));
+    return all;
+  }
+
+ private:
+  TestCrowd& crowd_;
+  partition::StaticScene scene_;
+  partition::Parallel parallel_;
+  Conflicts conflicts_;
+  std::vector<Outcome> outcomes_;
+};
+
+/// Pairs of bodies that overlap, by the oracle: entry a * size + b, a < b.
+std::vector<bool> overlapping_pairs(const std::vector<Blocks>& placed) {
+  std::vector<bool> pairs(placed.size() * placed.size());
+  for (std::size_t a = 0; a < placed.size(); ++a)
+    for (std::size_t b = a + 1; b < placed.size(); ++b)
+      pairs[a * placed.size() + b] = overlap(placed[a], placed[b]);
+  return pairs;
+}
+
+std::vector<Blocks> placed_walls(const TestCrowd& crowd) {
+  std::vector<Blocks> walls;
+  for (const Solid& wall : crowd.walls) walls.push_back(place({wall}, {}));
+  return walls;
+}
+
+TEST(ConflictTicks, BodiesThatWereApartStayApart) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(3'000'000 + seed);
+    TestCrowd crowd = random_crowd(draw, {.most_bodies = 120,
+                                          .fill = 0.8,
+                                          .small = seed % 2 ? 0.05 : 0.2,
+                                          .large = seed % 2 ? 3 : 0.4,
+                                          .walls = seed % 3 ? 10u : 0u,
+                                          .region = true});
+    const std::vector<Blocks> walls = placed_walls(crowd);
+    Ticks run(crowd, 1 + static_cast<unsigned>(seed % 3));
+    std::size_t moved = 0;
+    std::size_t refused = 0;
+    for (int tick = 0; tick < 300; ++tick) {
+      random_motions(crowd, draw, 60);
+      const std::vector<Outcome>& outcomes = run.step();
+      moved += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::moved));
+      refused += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::refused));
+      const std::vector<Blocks> placed = run.placed();
+      const std::vector<bool> pairs = overlapping_pairs(placed);
+      ASSERT_EQ(std::ranges::count(pairs, true), 0) << "tick " << tick;
+      for (const Blocks& body : placed)
+        for (const Blocks& wall : walls) ASSERT_FALSE(overlap(body, wall)) << "tick " << tick;
+    }
+    EXPECT_GT(moved, 1000u);
+    EXPECT_GT(20 * refused, moved) << "too easy";
+  }
+}
+
+TEST(ConflictTicks, BodiesThatStartInOneAnotherOnlyPart) {
+  std::size_t at_first = 0;
+  std::size_t parted = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(4'000'000 + seed);
+    TestCrowd crowd =
+        random_crowd(draw, {.most_bodies = 100, .fill = 0.6, .small = 0.2, .large = 1, .overlapping = 0.4});
+    Ticks run(crowd, 2);
+    std::vector<bool> before = overlapping_pairs(run.placed());
+    const auto first = static_cast<std::size_t>(std::ranges::count(before, true));
+    at_first += first;
+    const auto distance = [&](std::size_t pair) {
+      return (crowd.motions[pair / crowd.size()].from.position() -
+              crowd.motions[pair % crowd.size()].from.position())
+          .norm();
+    };
+    for (int tick = 0; tick < 300; ++tick) {
+      random_motions(crowd, draw, 60);
+      std::vector<double> distances;
+      for (std::size_t p = 0; p < before.size(); ++p) distances.push_back(before[p] ? distance(p) : 0);
+      run.step();
+      std::vector<bool> after = overlapping_pairs(run.placed());
+      for (std::size_t p = 0; p < after.size(); ++p) {
+        if (!after[p]) continue;
+        ASSERT_TRUE(before[p]) << "bodies " << p / crowd.size() << " and " << p % crowd.size()
+                               << " met in tick " << tick;
+        ASSERT_GE(distance(p), distances[p] - 1e-12) << "tick " << tick;
+      }
+      before = std::move(after);
+    }
+    parted += first - static_cast<std::size_t>(std::ranges::count(before, true));
+  }
+  EXPECT_GT(at_first, 100u);
+  EXPECT_GT(parted, at_first / 2) << "they should get free";
+}
+
+// Stage's floor plans often do not block; one that does holds nobody who starts in it, but anyone who has
+// left.
+TEST(ConflictTicks, ASolidDoesNotHoldWhoIsInIt) {
+  TestCrowd crowd;
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+  crowd.walls.push_back({{rectangle(-1, -1, 1, 1)}, {0, 1}});
+  crowd.walls.push_back({{rectangle(2, -1, 2.02, 1)}, {0, 1}});
+  crowd.add(crowd.kinds[0], {0.005, 0, 0, 0});
+  Ticks run(crowd, 1);
+  Motion& m = crowd.motions[0];
+  const auto drive = [&](double by) {
+    m.to = m.from;
+    m.to.x += by;
+    m.moves = true;
+    return run.step()[0];
+  };
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(drive(0.06), Outcome::moved) << m.from.x;
+  EXPECT_GT(m.from.x, 1.15) << "it is out";
+  EXPECT_EQ(drive(-0.2), Outcome::refused) << "and the way back is shut";
+  while (m.from.x < 1.83) ASSERT_EQ(drive(0.06), Outcome::moved);
+  EXPECT_EQ(drive(0.06), Outcome::refused) << "the other wall never was open to it";
+}
+
+/// A room of 0.02 m walls about the origin: four blocks, or one region with a hole as bitmaps make them.
+std::vector<Solid> room(double half, bool region) {
+  const double out = half + 0.02;
+  if (region) return {{{rectangle(-out, -out, out, out), rectangle(-half, -half, half, half)}, {0, 1}}};
+  return {{{rectangle(-out, half, out, out)}, {0, 1}},
+          {{rectangle(-out, -out, out, -half)}, {0, 1}},
+          {{rectangle(half, -half, out, half)}, {0, 1}},
+          {{rectangle(-out, -half, -half, half)}, {0, 1}}};
+}
+
+class NoTunnel : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Wall, NoTunnel, ::testing::Values(false, true),
+                         [](const auto& region) { return region.param ? "region" : "block"; });
+
+TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
+  std::size_t refused = 0;
+  std::size_t moved = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(5'000'000 + seed);
+    TestCrowd crowd;
+    crowd.walls = room(2, GetParam());
+    if (draw.chance(0.4)) {  // a needle of 5 mm
+      const double h = draw.real(0.1, 0.5);
+      crowd.kinds.push_back(make_kind({{{rectangle(-h, -0.0025, h, 0.0025)}, {0, 0.5}}}));
+    } else {
+      do crowd.kinds.assign(1, random_kind(draw, draw.scale(0.05, 1.5)));
+      while (crowd.kinds[0].shape.z.min >= 0.5);
+    }
+    const Kind& kind = crowd.kinds[0];
+    crowd.add(kind, {draw.real(-0.5, 0.5), draw.real(-0.5, 0.5), 0, draw.real(-3, 3)});
+    Ticks run(crowd, 1, draw.scale(0.1, 3));
+    const Vec2 middle = kind.shape.pieces[0].outline[0];
+    for (int tick = 0; tick < 120; ++tick) {
+      Motion& m = crowd.motions[0];
+      const double direction = draw.real(-k_pi, k_pi);
+      const double turn = draw.chance(0.5) ? 0 : draw.real(-2, 2);
+      m.to = compose(m.from, {std::cos(direction), std::sin(direction), 0, turn});  // 10 m/s for 0.1 s
+      m.turn = turn;
+      m.moves = true;
+      // Refused all the time it would stay in the middle: now and then go up to a wall in smaller steps.
+      if (tick % 2)
+        m.to = {m.from.x + 0.1 * (m.to.x - m.from.x), m.from.y + 0.1 * (m.to.y - m.from.y), 0, m.to.heading};
+      const Outcome outcome = run.step()[0];
+      refused += outcome == Outcome::refused;
+      moved += outcome == Outcome::moved;
+      for (const ConvexPrism& piece : kind.shape.pieces) {
+        for (const Vec2& v : piece.outline) {
+          const Vec2 corner = Transform(m.from) * v;
+          ASSERT_LT(corner.cwiseAbs().maxCoeff(), 2 + 1e-12) << "tick " << tick;
+        }
+      }
+      ASSERT_LT((Transform(m.from) * middle).cwiseAbs().maxCoeff(), 2);
+    }
+  }
+  EXPECT_GT(refused, 1000u);
+  EXPECT_GT(moved, 1000u);
+}
+
+TEST_P(NoTunnel, NoBodyCrossesAWallAtAnyAngle) {
+  std::size_t crossings = 0;
+  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(6'000'000 + seed);
+    TestCrowd crowd;
+    // A wall along y, turned: as a block, or as a region with a window too high up to matter.
+    const double angle = draw.real(-k_pi, k_pi);
+    Solid wall{{turned(rectangle(0, -20, 0.02, 20), angle)}, {0, 1}};
+    if (GetParam()) wall.contours.push_back(turned(rectangle(0.005, 18, 0.015, 19), angle));
+    crowd.walls.push_back(wall);
+    const double size = draw.scale(0.05, 1);
+    crowd.kinds.push_back(draw.chance(0.2)
+                              ? make_kind({{{rectangle(-size, -0.0025, size, 0.0025)}, {0, 0.5}}})
+                              : random_kind(draw, size));
+    const Kind& kind = crowd.kinds[0];
+    if (kind.shape.z.min > 0) continue;
+    // From one side, where it is clear of the wall, far enough to be clear of it on the other.
+    const double reach = kind.shape.radius + 0.001;
+    const double start = -reach - draw.real(0, 0.2);
+    const double path = draw.real(0.03, 1) + 2 * reach + 0.22;
+    const double slope = draw.real(-1.2, 1.2);
+    const Rotation rotation(angle);
+    const Vec2 from = rotation * Vec2(start, draw.real(-5, 5));
+    const Vec2 to = from + rotation * Vec2(path, path * slope);
+    crowd.add(kind, {from.x(), from.y(), 0, draw.real(-3, 3)});
+    Motion& m = crowd.motions[0];
+    m.turn = draw.chance(0.3) ? 0 : draw.real(-6, 6);
+    m.to = {to.x(), to.y(), 0, m.from.heading + m.turn};
+    m.moves = true;
+    Ticks run(crowd, 1, draw.scale(0.1, 3));
+    ASSERT_EQ(run.step()[0], Outcome::refused);
+    ++crossings;
+  }
+  EXPECT_GT(crossings, 2500u);
+}
+
+// In a passage as wide as they are, two bodies can only push towards each other: they never change places.
+TEST(ConflictTicks, FastBodiesDoNotPassThroughEachOther) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(7'000'000 + seed);
+    TestCrowd crowd;
+    const double length = draw.chance(0.5) ? 0.005 : 0.05;
+    crowd.kinds.push_back(make_kind({{{rectangle(-length, -0.24, length, 0.24)}, {0, 1}}}));
+    crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.24, 0.1, 0.24)}, {0, 1}}}));
+    crowd.walls.push_back({{rectangle(-5, 0.25, 5, 0.3)}, {0, 1}});
+    crowd.walls.push_back({{rectangle(-5, -0.3, 5, -0.25)}, {0, 1}});
+    crowd.bounds = Box::around({0, 0}, 4);
+    for (int i = 0; i < 4; ++i)
+      crowd.add(crowd.kinds[static_cast<std::size_t>(i % 2)], {0.5 * i - 1, 0, 0, 0});
+    Ticks run(crowd, 2);
+    std::size_t moved = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+      for (Motion& m : crowd.motions) {
+        m.to = m.from;
+        m.to.x += draw.real(-1, 1) * (draw.chance(0.5) ? 1 : 0.2);
+        m.moves = true;
+      }
+      moved += static_cast<std::size_t>(std::ranges::count(run.step(), Outcome::moved));
+      for (std::size_t i = 0; i + 1 < crowd.size(); ++i)
+        ASSERT_LT(crowd.motions[i].from.x + length + 0.1, crowd.motions[i + 1].from.x + 1e-12)
+            << "tick " << tick;
+    }
+    EXPECT_GT(moved, 50u);
+  }
+}
+
+TEST(ConflictTicks, BodiesAreHeldAtTheBounds) {
+  TestCrowd crowd;
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.25, -0.25, 0.25, 0.25)}, {0, 1}}}));
+  crowd.kinds.push_back(make_kind({}));  // blocks nobody
+  crowd.bounds = Box::around({0, 0}, 1);
+  crowd.add(crowd.kinds[0], {0.75, 0, 0, 0});
+  crowd.add(crowd.kinds[1], {0.75, 0, 0, 0});
+  Ticks run(crowd, 1);
+  const auto drive = [&](double by) {
+    for (Motion& m : crowd.motions) {
+      m.to = m.from;
+      m.to.x += by;
+      m.moves = true;
+    }
+    return run.step();
+  };
+  const std::vector<Outcome> free(2, Outcome::moved);
+  const std::vector<Outcome> held(2, Outcome::held);
+  EXPECT_EQ(drive(0.25), free) << "up to the bounds";
+  EXPECT_EQ(drive(0.25), held);
+  EXPECT_EQ(drive(-0.25), free);
+  for (Motion& m : crowd.motions) m.moves = false;
+  EXPECT_EQ(run.step(), std::vector<Outcome>(2, Outcome::stands));
+}
+
+}  // namespace
+}  // namespace troupe::oracle

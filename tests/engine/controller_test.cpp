@@ -1,0 +1,137 @@
+#include "engine/controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+struct Mixed {
+  float turn_left_s = 0;
+  std::array<double, 3> readings{1, 2, 3};
+  bool turning = true;
+  std::uint32_t count = 7;
+  std::int64_t since = -1;
+  TROUPE_FIELDS(turn_left_s, readings, turning, count, since)
+};
+
+TEST(MemoryFields, DescribeTheStruct) {
+  const std::vector<StateField> fields = memory_fields<Mixed>();
+  ASSERT_EQ(fields.size(), 5u);
+  const char* const names[]{"turn_left_s", "readings", "turning", "count", "since"};
+  const Element elements[]{Element::f32, Element::f64, Element::u8, Element::u32, Element::i64};
+  const std::uint32_t columns[]{1, 3, 1, 1, 1};
+  const std::size_t offsets[]{offsetof(Mixed, turn_left_s), offsetof(Mixed, readings),
+                              offsetof(Mixed, turning), offsetof(Mixed, count), offsetof(Mixed, since)};
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    EXPECT_EQ(fields[f].name, names[f]);
+    EXPECT_EQ(fields[f].element, elements[f]);
+    EXPECT_EQ(fields[f].columns, columns[f]);
+    EXPECT_EQ(fields[f].offset, offsets[f]);
+  }
+}
+
+struct Reordered {
+  double a = 0;
+  float b = 0;
+  TROUPE_FIELDS(b, a)
+};
+struct Empty {
+  TROUPE_FIELDS()
+};
+struct One {
+  double only = 0;
+  TROUPE_FIELDS(only)
+};
+
+TEST(MemoryFields, ComeInTheOrderTheyAreListed) {
+  const std::vector<StateField> fields = memory_fields<Reordered>();
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].name, "b");
+  EXPECT_EQ(fields[0].offset, offsetof(Reordered, b));
+  EXPECT_EQ(fields[1].name, "a");
+  EXPECT_EQ(fields[1].offset, 0u);
+  EXPECT_TRUE(memory_fields<Empty>().empty());
+  ASSERT_EQ(memory_fields<One>().size(), 1u);
+  EXPECT_EQ(memory_fields<One>()[0].name, "only");
+}
+
+/// Counts its calls and drives as fast as it has counted.
+struct Counter {
+  struct Memory {
+    std::uint32_t calls = 10;
+    TROUPE_FIELDS(calls)
+  };
+  double step;
+
+  static Counter make(const Record& params) { return {params[0].number()}; }
+  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string& fault) const {
+    if (step < 0) fault = "cannot count down";
+    return {};
+  }
+  void operator()(Memory& memory, const Percept&, Random&, Actions& actions) const {
+    ++memory.calls;
+    actions.command.x = step * memory.calls;
+  }
+};
+struct Forgetful {
+  static Forgetful make(const Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string&) const {
+    return {2, 0};
+  }
+  void operator()(const Percept& percept, Random&, Actions& actions) const {
+    actions.command.turn = percept.tick_s;
+  }
+};
+
+TEST(ControllerKind, KeepsItsMemoryInTheTable) {
+  const ControllerKind kind =
+      make_controller_kind<Counter>("counter", "counts", {{{.name = "step", .fallback = 0.5}}});
+  EXPECT_EQ(kind.name, "counter");
+  EXPECT_EQ(kind.memory_bytes, sizeof(Counter::Memory));
+  ASSERT_EQ(kind.memory.size(), 1u);
+
+  StateTable table("counter/0", HashGroup::memory, StateTable::Layout::rows, kind.memory,
+                   {BodyId(3), BodyId(9)}, kind.memory_bytes);
+  for (std::size_t r = 0; r < 2; ++r) kind.start(table.row(r));
+  EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 10u) << "members start as the struct says";
+
+  std::vector<bool> claimed;
+  std::string fault;
+  const ControllerKind::Prepared prepared = kind.prepare({Value(2.0)}, {}, claimed, fault);
+  EXPECT_EQ(fault, "");
+  Command command;
+  Actions actions{command};
+  Random random(1, 2, 3, 4);
+  const std::uint64_t before = table.hash_row(1);
+  kind.decide(prepared.data, {}, table.row(1), random, actions);
+  EXPECT_EQ(command.x, 22);
+  EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 11u);
+  EXPECT_EQ(table.cell<std::uint32_t>(0, 0)[0], 10u) << "a robot's memory is its own";
+  EXPECT_NE(table.hash_row(1), before);
+
+  kind.prepare({Value(-1.0)}, {}, claimed, fault);
+  EXPECT_EQ(fault, "cannot count down");
+}
+
+TEST(ControllerKind, NeedsNoMemory) {
+  const ControllerKind kind = make_controller_kind<Forgetful>("forgetful", "", {});
+  EXPECT_TRUE(kind.memory.empty());
+  EXPECT_EQ(kind.memory_bytes, 0u);
+  std::vector<bool> claimed;
+  std::string fault;
+  const ControllerKind::Prepared prepared = kind.prepare({}, {}, claimed, fault);
+  EXPECT_EQ(prepared.sensors, (std::vector<std::size_t>{2, 0}));
+  Command command;
+  Actions actions{command};
+  Random random(1, 2, 3, 4);
+  kind.decide(prepared.data, {.tick_s = 0.25}, nullptr, random, actions);
+  EXPECT_EQ(command.turn, 0.25);
+}
+
+}  // namespace
+}  // namespace troupe::engine

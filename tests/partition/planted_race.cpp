@@ -1,0 +1,20 @@
+// A loop whose two tasks write one number. Under the thread sanitizer it must be reported (tests/CMakeLists.txt): a
+// sanitizer that cannot see through the loop would pass every test.
+#include "partition/parallel.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+int main() {
+  troupe::partition::Parallel parallel(2);
+  int sum = 0;
+  std::atomic<int> arrived = 0;
+  parallel.for_each(2, [&](std::size_t i) {
+    // Both tasks are under way, on a thread each, before either writes. Relaxed: it orders nothing.
+    arrived.fetch_add(1, std::memory_order_relaxed);
+    while (arrived.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
+    sum += static_cast<int>(i);
+  });
+  std::printf("%d\n", sum);
+}
