@@ -5,9 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <limits>
+#include <sstream>
 #include <string>
 
 namespace troupe::partition {
