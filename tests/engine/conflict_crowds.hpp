@@ -71,10 +71,8 @@ inline std::vector<Solid> random_blocks(Draw& draw, double size) {
       const double w = h * draw.real(0.2, 1);
       return {{{rectangle(-h, -w, h, w)}, low}};
     }
-    case 1:
-      return {{{random_star(draw, 3 + draw.below(6), h, 1)}, low}};
-    case 2:
-      return {{{random_star(draw, 5 + draw.below(5), h, 0.3)}, low}};
+    case 1: return {{{random_star(draw, 3 + draw.below(6), h, 1)}, low}};
+    case 2: return {{{random_star(draw, 5 + draw.below(5), h, 0.3)}, low}};
     case 3: {  // an L, clockwise
       Ring ring{{-h, -h}, {h, -h}, {h, -0.3 * h}, {-0.2 * h, -0.3 * h}, {-0.2 * h, h}, {-h, h}};
       std::ranges::reverse(ring);
@@ -91,8 +89,7 @@ inline std::vector<Solid> random_blocks(Draw& draw, double size) {
     }
     case 7:  // far from its own origin
       return {{{turned(random_star(draw, 5, 0.5 * h, 1), 0, {0.5 * h, 0.2 * h})}, low}};
-    default:
-      return {{{random_star(draw, 4, h, 0.8)}, high}, {{random_star(draw, 6, 0.6 * h, 0.8)}, low}};
+    default: return {{{random_star(draw, 4, h, 0.8)}, high}, {{random_star(draw, 6, 0.6 * h, 0.8)}, low}};
   }
 }
 
