@@ -23,7 +23,7 @@ namespace troupe::partition {
 /// ends give the same numbers in principle, but lose all digits of an edge that is short for its distance
 /// (0.3 mm of error for 5 mm of edge at 5 m).
 ///
-/// Edges met at a grazing angle (|d x e| <= 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass
+/// Edges met at a grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass
 /// very near the origin (|A| <= 2^-20 m^2, m the sum of all coordinates' magnitudes) would divide noise by
 /// noise. For them sides are decided as above, so that nothing leaks, and the range is worked out in double
 /// and clamped to where the edge can be. A beam that starts on an edge meets it, whichever way it looks.

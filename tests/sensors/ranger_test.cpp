@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 
 namespace troupe::sensors {
 namespace {
@@ -42,9 +44,7 @@ Ring blob(Random& random, const Vec2& middle, double size) {
   return ring;
 }
 
-std::string numbered(std::string name, std::uint32_t n) {
-  return name.append(std::to_string(n));
-}
+std::string numbered(std::string name, std::uint32_t n) { return name.append(std::to_string(n)); }
 
 float any_return(Random& random) {
   constexpr std::array<float, 5> k_returns{-1, 0, 0.5f, 1, 1};
@@ -272,6 +272,31 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
   EXPECT_GT(hits, beams / 10);
 }
 
+TEST(Ranger, InACrowdOfThousandsCullsChangeNoBit) {
+  RandomScene random;
+  SceneBuilder& scene = random.scene;
+  Random numbers(5, 1, 0, 0);
+  const std::vector<Transducer> ring = any_ranger(numbers);
+  const std::vector<Transducer> scanner{{.pose = {0, 0, 0.1, 0}, .range_max = 6, .fov = 6, .samples = 300}};
+  const TypeId crowd = scene.robot("crowd", {{{test::box_ring(0.1, 0.06)}, {0, 0.2}}});
+  const TypeId watcher = scene.robot("watcher", {{{test::box_ring(0.1, 0.1)}, {0, 0.2}}});
+  scene[watcher].sensors = {test::ranger("ring", ring), test::ranger("scanner", scanner, true)};
+  random.rangers = {{}, {}, {ring, scanner}};
+  for (std::uint32_t i = 0; i < 3000;
+       ++i)  // nearly all within reach: several blocks of them are worked through
+    scene.body(numbered("b", i), i % 100 == 0 ? watcher : crowd,
+               {numbers.uniform(-3, 3), numbers.uniform(-3, 3), 0, numbers.uniform(-3, 3)});
+  scene.wall(-2, 1, 2, 1.02);
+  World world = scene.world();
+  const Formula formula(world);
+  world.step();
+  for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
+    const std::vector<Reading> want = formula(row, {}, transducers);
+    const std::span<const float> ranges = readings(world, world.body(row), s);
+    for (std::size_t i = 0; i < want.size(); ++i) ASSERT_EQ(ranges[i], want[i].range) << "row " << row.value;
+  });
+}
+
 // ---- against textbook geometry
 
 /// Ray against segment in double, by solving for the two parameters; shares no code with the engine.
@@ -376,12 +401,8 @@ void expect_true_ranges(const Vec2& place, std::uint32_t first_seed) {
               static_cast<unsigned long long>(comparison.at_ends));
 }
 
-TEST(Ranger, RangesAreTrueToTextbookGeometry) {
-  expect_true_ranges({0, 0}, 100'000);
-}
-TEST(Ranger, RangesAreTrueFarFromTheOriginToo) {
-  expect_true_ranges({1000.7, -730.1}, 200'000);
-}
+TEST(Ranger, RangesAreTrueToTextbookGeometry) { expect_true_ranges({0, 0}, 100'000); }
+TEST(Ranger, RangesAreTrueFarFromTheOriginToo) { expect_true_ranges({1000.7, -730.1}, 200'000); }
 
 // ---- what a ranger means
 
