@@ -75,7 +75,7 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10}, {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 10}};
+    return {{"hospital.json", 150, 10}, {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5}};
   return {{"hospital.json", {}, 50}, {"cave-complex-laser.json", {}, 50}, {"crowd.json", {}, 50}};
 }
 

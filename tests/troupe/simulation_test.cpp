@@ -1,6 +1,7 @@
 #include "troupe/troupe.hpp"
 
 #include "base/hash.hpp"
+#include "tests/support/slow_build.hpp"
 #include "tests/troupe/scratch.hpp"
 
 #include <gmock/gmock.h>
@@ -520,7 +521,7 @@ TEST_F(SimulationTest, LookingOnChangesNothing) {
 /// Hash logs of two unlike worlds, each alone.
 class TwoSimulations : public test::ScratchTest {
  protected:
-  static constexpr int k_ticks = 20;
+  static constexpr int k_ticks = test::k_slow_build ? 5 : 20;
   static Simulation crowd(unsigned threads) {
     SimulationOptions options;
     options.threads = threads;

@@ -40,7 +40,7 @@ TEST_P(StageWorlds, LoadsAndRuns) {
   const Statistics s = simulation.statistics();
   EXPECT_EQ(s.held_at_bounds, 0u);
   EXPECT_TRUE(std::isfinite(s.mean_displacement_m));
-  EXPECT_EQ(s.mean_displacement_m > 0.02, world.drives_itself) << s.mean_displacement_m;
+  EXPECT_EQ(s.mean_displacement_m > 0, world.drives_itself) << s.mean_displacement_m;
 }
 
 INSTANTIATE_TEST_SUITE_P(Unmodified, StageWorlds,
