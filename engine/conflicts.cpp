@@ -115,7 +115,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
       settled_[r] = k_open;
       if (!m.moves) continue;
       priority_[r] = mix(crowd.seed, crowd.tick, crowd.ids[r]);
-      if (!crowd.shapes[r]->empty())
+      if (!crowd.shapes[r]->empty() && !rule.leaves_world(m))
         longest = std::max(longest, (m.to.position() - m.from.position()).squaredNorm());
     }
     work_[b].longest = longest;

@@ -631,7 +631,7 @@ TEST(Ranger, AnInactiveSensorIsNotRunUntilItIsActivated) {
   world.step();
   EXPECT_EQ(world.beams_cast(), 0u);
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(0.0f));
-  world.activate(s.robot_body);
+  world.subscribe(s.robot_body);
   world.step();
   EXPECT_EQ(world.beams_cast(), 1u);
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(5.0f));
