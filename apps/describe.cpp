@@ -29,9 +29,7 @@ std::string listed(std::string_view heading, const std::vector<Kind>& kinds) {
   return text + "\n";
 }
 
-std::string number_text(double x) {
-  return fmt::format("{:.6g}", x);
-}
+std::string number_text(double x) { return fmt::format("{:.6g}", x); }
 
 std::string value_text(const Value& value) {
   struct Visitor {
@@ -55,20 +53,12 @@ std::string range_text(const Field& field) {
   const bool high = std::isfinite(field.max);
   std::string range;
   switch (field.type) {
-    case FieldType::boolean:
-      return "true, false";
-    case FieldType::text:
-      return field.choices.empty() ? "text" : comma_list(field.choices);
-    case FieldType::record:
-      return "a block";
-    case FieldType::records:
-      return "a list of blocks";
-    case FieldType::integer:
-      range = "integer";
-      break;
-    case FieldType::number:
-      range = "number";
-      break;
+    case FieldType::boolean: return "true, false";
+    case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::record: return "a block";
+    case FieldType::records: return "a list of blocks";
+    case FieldType::integer: range = "integer"; break;
+    case FieldType::number: range = "number"; break;
     case FieldType::numbers:
       range = field.columns == 0 ? "numbers" : fmt::format("{} numbers", field.columns);
       break;

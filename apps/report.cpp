@@ -10,13 +10,9 @@
 namespace troupe::apps {
 namespace {
 
-double ratio(double a, double b) {
-  return b > 0 ? a / b : 0;
-}
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
-std::string hash_text(std::uint64_t hash) {
-  return fmt::format("{:016x}", hash);
-}
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 /// "12,345,678": a number that people are to read.
 std::string grouped(std::uint64_t n) {
@@ -26,15 +22,11 @@ std::string grouped(std::uint64_t n) {
   return text;
 }
 
-std::string percent(double part, double whole) {
-  return fmt::format("{:.1f} %", 100 * ratio(part, whole));
-}
+std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 100 * ratio(part, whole)); }
 
 }  // namespace
 
-double Report::times_real_time() const {
-  return ratio(statistics.time_s, wall_s);
-}
+double Report::times_real_time() const { return ratio(statistics.time_s, wall_s); }
 
 double Report::ns_per_robot_tick() const {
   return ratio(1e9 * wall_s, static_cast<double>(statistics.robots) * static_cast<double>(statistics.ticks));

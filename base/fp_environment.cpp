@@ -50,8 +50,6 @@ std::string fp_environment_fault() {
   return fault;
 }
 
-void restore_fp_environment() {
-  std::fesetenv(FE_DFL_ENV);
-}
+void restore_fp_environment() { std::fesetenv(FE_DFL_ENV); }
 
 }  // namespace troupe

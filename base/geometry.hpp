@@ -9,9 +9,7 @@
 namespace troupe {
 
 /// z component of the cross product a x b: positive when b lies counter-clockwise of a.
-inline double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
+inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// A closed interval of heights, metres.
 struct ZInterval {

@@ -9,9 +9,7 @@ std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) {
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 
-std::uint64_t hash_text(std::string_view text) {
-  return hash_bytes(std::as_bytes(std::span(text)));
-}
+std::uint64_t hash_text(std::string_view text) { return hash_bytes(std::as_bytes(std::span(text))); }
 
 std::string hex(std::uint64_t value) {
   constexpr std::string_view k_digits = "0123456789abcdef";

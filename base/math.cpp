@@ -21,26 +21,14 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t k_sign_bit = 1ull << 63;
 
-std::uint64_t bits_of(double x) {
-  return std::bit_cast<std::uint64_t>(x);
-}
-double from_bits(std::uint64_t bits) {
-  return std::bit_cast<double>(bits);
-}
-std::uint64_t sign_of(double x) {
-  return bits_of(x) & k_sign_bit;
-}
-double magnitude(double x) {
-  return from_bits(bits_of(x) & ~k_sign_bit);
-}
-double with_sign(double x, std::uint64_t sign) {
-  return from_bits(bits_of(x) ^ sign);
-}
+std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
+double from_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
+std::uint64_t sign_of(double x) { return bits_of(x) & k_sign_bit; }
+double magnitude(double x) { return from_bits(bits_of(x) & ~k_sign_bit); }
+double with_sign(double x, std::uint64_t sign) { return from_bits(bits_of(x) ^ sign); }
 
 /// 2^exponent, for exponents of normal numbers.
-double power_of_two(int exponent) {
-  return from_bits(static_cast<std::uint64_t>(exponent + 1023) << 52);
-}
+double power_of_two(int exponent) { return from_bits(static_cast<std::uint64_t>(exponent + 1023) << 52); }
 
 /// An unevaluated sum: hi holds the leading bits, lo what they miss.
 struct Sum {
@@ -247,13 +235,9 @@ SinCos sincos(double radians) {
   return result;
 }
 
-double sin(double radians) {
-  return sincos(radians).sin;
-}
+double sin(double radians) { return sincos(radians).sin; }
 
-double cos(double radians) {
-  return sincos(radians).cos;
-}
+double cos(double radians) { return sincos(radians).cos; }
 
 double wrap_angle(double radians) {
   const double angle = magnitude(radians);

@@ -32,16 +32,10 @@ SinCos sincos(double radians);
 /// others lose the nearest multiple of 2 pi, to within 1 ulp of the result. NaN and +-inf give NaN.
 double wrap_angle(double radians);
 
-constexpr double radians(double degrees) {
-  return degrees * (k_pi / 180.0);
-}
-constexpr double degrees(double radians) {
-  return radians * (180.0 / k_pi);
-}
+constexpr double radians(double degrees) { return degrees * (k_pi / 180.0); }
+constexpr double degrees(double radians) { return radians * (180.0 / k_pi); }
 
 /// The square root is an IEEE basic operation and rounds the same everywhere.
-inline double sqrt(double x) {
-  return std::sqrt(x);
-}
+inline double sqrt(double x) { return std::sqrt(x); }
 
 }  // namespace troupe

@@ -88,9 +88,7 @@ double Random::normal() {
   return radius * cos(2.0 * k_pi * uniform());
 }
 
-double Random::exponential() {
-  return -log(1.0 - uniform());
-}
+double Random::exponential() { return -log(1.0 - uniform()); }
 
 std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment

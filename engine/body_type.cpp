@@ -12,7 +12,8 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   std::vector<std::string_view> names;
   for (const auto& kind : kinds) names.push_back(kind.name);
   std::ranges::sort(names);
-  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(names), did_you_mean(name, names));
+  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(names),
+                     did_you_mean(name, names));
 }
 
 void add_geometry(const TypeSpec& spec, BodyType& type) {
@@ -39,7 +40,8 @@ void add_geometry(const TypeSpec& spec, BodyType& type) {
 }  // namespace
 
 std::uint64_t period_ticks(double period_s, double tick_s) {
-  const double ticks = period_s / tick_s - 1e-9;  // 0.3 s of 0.1 s ticks are 3, whatever the quotient rounds to
+  const double ticks =
+      period_s / tick_s - 1e-9;  // 0.3 s of 0.1 s ticks are 3, whatever the quotient rounds to
   if (!(ticks > 1)) return 1;
   constexpr double k_never = 1e15;
   if (ticks > k_never) return static_cast<std::uint64_t>(k_never);
@@ -47,7 +49,8 @@ std::uint64_t period_ticks(double period_s, double tick_s) {
   return static_cast<double>(whole) < ticks ? whole + 1 : whole;
 }
 
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s, Diagnostics& diagnostics) {
+BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+                        Diagnostics& diagnostics) {
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type);

@@ -39,9 +39,9 @@ struct BodyType {
     std::string name;
     const SensorKind* kind;
     SensorKind::Prepared prepared;
-    std::uint64_t period;        ///< ticks
-    bool active;                 ///< runs: always on, or a controller reads it
-    std::size_t table = 0;       ///< its percepts: index into World::tables()
+    std::uint64_t period;   ///< ticks
+    bool active;            ///< runs: always on, or a controller reads it
+    std::size_t table = 0;  ///< its percepts: index into World::tables()
   };
   std::vector<Sensor> sensors;
 
@@ -58,11 +58,12 @@ struct BodyType {
   bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
 };
 
-/// Ticks between two runs of something with this period: as in Stage, the next multiple of the tick, and every
-/// tick for 0.
+/// Ticks between two runs of something with this period: as in Stage, the next multiple of the tick, and
+/// every tick for 0.
 std::uint64_t period_ticks(double period_s, double tick_s);
 
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s, Diagnostics& diagnostics);
+BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+                        Diagnostics& diagnostics);
 
 }  // namespace troupe::engine

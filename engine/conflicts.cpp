@@ -78,8 +78,7 @@ class Rule {
 }  // namespace
 
 std::size_t motion_samples(const Motion& m, const ObstacleShape& shape) {
-  const double displacement =
-      (m.to.position() - m.from.position()).norm() + shape.radius * std::abs(m.turn);
+  const double displacement = (m.to.position() - m.from.position()).norm() + shape.radius * std::abs(m.turn);
   const double samples = displacement / (0.25 * shape.thinnest);
   constexpr double k_most = 1e6;  // a needle at absurd speed must not hang the step
   const double n = samples < k_most ? samples : k_most;
@@ -94,8 +93,9 @@ Pose motion_pose(const Motion& m, std::size_t k, std::size_t n) {
           m.from.z + t * (m.to.z - m.from.z), m.from.heading + t * m.turn};
 }
 
-void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
-                       partition::Parallel& parallel, std::span<Outcome> outcomes) {
+void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
+                       const partition::BodyIndex& index, partition::Parallel& parallel,
+                       std::span<Outcome> outcomes) {
   const std::size_t rows = crowd.motions.size();
   const std::size_t batches = (rows + k_batch - 1) / k_batch;
   const Rule rule(crowd, scene);
@@ -163,8 +163,10 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
         if (refused || other == row || crowd.shapes[other]->empty()) return;
         const Motion& theirs = crowd.motions[other];
         if (!mine.touches(swept(theirs, crowd.shapes[other]->radius))) return;
-        if (theirs.moves && before(other, row)) work.others.push_back(other);
-        else refused = rule.body_refuses(row, other, theirs.from);
+        if (theirs.moves && before(other, row))
+          work.others.push_back(other);
+        else
+          refused = rule.body_refuses(row, other, theirs.from);
       });
       if (refused) {
         settle(Outcome::refused);
@@ -177,8 +179,8 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
     }
   });
 
-  // Further rounds: whoever waits only for bodies that earlier rounds settled is settled now. The body of highest
-  // priority among those who wait always is, so this ends.
+  // Further rounds: whoever waits only for bodies that earlier rounds settled is settled now. The body of
+  // highest priority among those who wait always is, so this ends.
   rounds_ = 1;
   for (bool anyone_waits = true; anyone_waits;) {
     anyone_waits = std::ranges::any_of(work_, [](const Work& work) { return !work.waiting.empty(); });
@@ -195,7 +197,8 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene, 
         if (!std::ranges::all_of(others, settled_before)) return false;
         const bool refused = std::ranges::any_of(others, [&](std::uint32_t other) {
           const bool moved = (state_of(other).load(std::memory_order_relaxed) & k_state) == k_moves;
-          return rule.body_refuses(waiting.row, other, moved ? crowd.motions[other].to : crowd.motions[other].from);
+          return rule.body_refuses(waiting.row, other,
+                                   moved ? crowd.motions[other].to : crowd.motions[other].from);
         });
         outcomes[waiting.row] = refused ? Outcome::refused : Outcome::moved;
         state_of(waiting.row).store(round * 4 + (refused ? k_stays : k_moves), std::memory_order_release);

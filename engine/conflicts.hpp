@@ -20,8 +20,8 @@ struct Motion {
 };
 
 /// Poses at which a motion is tested: n = ceil(displacement / (thinnest part / 4)), equally spaced, the last
-/// being `to` itself. The displacement is |translation| + radius * |turn|, which no vertex exceeds; so no part of
-/// a body jumps over anything, however thin.
+/// being `to` itself. The displacement is |translation| + radius * |turn|, which no vertex exceeds; so no
+/// part of a body jumps over anything, however thin.
 std::size_t motion_samples(const Motion& motion, const partition::ObstacleShape& shape);
 Pose motion_pose(const Motion& motion, std::size_t k, std::size_t n);
 
@@ -30,12 +30,12 @@ Pose motion_pose(const Motion& motion, std::size_t k, std::size_t n);
 /// rule    In the order of priority, a body takes its proposed pose if the motion there is free of the static
 ///         scene and of every other body where that one is then: at its new pose if it went before and moved,
 ///         else at its old one. Otherwise it stays where it was. Priority is mix(seed, tick, id), ties by id.
-///         Touching is free. A pair that overlaps at the mover's old pose never refuses a motion that takes their
-///         origins apart, and a static solid that the body already overlaps does not refuse.
+///         Touching is free. A pair that overlaps at the mover's old pose never refuses a motion that takes
+///         their origins apart, and a static solid that the body already overlaps does not refuse.
 /// result  that of the sequential rule, body for body, on any number of threads
 /// source  deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
-///         algorithms can be fast, PPoPP 2012. A body depends only on bodies of higher priority that its motion
-///         may meet; nearly all have none and settle at once, the rest in a few rounds.
+///         algorithms can be fast, PPoPP 2012. A body depends only on bodies of higher priority that its
+///         motion may meet; nearly all have none and settle at once, the rest in a few rounds.
 class Conflicts {
  public:
   /// One entry a row in each span.

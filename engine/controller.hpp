@@ -9,10 +9,10 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists every member of a controller's Memory. Only listed members exist for hash, comparison, checkpoint and
-/// recording; a member that is not listed, or one that is not a number, does not compile.
-#define TROUPE_FIELDS(...)                                                   \
-  constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); }           \
+/// Lists every member of a controller's Memory. Only listed members exist for hash, comparison, checkpoint
+/// and recording; a member that is not listed, or one that is not a number, does not compile.
+#define TROUPE_FIELDS(...)                                         \
+  constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
 
 namespace troupe::engine {
@@ -31,8 +31,10 @@ constexpr bool takes(std::index_sequence<I...>) {
 /// Members of an aggregate: the largest number of initialisers it takes.
 template <class T, std::size_t N = 0>
 constexpr std::size_t member_count() {
-  if constexpr (takes<T>(std::make_index_sequence<N + 1>{})) return member_count<T, N + 1>();
-  else return N;
+  if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
+    return member_count<T, N + 1>();
+  else
+    return N;
 }
 
 /// True when no member is listed twice: with as many names as members, each is listed once then.
@@ -79,7 +81,7 @@ struct MemoryOf {
   using type = NoMemory;
 };
 template <class C>
-  requires requires { typename C::Memory; }
+requires requires { typename C::Memory; }
 struct MemoryOf<C> {
   using type = typename C::Memory;
 };
@@ -96,7 +98,8 @@ std::vector<StateField> memory_fields() {
   static_assert(std::is_aggregate_v<Memory>, "a memory has no constructors: give its members initial values");
   static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
                 "TROUPE_FIELDS must list every member of the memory");
-  static_assert(detail::lists_distinct_members<Memory>(), "TROUPE_FIELDS must list every member of the memory once");
+  static_assert(detail::lists_distinct_members<Memory>(),
+                "TROUPE_FIELDS must list every member of the memory once");
   std::vector<StateField> out;
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {
@@ -110,15 +113,16 @@ std::vector<StateField> memory_fields() {
       out.push_back(std::move(field));
     };
     (add(std::get<I>(fields), I), ...);
-  }(std::make_index_sequence<count>{});
+  }
+  (std::make_index_sequence<count>{});
   return out;
 }
 
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
 ///   static C make(const Record& params);
-///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string& fault);
-///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;
+///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string&
+///   fault); void operator()([Memory&,] const Percept&, Random&, Actions&) const;
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
@@ -135,8 +139,10 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   kind.decide = [](const std::any& data, const Percept& percept, std::byte* memory, Random& random,
                    Actions& actions) {
     const C& controller = *std::any_cast<C>(&data);
-    if constexpr (std::is_same_v<Memory, detail::NoMemory>) controller(percept, random, actions);
-    else controller(*reinterpret_cast<Memory*>(memory), percept, random, actions);
+    if constexpr (std::is_same_v<Memory, detail::NoMemory>)
+      controller(percept, random, actions);
+    else
+      controller(*reinterpret_cast<Memory*>(memory), percept, random, actions);
   };
   return kind;
 }

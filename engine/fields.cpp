@@ -35,20 +35,13 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   static constexpr std::array<UnitSuffix, 1> rate{{{"_per_s", "1/s", 1}}};
   static constexpr std::array<UnitSuffix, 1> bare{{{"", "", 1}}};
   switch (unit) {
-    case Unit::meters:
-      return meters;
-    case Unit::radians:
-      return angle;
-    case Unit::seconds:
-      return seconds;
-    case Unit::meters_per_second:
-      return speed;
-    case Unit::radians_per_second:
-      return turn;
-    case Unit::per_second:
-      return rate;
-    case Unit::none:
-      break;
+    case Unit::meters: return meters;
+    case Unit::radians: return angle;
+    case Unit::seconds: return seconds;
+    case Unit::meters_per_second: return speed;
+    case Unit::radians_per_second: return turn;
+    case Unit::per_second: return rate;
+    case Unit::none: break;
   }
   return bare;
 }

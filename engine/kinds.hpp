@@ -56,8 +56,10 @@ struct SensorKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
-  /// Writes the percepts of every row it is given (all of one type); reads S(k) only. Returns the rays it cast.
-  std::uint64_t (*sense)(const World& world, const std::any& data, std::span<const Row> rows, StateTable& percepts);
+  /// Writes the percepts of every row it is given (all of one type); reads S(k) only. Returns the rays it
+  /// cast.
+  std::uint64_t (*sense)(const World& world, const std::any& data, std::span<const Row> rows,
+                         StateTable& percepts);
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
@@ -119,8 +121,8 @@ struct ControllerKind {
     /// Indices of the sensors it reads; the first is its trigger. None: it runs with its drive.
     std::vector<std::size_t> sensors;
   };
-  /// Chooses among the sensors of the type those that no controller before it has `claimed`, and marks its own.
-  /// Returns an error text in `fault` where the type lacks what the controller needs.
+  /// Chooses among the sensors of the type those that no controller before it has `claimed`, and marks its
+  /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
                       std::string& fault);
   void (*decide)(const std::any& data, const Percept& percept, std::byte* memory, Random& random,

@@ -21,9 +21,7 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
   return dx * dx + dy * dy <= reach * reach;
 }
 
-std::int64_t cell_of(double x, double cell_m) {
-  return static_cast<std::int64_t>(std::floor(x / cell_m));
-}
+std::int64_t cell_of(double x, double cell_m) { return static_cast<std::int64_t>(std::floor(x / cell_m)); }
 
 double cells_along(double length, double pitch) {
   return std::floor(length / pitch + 1e-9) +

@@ -17,12 +17,18 @@ std::string_view element_name(Element element);
 
 template <class T>
 constexpr Element element_of() {
-  if constexpr (std::is_same_v<T, double>) return Element::f64;
-  else if constexpr (std::is_same_v<T, float>) return Element::f32;
-  else if constexpr (std::is_same_v<T, std::int64_t>) return Element::i64;
-  else if constexpr (std::is_same_v<T, std::int32_t>) return Element::i32;
-  else if constexpr (std::is_same_v<T, std::uint64_t>) return Element::u64;
-  else if constexpr (std::is_same_v<T, std::uint32_t>) return Element::u32;
+  if constexpr (std::is_same_v<T, double>)
+    return Element::f64;
+  else if constexpr (std::is_same_v<T, float>)
+    return Element::f32;
+  else if constexpr (std::is_same_v<T, std::int64_t>)
+    return Element::i64;
+  else if constexpr (std::is_same_v<T, std::int32_t>)
+    return Element::i32;
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return Element::u64;
+  else if constexpr (std::is_same_v<T, std::uint32_t>)
+    return Element::u32;
   else {
     static_assert(std::is_same_v<T, std::uint8_t> || std::is_same_v<T, bool>,
                   "state is made of float64, float32, integers and bool; no pointers, no nested types");
@@ -45,8 +51,8 @@ enum class HashGroup : std::uint8_t { pose, velocity, sensor, memory };
 inline constexpr std::size_t k_hash_groups = 4;
 std::string_view hash_group_name(HashGroup group);
 
-/// The state of one component: a row an entity. From its description come allocation, hash and everything that
-/// reads state without knowing it, so that a new array cannot be forgotten by the determinism tests.
+/// The state of one component: a row an entity. From its description come allocation, hash and everything
+/// that reads state without knowing it, so that a new array cannot be forgotten by the determinism tests.
 ///
 /// Two layouts: `columns` keeps each field contiguous (for loops that read one field of every robot);
 /// `rows` keeps each row contiguous (sensor readings, controller memories).
@@ -77,7 +83,8 @@ class StateTable {
   /// One field of one row, either layout.
   template <class T>
   std::span<T> cell(std::size_t row, std::size_t field) {
-    return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]), fields_[field].columns};
+    return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]),
+            fields_[field].columns};
   }
   template <class T>
   std::span<const T> cell(std::size_t row, std::size_t field) const {

@@ -9,9 +9,9 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_batch = 64;            // rows a task: a crowded tile is split, small ones are joined
-constexpr std::size_t k_most_sensors = 16;     // a controller reads, at most
-constexpr double k_world_limit = 100e3;        // m: where a world without floor plans ends
+constexpr std::size_t k_batch = 64;         // rows a task: a crowded tile is split, small ones are joined
+constexpr std::size_t k_most_sensors = 16;  // a controller reads, at most
+constexpr double k_world_limit = 100e3;     // m: where a world without floor plans ends
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -30,7 +30,8 @@ std::string_view phase_name(Phase phase) {
 /// One tick. Each phase reads the state that the one before it left, and writes rows of its own only.
 /// The drive comes before the decision: a command takes effect a tick after the readings it was made from.
 void World::step() {
-  restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast maths
+  restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
+                             // maths
   ++tick_;
   begin(Phase::sense);
   sense();
@@ -58,9 +59,9 @@ void World::for_batches(Work&& work) {
     for (std::size_t i = 0; i < count; ++i) rows[i] = Row(order[b * k_batch + i]);
     const std::span<Row> all(rows.data(), count);
     const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-    if (types_.size() > 1) std::ranges::sort(all, [&](Row a, Row c) {
-      return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c;
-    });
+    if (types_.size() > 1)
+      std::ranges::sort(
+          all, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
     for (std::size_t i = 0; i < count;) {
       std::size_t end = i + 1;
       while (end < count && type_of(rows[end]) == type_of(rows[i])) ++end;
@@ -89,7 +90,8 @@ void World::drive() {
     std::array<Command, k_batch> commands;
     std::array<Velocity, k_batch> velocities;
     for (std::size_t i = 0; i < rows.size(); ++i) commands[i] = as<Command>(k_command)[rows[i].index()];
-    type.drive->kind->drive(type.drive->data, {commands.data(), rows.size()}, {velocities.data(), rows.size()});
+    type.drive->kind->drive(type.drive->data, {commands.data(), rows.size()},
+                            {velocities.data(), rows.size()});
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const Velocity& v = velocities[i];
       if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
@@ -103,8 +105,8 @@ void World::drive() {
     }
   });
   if (const Row row(faulty.load()); row.valid()) {
-    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number", tick_,
-                                spec_.bodies[body(row).index()].name));
+    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
+                                tick_, spec_.bodies[body(row).index()].name));
   }
 }
 
@@ -141,7 +143,8 @@ void World::move() {
     }
   });
   const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
-  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, bounds}, scene_, index_, parallel_, outcomes_);
+  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, bounds}, scene_, index_, parallel_,
+                    outcomes_);
   conflict_rounds_ += conflicts_.rounds();
   for_batches([&](std::span<const Row> rows, const BodyType&) {
     for (const Row row : rows) {

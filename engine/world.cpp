@@ -17,8 +17,8 @@ Solid placed(const Solid& solid, const Pose& pose) {
   return out;
 }
 
-/// Cells a quarter of the farthest sight: small enough to leave out most of what is out of reach, large enough
-/// that a query runs over few of them.
+/// Cells a quarter of the farthest sight: small enough to leave out most of what is out of reach, large
+/// enough that a query runs over few of them.
 partition::GridGeometry choose_geometry(std::span<const BodyType> types, double tile_size_m) {
   constexpr double k_least_cell = 0.05;
   double reach = 0;
@@ -83,7 +83,8 @@ void World::build_scene() {
     if (types_[body.type.index()].runs()) continue;
     for (const PartSpec& part : spec_.types[body.type.index()].parts)
       for (const Solid& solid : part.solids)
-        solids.push_back({placed(solid, body.pose_world_body), BodyId(b), part.returns.obstacle, part.returns.ranger});
+        solids.push_back(
+            {placed(solid, body.pose_world_body), BodyId(b), part.returns.obstacle, part.returns.ranger});
   }
   scene_ = partition::StaticScene(std::move(solids), geometry_.cell_m);
   index_ = partition::BodyIndex(geometry_);
@@ -96,18 +97,21 @@ void World::build_tables() {
                                    {"y", Element::f64, 1, "m/s", "left"},
                                    {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}};
   };
-  tables_.emplace_back("pose", HashGroup::pose, Layout::rows,
-                       std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
-                                               {"y", Element::f64, 1, "m", "world frame"},
-                                               {"z", Element::f64, 1, "m", "world frame"},
-                                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
+  tables_.emplace_back(
+      "pose", HashGroup::pose, Layout::rows,
+      std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
+                              {"y", Element::f64, 1, "m", "world frame"},
+                              {"z", Element::f64, 1, "m", "world frame"},
+                              {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
+      row_bodies_);
+  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows, speeds("forward, of this tick"),
                        row_bodies_);
-  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows, speeds("forward, of this tick"), row_bodies_);
   tables_.emplace_back("command", HashGroup::velocity, Layout::rows, speeds("forward, asked of the drive"),
                        row_bodies_);
-  tables_.emplace_back("stall", HashGroup::velocity, Layout::columns,
-                       std::vector<StateField>{{"stalled", Element::u8, 1, "", "1: the last motion was refused"}},
-                       row_bodies_);
+  tables_.emplace_back(
+      "stall", HashGroup::velocity, Layout::columns,
+      std::vector<StateField>{{"stalled", Element::u8, 1, "", "1: the last motion was refused"}},
+      row_bodies_);
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
@@ -116,8 +120,8 @@ void World::build_tables() {
     for (BodyType::Sensor& sensor : types_[t].sensors) {
       sensor.table = tables_.size();
       // Component names hold no type: types are an economy of ours, and two files may cut them differently.
-      tables_.emplace_back(fmt::format("{}/{}", sensor.kind->name, sensor.name), HashGroup::sensor, Layout::rows,
-                           sensor.prepared.percepts, bodies[t]);
+      tables_.emplace_back(fmt::format("{}/{}", sensor.kind->name, sensor.name), HashGroup::sensor,
+                           Layout::rows, sensor.prepared.percepts, bodies[t]);
     }
     for (std::size_t c = 0; c < types_[t].controllers.size(); ++c) {
       BodyType::Controller& controller = types_[t].controllers[c];
@@ -147,7 +151,8 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   for (std::uint32_t r = 0; r < rows(); ++r) {
     const partition::ObstacleShape& shape = *row_shapes_[r];
     if (shape.empty()) continue;
-    for (const BodyId fixed : scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
+    for (const BodyId fixed :
+         scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
       report(row_bodies_[r], fixed);
     index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyEntry& entry) {
       if (entry.row > r && !row_shapes_[entry.row]->empty() &&
@@ -156,9 +161,10 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     });
   }
   if (pairs > 0) {
-    diagnostics.warning(where, fmt::format("{} pair{} of bodies overlap{} at the start, first {}; they may move "
-                                           "apart, but not closer",
-                                           pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", first));
+    diagnostics.warning(where,
+                        fmt::format("{} pair{} of bodies overlap{} at the start, first {}; they may move "
+                                    "apart, but not closer",
+                                    pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", first));
   }
 }
 
@@ -180,7 +186,8 @@ Pose World::pose(BodyId body) const {
 bool World::stalled(Row row) const { return as<std::uint8_t>(k_stall)[row.index()] != 0; }
 
 void World::activate(BodyId body) {
-  for (BodyType::Sensor& sensor : types_[spec_.bodies[body.index()].type.index()].sensors) sensor.active = true;
+  for (BodyType::Sensor& sensor : types_[spec_.bodies[body.index()].type.index()].sensors)
+    sensor.active = true;
 }
 
 Hashes World::hashes() {
@@ -191,7 +198,8 @@ Hashes World::hashes() {
     std::atomic<std::uint64_t> sum = 0;
     parallel_.for_each(blocks, [&](std::size_t b) {
       std::uint64_t part = 0;
-      for (std::size_t r = b * k_block; r < std::min(table.rows(), (b + 1) * k_block); ++r) part += table.hash_row(r);
+      for (std::size_t r = b * k_block; r < std::min(table.rows(), (b + 1) * k_block); ++r)
+        part += table.hash_row(r);
       sum.fetch_add(part, std::memory_order_relaxed);
     });
     hashes.groups[static_cast<std::size_t>(table.group())] += sum;
@@ -228,8 +236,10 @@ FrameScene World::frame_scene() const {
   scene.bounds = scene_.bounds();
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
-    if (!body_rows_[b].valid()) scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
-    else scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
+    if (!body_rows_[b].valid())
+      scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
+    else
+      scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
   }
   return scene;
 }

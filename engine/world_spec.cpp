@@ -5,7 +5,8 @@ namespace troupe::engine {
 void add_ground(WorldSpec& spec) {
   TypeSpec type;
   type.name = "ground";
-  type.parts.push_back({.name = "", .kind = "model", .size = {0, 0, 0}, .returns = {.obstacle = false, .ranger = -1}});
+  type.parts.push_back(
+      {.name = "", .kind = "model", .size = {0, 0, 0}, .returns = {.obstacle = false, .ranger = -1}});
   spec.types.push_back(std::move(type));
   spec.bodies.push_back({.name = "_ground_model", .type = TypeId(spec.types.size() - 1)});
 }

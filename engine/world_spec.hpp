@@ -18,8 +18,8 @@ namespace troupe::engine {
 
 /// How a model shows itself to others.
 struct Returns {
-  bool obstacle = true;       ///< takes part in collisions
-  float ranger = 1;           ///< below 0: rays pass; else the intensity a ranger reads
+  bool obstacle = true;  ///< takes part in collisions
+  float ranger = 1;      ///< below 0: rays pass; else the intensity a ranger reads
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
@@ -27,7 +27,7 @@ struct Returns {
 struct PartSpec {
   std::string name;   ///< below the body's name: "ranger:0"; empty for the root (part 0)
   std::string alias;  ///< its generated name, where the world gave it another; else empty
-  std::string kind;  ///< model kind: "position", "ranger", ...
+  std::string kind;   ///< model kind: "position", "ranger", ...
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included

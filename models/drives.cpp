@@ -25,7 +25,10 @@ FieldTable drive_fields() {
   return {{
       {.name = "velocity_min_x", .unit = Unit::meters_per_second, .fallback = -1.0, .text = "backward limit"},
       {.name = "velocity_max_x", .unit = Unit::meters_per_second, .fallback = 1.0, .text = "forward limit"},
-      {.name = "velocity_min_y", .unit = Unit::meters_per_second, .fallback = -1.0, .text = "rightward limit"},
+      {.name = "velocity_min_y",
+       .unit = Unit::meters_per_second,
+       .fallback = -1.0,
+       .text = "rightward limit"},
       {.name = "velocity_max_y", .unit = Unit::meters_per_second, .fallback = 1.0, .text = "leftward limit"},
       {.name = "turn_min",
        .unit = Unit::radians_per_second,
@@ -67,7 +70,8 @@ Velocity bounded(const Drive& d, double x, double y, double turn) {
 }
 
 template <class Law>
-void drive_all(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities, Law law) {
+void drive_all(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities,
+               Law law) {
   const Drive& d = *std::any_cast<Drive>(&data);
   for (std::size_t i = 0; i < commands.size(); ++i) velocities[i] = law(d, commands[i]);
 }

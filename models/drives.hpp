@@ -8,7 +8,8 @@ namespace troupe::models {
 /// not limited.
 /// diff  v = (x, 0), turn = turn
 /// omni  v = (x, y), turn = turn
-/// car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the steering angle
+/// car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the steering
+/// angle
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();
 engine::DriveKind car_drive();

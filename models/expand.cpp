@@ -31,7 +31,8 @@ const FieldTable& expand_fields() {
        .unit = Unit::meters,
        .fallback = std::vector<double>{},
        .min = 0,
-       .text = "instead of `clearance`: what each transducer must exceed, in their order; 0 or left out: anything"},
+       .text = "instead of `clearance`: what each transducer must exceed, in their order; 0 or left out: "
+               "anything"},
       {.name = "cone",
        .unit = Unit::radians,
        .fallback = 0.5,
@@ -108,10 +109,11 @@ engine::ControllerKind expand_controller() {
 
 engine::Registry::Preset expand_pioneer_preset() {
   constexpr double d = 0.75;
-  return {.name = "expand_pioneer",
-          .kind = "expand",
-          .text = "expand for 16 sonars, as in Stage's cave benchmark",
-          .params = {{"speed", 0.2}, {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}}}};
+  return {
+      .name = "expand_pioneer",
+      .kind = "expand",
+      .text = "expand for 16 sonars, as in Stage's cave benchmark",
+      .params = {{"speed", 0.2}, {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}}}};
 }
 
 engine::Registry::Preset expand_swarm_preset() {

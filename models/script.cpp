@@ -60,7 +60,8 @@ struct Script {
     return script;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&, std::string& fault) {
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+                                  std::string& fault) {
     if (law == Law::timed && legs.empty()) fault = "needs legs: the law `timed` drives nothing without them";
     return {};
   }

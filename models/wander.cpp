@@ -15,7 +15,10 @@ using engine::Unit;
 const FieldTable& wander_fields() {
   static const FieldTable table{{
       {.name = "cruise_speed", .unit = Unit::meters_per_second, .fallback = 0.4, .text = "with a free way"},
-      {.name = "avoid_speed", .unit = Unit::meters_per_second, .fallback = 0.05, .text = "while turning away"},
+      {.name = "avoid_speed",
+       .unit = Unit::meters_per_second,
+       .fallback = 0.05,
+       .text = "while turning away"},
       {.name = "avoid_turn", .unit = Unit::radians_per_second, .fallback = 0.5, .text = "while turning away"},
       {.name = "min_front",
        .unit = Unit::meters,
@@ -73,8 +76,10 @@ struct Wander {
         obstruction = obstruction || scan[i] < min_front;
         stop = stop || scan[i] < stop_distance;
       }
-      if (i > n / 2) left = std::min(left, scan[i]);
-      else right = std::min(right, scan[i]);
+      if (i > n / 2)
+        left = std::min(left, scan[i]);
+      else
+        right = std::min(right, scan[i]);
     }
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {cruise, 0, 0};

@@ -20,7 +20,8 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
   const std::size_t cells = geometry_.cells_per_tile();
   const auto for_rows = [&](auto&& work) {
     parallel.for_each(blocks, [&](std::size_t b) {
-      for (std::size_t r = b * k_block; r < std::min(rows, (b + 1) * k_block); ++r) work(static_cast<std::uint32_t>(r));
+      for (std::size_t r = b * k_block; r < std::min(rows, (b + 1) * k_block); ++r)
+        work(static_cast<std::uint32_t>(r));
     });
   };
   const auto for_cells_of = [&](std::uint32_t r, auto&& visit) {
@@ -96,14 +97,16 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
       std::ranges::sort(cell, {}, &BodyEntry::row);
       for (const BodyEntry& entry : cell) {
         const Cell at = geometry_.cell(entry.position);
-        if (geometry_.tile(at) == tile && slot * cells + geometry_.in_tile(at) == c) order_[home++] = entry.row;
+        if (geometry_.tile(at) == tile && slot * cells + geometry_.in_tile(at) == c)
+          order_[home++] = entry.row;
       }
     }
   });
 }
 
-bool BodyIndex::first_meeting(const BodyEntry& entry, Cell query_low, Cell run_cell, const std::uint32_t* begin,
-                              std::size_t first, std::size_t last, std::uint32_t i) const {
+bool BodyIndex::first_meeting(const BodyEntry& entry, Cell query_low, Cell run_cell,
+                              const std::uint32_t* begin, std::size_t first, std::size_t last,
+                              std::uint32_t i) const {
   const Cell low = geometry_.cell(Box::around(entry.position, entry.radius).min);
   const Cell lowest{std::max(low.x, query_low.x), std::max(low.y, query_low.y)};
   if (lowest.y != run_cell.y || lowest.x < run_cell.x) return false;

@@ -11,17 +11,17 @@ namespace troupe::partition {
 
 /// Where a body is, for queries.
 struct BodyEntry {
-  Vec2 position;     ///< of the body's origin, m
-  double radius;     ///< of the circle about the origin that encloses it, m
+  Vec2 position;  ///< of the body's origin, m
+  double radius;  ///< of the circle about the origin that encloses it, m
   std::uint32_t row;
 };
 
 /// The bodies that move, by the cell they are in: contiguous, in (cell, row) order, rebuilt in parallel each
 /// tick by a counting sort over the tiles in use.
 ///
-/// A body not wider than a cell lies in the cell of its origin alone, and queries reach out by the largest such
-/// radius. A wider one lies in every cell it touches, and a query gives it once, so that one truck does not
-/// widen every query.
+/// A body not wider than a cell lies in the cell of its origin alone, and queries reach out by the largest
+/// such radius. A wider one lies in every cell it touches, and a query gives it once, so that one truck does
+/// not widen every query.
 class BodyIndex {
  public:
   BodyIndex() = default;
@@ -35,16 +35,17 @@ class BodyIndex {
   void for_each_near(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
     const Cell low = geometry_.cell(reach.min);
-    for_each_run(geometry_, directory_, reach,
-                 [&](std::uint32_t slot, std::size_t first, std::size_t last, Cell first_cell) {
-                   const std::uint32_t* begin = &begins_[slot * geometry_.cells_per_tile()];
-                   for (std::uint32_t i = begin[first]; i < begin[last]; ++i) {
-                     const BodyEntry& entry = entries_[i];
-                     if (entry.radius > small_limit() && !first_meeting(entry, low, first_cell, begin, first, last, i))
-                       continue;
-                     visit(entry);
-                   }
-                 });
+    for_each_run(
+        geometry_, directory_, reach,
+        [&](std::uint32_t slot, std::size_t first, std::size_t last, Cell first_cell) {
+          const std::uint32_t* begin = &begins_[slot * geometry_.cells_per_tile()];
+          for (std::uint32_t i = begin[first]; i < begin[last]; ++i) {
+            const BodyEntry& entry = entries_[i];
+            if (entry.radius > small_limit() && !first_meeting(entry, low, first_cell, begin, first, last, i))
+              continue;
+            visit(entry);
+          }
+        });
   }
 
   /// Every row once, rows of one tile together: the order in which to work so that neighbours share caches.

@@ -17,8 +17,8 @@ struct ObstacleShape {
   bool empty() const { return pieces.empty(); }
 };
 
-/// What bounds are widened by, m, so that no cull leaves out what the predicate would find: well above the rounding
-/// of a corner's position, 1.5e-11 m at 100 km from the origin.
+/// What bounds are widened by, m, so that no cull leaves out what the predicate would find: well above the
+/// rounding of a corner's position, 1.5e-11 m at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
 /// Prepares a shape from the obstacle solids of a body.

@@ -24,7 +24,8 @@ class Parallel {
   /// task of the loop reads or writes.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
-    run(count, [](void* t, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(t))(i); }, &task);
+    run(
+        count, [](void* t, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(t))(i); }, &task);
   }
 
  private:

@@ -15,13 +15,9 @@ float magnitude(const RayEdge& e) {
 }
 
 /// Whether noise could decide on which side of its line the origin lies, or that the edge lies behind.
-bool is_tiny(float area, float m) {
-  return std::abs(area) <= k_tiny * (m * m);
-}
+bool is_tiny(float area, float m) { return std::abs(area) <= k_tiny * (m * m); }
 
-float grazing_limit(const RayEdge& e) {
-  return k_grazing * (std::abs(e.ex) + std::abs(e.ey));
-}
+float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std::abs(e.ey)); }
 
 /// The careful way: sides as everywhere, the rest in double. m is the magnitude of edge and origin.
 float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,

@@ -77,8 +77,8 @@ class TileDirectory {
 
  private:
   std::size_t start(Cell t) const {
-    const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.x)) << 32) |
-                              static_cast<std::uint32_t>(t.y);
+    const std::uint64_t key =
+        (static_cast<std::uint64_t>(static_cast<std::uint32_t>(t.x)) << 32) | static_cast<std::uint32_t>(t.y);
     return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & (keys_.size() - 1);
   }
   void grow() {
@@ -94,8 +94,8 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits the runs of cells that a box touches: visit(slot, first cell in tile, one past the last, cell of the
-/// first), a run for each row of each tile that exists.
+/// Visits the runs of cells that a box touches: visit(slot, first cell in tile, one past the last, cell of
+/// the first), a run for each row of each tile that exists.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   const Cell low = grid.cell(box.min);

@@ -67,7 +67,8 @@ struct Crowd {
     const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(rows)));
     for (std::size_t r = 0; r < rows; ++r) {
       engine::Motion m;
-      m.from = {0.16 * static_cast<double>(r % side), 0.16 * static_cast<double>(r / side), 0, random.uniform(-3, 3)};
+      m.from = {0.16 * static_cast<double>(r % side), 0.16 * static_cast<double>(r / side), 0,
+                random.uniform(-3, 3)};
       m.turn = random.uniform(-0.15, 0.15);
       m.moves = random.below(2) == 0;
       m.to = compose(m.from, {0.03, 0, 0, m.turn});
@@ -105,8 +106,8 @@ void settle_conflicts(benchmark::State& state) {
   std::vector<engine::Conflicts::Outcome> outcomes(crowd.motions.size());
   std::uint64_t tick = 0;
   for (auto _ : state) {
-    conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, 1, ++tick, Box::around(Vec2::Zero(), 1e5)}, scene,
-                     index, parallel, outcomes);
+    conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, 1, ++tick, Box::around(Vec2::Zero(), 1e5)},
+                     scene, index, parallel, outcomes);
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
@@ -114,9 +115,9 @@ BENCHMARK(settle_conflicts)->Arg(1000)->Arg(100000)->Name("move/settle a dense c
 
 engine::WorldSpec load(const std::string& world, std::size_t robots, const engine::Registry& registry) {
   Diagnostics diagnostics;
-  engine::WorldSpec spec = worldio::load_world(std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
-                                               {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}},
-                                               diagnostics);
+  engine::WorldSpec spec =
+      worldio::load_world(std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
+                          {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}}, diagnostics);
   diagnostics.throw_if_errors();
   return spec;
 }
@@ -127,7 +128,10 @@ void load_population(benchmark::State& state) {
     benchmark::DoNotOptimize(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(load_population)->Arg(10000)->Unit(benchmark::kMillisecond)->Name("load/population (items: robots)");
+BENCHMARK(load_population)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("load/population (items: robots)");
 
 void hash_state(benchmark::State& state) {
   const engine::Registry registry = make_registry();
@@ -141,12 +145,16 @@ BENCHMARK(hash_state)->Name("hash/whole state (items: robots)");
 void whole_tick(benchmark::State& state) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
-  engine::World world(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry), registry,
-                      {.threads = 1}, diagnostics);
+  engine::World world(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry),
+                      registry, {.threads = 1}, diagnostics);
   for (auto _ : state) world.step();
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(whole_tick)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond)->Name("tick/hospital-10cm (items: robots)");
+BENCHMARK(whole_tick)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("tick/hospital-10cm (items: robots)");
 
 }  // namespace
 }  // namespace troupe

@@ -116,9 +116,7 @@ GLuint make_framebuffer(const Gl& gl, int width, int height, int samples) {
   return framebuffer;
 }
 
-void* byte_offset(std::size_t bytes) {
-  return reinterpret_cast<void*>(bytes);
-}
+void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
 
 /// The buffers of a layer, behind one vertex array object.
 GLuint upload(const Gl& gl, const Layer& layer) {

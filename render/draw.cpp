@@ -105,9 +105,7 @@ std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
 }
 
 /// What lies flat on the picture rather than in the world.
-Layer flat(Mesh mesh, bool on_top) {
-  return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top};
-}
+Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
 
 /// The floor plan and whatever else never moves, with a shadow on the floor that lifts it off the paper.
 void add_fixed(std::vector<Layer>& layers, const FrameScene& scene, const Framing& framing) {

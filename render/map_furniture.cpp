@@ -22,42 +22,25 @@ constexpr double k_longest_scale = 150;  // strokes
 /// and 6 high, a point as its two digits.
 std::string_view glyph(char c) {
   switch (c) {
-    case '0':
-      return "10 30 41 45 36 16 05 01 10";
-    case '1':
-      return "05 26 20, 10 30";
-    case '2':
-      return "05 16 36 45 44 00 40";
-    case '3':
-      return "05 16 36 45 44 33 42 41 30 10 01, 13 33";
-    case '4':
-      return "30 36 02 42";
-    case '5':
-      return "46 06 04 34 43 41 30 10 01";
-    case '6':
-      return "45 36 16 05 01 10 30 41 42 33 13 02";
-    case '7':
-      return "06 46 10";
-    case '8':
-      return "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33";
-    case '9':
-      return "01 10 30 41 45 36 16 05 04 13 33 44";
-    case '.':
-      return "10 10";
-    case 'k':
-      return "00 06, 02 34, 13 30";
-    case 'm':
-      return "00 04, 03 14 24 23 20, 23 34 44 43 40";
-    case 's':
-      return "43 34 14 03 12 32 41 30 10 01";
-    default:
-      return "";
+    case '0': return "10 30 41 45 36 16 05 01 10";
+    case '1': return "05 26 20, 10 30";
+    case '2': return "05 16 36 45 44 00 40";
+    case '3': return "05 16 36 45 44 33 42 41 30 10 01, 13 33";
+    case '4': return "30 36 02 42";
+    case '5': return "46 06 04 34 43 41 30 10 01";
+    case '6': return "45 36 16 05 01 10 30 41 42 33 13 02";
+    case '7': return "06 46 10";
+    case '8': return "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33";
+    case '9': return "01 10 30 41 45 36 16 05 04 13 33 44";
+    case '.': return "10 10";
+    case 'k': return "00 06, 02 34, 13 30";
+    case 'm': return "00 04, 03 14 24 23 20, 23 34 44 43 40";
+    case 's': return "43 34 14 03 12 32 41 30 10 01";
+    default: return "";
   }
 }
 
-double advance(char c) {
-  return c == '.' || c == ' ' ? 3 : 6;
-}
+double advance(char c) { return c == '.' || c == ' ' ? 3 : 6; }
 
 double text_width(std::string_view text) {
   double width = 0;

@@ -67,7 +67,7 @@ struct Ranger {
   bool intensity = false;
 };
 
-constexpr std::size_t k_fan = 256;    // beams cast together at most: their working set stays in the first cache
+constexpr std::size_t k_fan = 256;  // beams cast together at most: their working set stays in the first cache
 constexpr std::size_t k_edges = 128;  // edges gathered before they are projected
 
 engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
@@ -113,9 +113,11 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
   out.beams = origins.size();
   out.reach_m = ranger.reference.norm() + ranger.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);
-  out.percepts.push_back({"ranges", engine::Element::f32, columns, "m", "distance to the first surface, a beam each"});
+  out.percepts.push_back(
+      {"ranges", engine::Element::f32, columns, "m", "distance to the first surface, a beam each"});
   if (ranger.intensity)
-    out.percepts.push_back({"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
+    out.percepts.push_back(
+        {"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
   out.data = std::move(ranger);
   return out;
 }
@@ -123,7 +125,8 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
 /// Collects edges and projects them on a fan, a block at a time.
 class Projector {
  public:
-  Projector(const partition::Fan& fan, const Vec2& reference, std::span<float> inverse, std::span<float> returns)
+  Projector(const partition::Fan& fan, const Vec2& reference, std::span<float> inverse,
+            std::span<float> returns)
       : fan_(fan), reference_(reference), inverse_(inverse), returns_(returns) {}
 
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
@@ -132,8 +135,10 @@ class Projector {
   }
   void flush() {
     const std::span<const partition::RayEdge> edges(edges_.data(), count_);
-    if (returns_.empty()) partition::project(edges, fan_, inverse_);
-    else partition::project(edges, fan_, inverse_, returns_);
+    if (returns_.empty())
+      partition::project(edges, fan_, inverse_);
+    else
+      partition::project(edges, fan_, inverse_, returns_);
     count_ = 0;
   }
 
@@ -152,12 +157,19 @@ double box_distance2(const Vec2& a, const Vec2& b, const Vec2& p) {
   return gap.squaredNorm();
 }
 
-/// Collects the bodies in reach and projects those that some beam may meet, a block at a time, near ones first.
+/// Collects the bodies in reach and projects those that some beam may meet, a block at a time, near ones
+/// first.
 class NearBodies {
  public:
   NearBodies(const engine::World& world, Row self, const Vec2& reference, double reach, double z,
              const partition::Fan& fan, std::span<const float> inverse, Projector& projector)
-      : world_(world), self_(self), reference_(reference), reach_(reach), z_(z), fan_(fan), inverse_(inverse),
+      : world_(world),
+        self_(self),
+        reference_(reference),
+        reach_(reach),
+        z_(z),
+        fan_(fan),
+        inverse_(inverse),
         projector_(projector) {}
 
   void add(const partition::BodyEntry& entry) {
@@ -223,8 +235,8 @@ class NearBodies {
   std::array<std::size_t, k_rings> ring_sizes_{};
 };
 
-void cast(const engine::World& world, const Ranger& ranger, const Group& group, Row row, std::span<float> ranges,
-          std::span<float> intensities) {
+void cast(const engine::World& world, const Ranger& ranger, const Group& group, Row row,
+          std::span<float> ranges, std::span<float> intensities) {
   const Transform pose(world.poses()[row.index()]);
   const Vec2 reference = pose * ranger.reference;
   const double z = world.poses()[row.index()].z + group.z;
@@ -239,8 +251,11 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
     ox[i] = ranger.common_origin ? 0.0f : static_cast<float>(origin.x());
     oy[i] = ranger.common_origin ? 0.0f : static_cast<float>(origin.y());
   }
-  const partition::Fan fan{{dx.data(), group.count}, {dy.data(), group.count}, {ox.data(), group.count},
-                           {oy.data(), group.count}, ranger.common_origin};
+  const partition::Fan fan{{dx.data(), group.count},
+                           {dy.data(), group.count},
+                           {ox.data(), group.count},
+                           {oy.data(), group.count},
+                           ranger.common_origin};
 
   // The readings' own place serves as the inverse-depth buffer.
   const std::span<float> inverse = ranges.subspan(group.first, group.count);
@@ -263,13 +278,15 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
     sight = std::max<double>(sight, partition::range_of(inverse[i], ranger.range_max[group.first + i]));
   sight = std::min(reach, (sight + ranger.spread) * (1 + partition::k_range_slack) + 1e-6);
   const partition::StaticScene& scene = world.scene();
-  scene.ranger_edges().for_each_run(Box::around(reference, sight), [&](std::span<const partition::FixedEdge> edges) {
-    for (const partition::FixedEdge& edge : edges) {
-      const partition::FixedSolid& solid = scene.solids()[edge.solid];
-      if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > sight * sight) continue;
-      projector.add(edge.a, edge.b, solid.ranger_return);
-    }
-  });
+  scene.ranger_edges().for_each_run(
+      Box::around(reference, sight), [&](std::span<const partition::FixedEdge> edges) {
+        for (const partition::FixedEdge& edge : edges) {
+          const partition::FixedSolid& solid = scene.solids()[edge.solid];
+          if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > sight * sight)
+            continue;
+          projector.add(edge.a, edge.b, solid.ranger_return);
+        }
+      });
   projector.flush();
 
   for (std::size_t i = 0; i < group.count; ++i) {
@@ -294,7 +311,8 @@ std::uint64_t sense(const engine::World& world, const std::any& data, std::span<
 }  // namespace
 
 engine::SensorKind ranger_kind() {
-  engine::SensorKind kind{.name = "ranger", .text = "distances along beams to the first surface (sonar, infrared, laser)"};
+  engine::SensorKind kind{.name = "ranger",
+                          .text = "distances along beams to the first surface (sonar, infrared, laser)"};
   kind.params = {{
       {.name = "transducers",
        .type = FieldType::records,

@@ -14,7 +14,8 @@ engine::Registry make_registry() {
   registry.models = models::model_kinds();
   registry.sensors = {sensors::ranger_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-  registry.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+  registry.controllers = {models::expand_controller(), models::wander_controller(),
+                          models::script_controller()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;
 }

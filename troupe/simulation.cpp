@@ -78,9 +78,7 @@ struct Model::Place {
 
 Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 
-const std::string& Model::name() const {
-  return place_->name;
-}
+const std::string& Model::name() const { return place_->name; }
 
 Pose Model::pose() const {
   const engine::WorldSpec& spec = place_->world->spec();
@@ -103,9 +101,7 @@ Model::Speed Model::speed() const {
   return {v.x, v.y, v.turn};
 }
 
-bool Model::stalled() const {
-  return place_->world->stalled(place_->row());
-}
+bool Model::stalled() const { return place_->world->stalled(place_->row()); }
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
@@ -145,9 +141,7 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-const std::vector<std::string>& Simulation::warnings() const {
-  return impl_->warnings;
-}
+const std::vector<std::string>& Simulation::warnings() const { return impl_->warnings; }
 
 std::vector<std::pair<std::string, std::string>> Simulation::effective_options() const {
   std::vector<std::pair<std::string, std::string>> out{
@@ -177,24 +171,12 @@ void Simulation::run_for(double seconds) {
   for (std::uint64_t i = 0; i < ticks; ++i) step();
 }
 
-double Simulation::time_s() const {
-  return impl_->world->time_s();
-}
-std::uint64_t Simulation::tick() const {
-  return impl_->world->tick();
-}
-double Simulation::tick_s() const {
-  return impl_->world->tick_s();
-}
-std::size_t Simulation::robots() const {
-  return impl_->world->robots();
-}
-std::string Simulation::title() const {
-  return impl_->world->spec().title;
-}
-std::optional<double> Simulation::quit_time_s() const {
-  return impl_->world->spec().quit_time_s;
-}
+double Simulation::time_s() const { return impl_->world->time_s(); }
+std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
+double Simulation::tick_s() const { return impl_->world->tick_s(); }
+std::size_t Simulation::robots() const { return impl_->world->robots(); }
+std::string Simulation::title() const { return impl_->world->spec().title; }
+std::optional<double> Simulation::quit_time_s() const { return impl_->world->spec().quit_time_s; }
 
 Model Simulation::find(std::string_view name) {
   engine::World& world = *impl_->world;
@@ -243,9 +225,7 @@ void Simulation::subscribe(std::string_view model) {
   impl_->world->activate(find(model).place_->body);
 }
 
-std::uint64_t Simulation::state_hash() const {
-  return impl_->world->hashes().state;
-}
+std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }
 
 Simulation::Hashes Simulation::hashes() const {
   const engine::Hashes h = impl_->world->hashes();
@@ -279,9 +259,7 @@ Statistics Simulation::statistics() const {
           w.conflict_rounds()};
 }
 
-unsigned Simulation::threads() const {
-  return impl_->world->parallel().threads();
-}
+unsigned Simulation::threads() const { return impl_->world->parallel().threads(); }
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
   impl_->world->on_phase(std::move(callback));

@@ -49,14 +49,10 @@ class BoundaryEdges {
     const auto first = static_cast<std::uint8_t>(set & (~set + 1));
     set = static_cast<std::uint8_t>(set & ~first);
     switch (first) {
-      case left:
-        return corner - rows_;
-      case up:
-        return corner - 1;
-      case down:
-        return corner + 1;
-      default:
-        return corner + rows_;
+      case left: return corner - rows_;
+      case up: return corner - 1;
+      case down: return corner + 1;
+      default: return corner + rows_;
     }
   }
 

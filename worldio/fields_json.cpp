@@ -24,9 +24,7 @@ std::optional<double> as_number(const JsonNode& node) {
   return std::nullopt;
 }
 
-std::string limit(double si, const UnitSuffix& suffix) {
-  return fmt::format("{:.10g}", si / suffix.to_si);
-}
+std::string limit(double si, const UnitSuffix& suffix) { return fmt::format("{:.10g}", si / suffix.to_si); }
 
 std::string with_symbol(std::string text, const UnitSuffix& suffix) {
   if (!suffix.symbol.empty()) text += fmt::format(" {}", suffix.symbol);
@@ -121,17 +119,13 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       if (const bool* x = std::get_if<bool>(&at.node().value)) return *x;
       at.expected("true or false");
       return {};
-    case FieldType::integer:
-      return read_integer(at, field);
+    case FieldType::integer: return read_integer(at, field);
     case FieldType::number:
       if (const auto x = read_number(at, field, suffix)) return *x;
       return {};
-    case FieldType::text:
-      return read_text_field(at, field);
-    case FieldType::numbers:
-      return read_numbers(at, field, suffix);
-    case FieldType::record:
-      return std::vector<Record>{read_record(at, *field.record)};
+    case FieldType::text: return read_text_field(at, field);
+    case FieldType::numbers: return read_numbers(at, field, suffix);
+    case FieldType::record: return std::vector<Record>{read_record(at, *field.record)};
     case FieldType::records: {
       const JsonNode::List* list = read_list(at);
       if (!list) return {};

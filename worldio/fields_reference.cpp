@@ -26,21 +26,15 @@ std::string what(const Field& field) {
   const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
   const auto within = [&](std::string noun) { return limits.empty() ? noun : noun + ", " + limits; };
   switch (field.type) {
-    case FieldType::boolean:
-      return "true or false";
-    case FieldType::integer:
-      return within("whole number");
-    case FieldType::number:
-      return within("number");
+    case FieldType::boolean: return "true or false";
+    case FieldType::integer: return within("whole number");
+    case FieldType::number: return within("number");
     case FieldType::numbers:
       return within(field.columns > 0 ? fmt::format("list of {} numbers", field.columns)
                                       : std::string("list of numbers"));
-    case FieldType::text:
-      return field.choices.empty() ? "text" : comma_list(field.choices);
-    case FieldType::record:
-      return "object";
-    case FieldType::records:
-      return "list of objects";
+    case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::record: return "object";
+    case FieldType::records: return "list of objects";
   }
   return {};
 }

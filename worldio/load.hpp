@@ -29,7 +29,8 @@ struct LoadOptions {
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics);
 
-/// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative paths.
+/// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative
+/// paths.
 engine::WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
                                    const engine::Registry& registry, const LoadOptions& options,
                                    Diagnostics& diagnostics);

@@ -351,8 +351,7 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
       value = std::move(list);
       return true;
     }
-    default:
-      return refuse("cannot be given in a .world file, only in JSON");
+    default: return refuse("cannot be given in a .world file, only in JSON");
   }
 }
 

@@ -69,17 +69,12 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   }
   switch (row->support) {
     case StageSupport::honoured:
-    case StageSupport::fixed:
-      break;
-    case StageSupport::no_effect:
-      no_effect_.add(where, called(*row));
-      break;
+    case StageSupport::fixed: break;
+    case StageSupport::no_effect: no_effect_.add(where, called(*row)); break;
     case StageSupport::window_only:
       if (type != "window") window_only_.add(where, called(*row));
       break;
-    case StageSupport::obsolete:
-      obsolete_.add(where, called(*row));
-      break;
+    case StageSupport::obsolete: obsolete_.add(where, called(*row)); break;
     case StageSupport::unsupported:
       values_.warning_once(where, fmt::format("not supported yet: {}", called(*row)));
       break;

@@ -39,24 +39,14 @@ class SyntaxErrors {
   std::size_t count_ = 0;
 };
 
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_word_part(char c) {
   return is_letter(c) || is_digit(c) || c == '.' || c == '-' || c == '_' || c == '[' || c == ']';
 }
-bool is_number_part(char c) {
-  return is_digit(c) || c == '+' || c == '-' || c == '.';
-}
-bool is_blank(char c) {
-  return c == ' ' || c == '\t';
-}
-bool is_line_end(char c) {
-  return c == '\n' || c == '\r';
-}
+bool is_number_part(char c) { return is_digit(c) || c == '+' || c == '-' || c == '.'; }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 /// Length of the part of a word before its first bracket without a partner: a tuple begins or ends there.
 std::size_t matched_length(std::string_view word) {
@@ -306,8 +296,7 @@ class Parser {
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
     const StageToken& token = peek();
     switch (token.kind) {
-      case Kind::word:
-        break;
+      case Kind::word: break;
       case Kind::open: {
         errors_.add(token.where(), "a ( must follow a model's type or a macro's name");
         entity.word = position();

@@ -260,18 +260,12 @@ std::string without_numbers(std::string_view name) {
 
 std::string_view status(StageSupport support) {
   switch (support) {
-    case honoured:
-      return "honoured";
-    case fixed:
-      return "honoured, with a fix";
-    case no_effect:
-      return "accepted, no effect";
-    case window_only:
-      return "accepted, window only";
-    case obsolete:
-      return "accepted, obsolete";
-    case unsupported:
-      break;
+    case honoured: return "honoured";
+    case fixed: return "honoured, with a fix";
+    case no_effect: return "accepted, no effect";
+    case window_only: return "accepted, window only";
+    case obsolete: return "accepted, obsolete";
+    case unsupported: break;
   }
   return "not supported yet";
 }
@@ -296,9 +290,7 @@ std::span<const StageRow* const> rows_of_name(std::string_view written) {
 
 }  // namespace
 
-std::span<const StageRow> stage_rows() {
-  return k_rows;
-}
+std::span<const StageRow> stage_rows() { return k_rows; }
 
 const StageRow* find_stage_row(std::string_view type, std::string_view written) {
   const StageRow* of_any_model = nullptr;

@@ -23,9 +23,7 @@ struct BadInput {
   std::vector<std::string> options;
 };
 
-std::ostream& operator<<(std::ostream& stream, const BadInput& input) {
-  return stream << input.name;
-}
+std::ostream& operator<<(std::ostream& stream, const BadInput& input) { return stream << input.name; }
 
 /// A JSON world that is right but for what a case replaces in it. A line each for what cases point at.
 std::string json_world(const std::string& right = {}, const std::string& wrong = {}) {

@@ -10,9 +10,7 @@ namespace troupe {
 namespace {
 
 // XXH3's own value for the empty input and seed 0, from its specification.
-TEST(Hash, IsXxh3) {
-  EXPECT_EQ(hash_text(""), 0x2d06800538d394c2u);
-}
+TEST(Hash, IsXxh3) { EXPECT_EQ(hash_text(""), 0x2d06800538d394c2u); }
 
 TEST(Hash, DependsOnTextAndSeed) {
   EXPECT_NE(hash_text("a"), hash_text("b"));

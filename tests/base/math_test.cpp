@@ -35,13 +35,9 @@ double ulps(double got, long double expected) {
   return static_cast<double>(std::fabs(static_cast<long double>(got) - expected) / ulp);
 }
 
-std::uint64_t bits_of(double x) {
-  return std::bit_cast<std::uint64_t>(x);
-}
+std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 
-bool same_bits(double a, double b) {
-  return bits_of(a) == bits_of(b);
-}
+bool same_bits(double a, double b) { return bits_of(a) == bits_of(b); }
 
 /// Any double but NaN and the infinities, all exponents alike.
 double any_finite(Random& random) {

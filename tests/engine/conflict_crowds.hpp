@@ -11,6 +11,13 @@
 
 namespace troupe::oracle {
 
+/// Builds that are slow, unoptimised or under a sanitizer, do a tenth of the work.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+inline constexpr std::uint64_t k_thrift = 1;
+#else
+inline constexpr std::uint64_t k_thrift = 10;
+#endif
+
 /// Draws for tests: the engine's words are fixed by the standard, and what is made of them is written here,
 /// so that a seed means the same everywhere.
 class Draw {
@@ -64,10 +71,8 @@ inline std::vector<Solid> random_blocks(Draw& draw, double size) {
       const double w = h * draw.real(0.2, 1);
       return {{{rectangle(-h, -w, h, w)}, low}};
     }
-    case 1:
-      return {{{random_star(draw, 3 + draw.below(6), h, 1)}, low}};
-    case 2:
-      return {{{random_star(draw, 5 + draw.below(5), h, 0.3)}, low}};
+    case 1: return {{{random_star(draw, 3 + draw.below(6), h, 1)}, low}};
+    case 2: return {{{random_star(draw, 5 + draw.below(5), h, 0.3)}, low}};
     case 3: {  // an L, clockwise
       Ring ring{{-h, -h}, {h, -h}, {h, -0.3 * h}, {-0.2 * h, -0.3 * h}, {-0.2 * h, h}, {-h, h}};
       std::ranges::reverse(ring);
@@ -84,8 +89,7 @@ inline std::vector<Solid> random_blocks(Draw& draw, double size) {
     }
     case 7:  // far from its own origin
       return {{{turned(random_star(draw, 5, 0.5 * h, 1), 0, {0.5 * h, 0.2 * h})}, low}};
-    default:
-      return {{{random_star(draw, 4, h, 0.8)}, high}, {{random_star(draw, 6, 0.6 * h, 0.8)}, low}};
+    default: return {{{random_star(draw, 4, h, 0.8)}, high}, {{random_star(draw, 6, 0.6 * h, 0.8)}, low}};
   }
 }
 
@@ -254,8 +258,8 @@ inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
   index.rebuild(positions, radii, parallel);
   std::vector<engine::Conflicts::Outcome> outcomes(crowd.size());
   conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick,
-                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))}, scene,
-                   index, parallel, outcomes);
+                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
+                   scene, index, parallel, outcomes);
   return outcomes;
 }
 

@@ -72,7 +72,7 @@ void report(const Tally& tally) {
 TEST(ConflictRule, ThousandsOfSmallCrowdsSettleAsTheRuleSays) {
   Teams teams;
   Tally tally;
-  for (std::uint64_t seed = 1; seed <= 2500; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2500 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(seed);
     TestCrowd crowd = random_crowd(draw, {.most_bodies = 5 + draw.below(60),
@@ -96,7 +96,7 @@ TEST(ConflictRule, ThousandsOfSmallCrowdsSettleAsTheRuleSays) {
 TEST(ConflictRule, LargeCrowdsWithLongChainsSettleAsTheRuleSays) {
   Teams teams;
   Tally tally;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 40 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(1'000'000 + seed);
     TestCrowd crowd = random_crowd(draw, {.most_bodies = 300 + draw.below(700),
@@ -122,7 +122,7 @@ TEST(ConflictRule, LargeCrowdsWithLongChainsSettleAsTheRuleSays) {
 TEST(ConflictRule, TouchingIsFree) {
   Teams teams;
   Tally tally;
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 50 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(2'000'000 + seed);
     TestCrowd crowd;

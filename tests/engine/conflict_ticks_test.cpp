@@ -71,7 +71,7 @@ TEST(ConflictTicks, BodiesThatWereApartStayApart) {
     Ticks run(crowd, 1 + static_cast<unsigned>(seed % 3));
     std::size_t moved = 0;
     std::size_t refused = 0;
-    for (int tick = 0; tick < 300; ++tick) {
+    for (int tick = 0; tick < 300 / static_cast<int>(k_thrift); ++tick) {
       random_motions(crowd, draw, 60);
       const std::vector<Outcome>& outcomes = run.step();
       moved += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::moved));
@@ -82,7 +82,7 @@ TEST(ConflictTicks, BodiesThatWereApartStayApart) {
       for (const Blocks& body : placed)
         for (const Blocks& wall : walls) ASSERT_FALSE(overlap(body, wall)) << "tick " << tick;
     }
-    EXPECT_GT(moved, 1000u);
+    EXPECT_GT(moved, 1000 / k_thrift);
     EXPECT_GT(20 * refused, moved) << "too easy";
   }
 }
@@ -104,7 +104,7 @@ TEST(ConflictTicks, BodiesThatStartInOneAnotherOnlyPart) {
               crowd.motions[pair % crowd.size()].from.position())
           .norm();
     };
-    for (int tick = 0; tick < 300; ++tick) {
+    for (int tick = 0; tick < 300 / static_cast<int>(k_thrift); ++tick) {
       random_motions(crowd, draw, 60);
       std::vector<double> distances;
       for (std::size_t p = 0; p < before.size(); ++p) distances.push_back(before[p] ? distance(p) : 0);
@@ -121,7 +121,7 @@ TEST(ConflictTicks, BodiesThatStartInOneAnotherOnlyPart) {
     parted += first - static_cast<std::size_t>(std::ranges::count(before, true));
   }
   EXPECT_GT(at_first, 100u);
-  EXPECT_GT(parted, at_first / 2) << "they should get free";
+  EXPECT_GT(parted, at_first / 2 / k_thrift) << "they should get free";
 }
 
 // Stage's floor plans often do not block; one that does holds nobody who starts in it, but anyone who has
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(Wall, NoTunnel, ::testing::Values(false, true),
 TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
   std::size_t refused = 0;
   std::size_t moved = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(5'000'000 + seed);
     TestCrowd crowd;
@@ -202,13 +202,13 @@ TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
       ASSERT_LT((Transform(m.from) * middle).cwiseAbs().maxCoeff(), 2);
     }
   }
-  EXPECT_GT(refused, 1000u);
-  EXPECT_GT(moved, 1000u);
+  EXPECT_GT(refused, 1000 / k_thrift);
+  EXPECT_GT(moved, 1000 / k_thrift);
 }
 
 TEST_P(NoTunnel, NoBodyCrossesAWallAtAnyAngle) {
   std::size_t crossings = 0;
-  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4000 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(6'000'000 + seed);
     TestCrowd crowd;
@@ -240,7 +240,7 @@ TEST_P(NoTunnel, NoBodyCrossesAWallAtAnyAngle) {
     ASSERT_EQ(run.step()[0], Outcome::refused);
     ++crossings;
   }
-  EXPECT_GT(crossings, 2500u);
+  EXPECT_GT(crossings, 2500 / k_thrift);
 }
 
 // In a passage as wide as they are, two bodies can only push towards each other: they never change places.

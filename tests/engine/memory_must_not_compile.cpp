@@ -38,6 +38,4 @@ struct Memory {
 #endif
 };
 
-std::vector<troupe::engine::StateField> fields() {
-  return troupe::engine::memory_fields<Memory>();
-}
+std::vector<troupe::engine::StateField> fields() { return troupe::engine::memory_fields<Memory>(); }

@@ -27,12 +27,8 @@ struct Point {
 inline Point lattice_point(double x_m, double y_m) {
   return {2 * std::llround(x_m * 0x1p44), 2 * std::llround(y_m * 0x1p44)};
 }
-inline Point middle(Point a, Point b) {
-  return {(a.x + b.x) / 2, (a.y + b.y) / 2};
-}
-inline Point swapped(Point p) {
-  return {p.y, p.x};
-}
+inline Point middle(Point a, Point b) { return {(a.x + b.x) / 2, (a.y + b.y) / 2}; }
+inline Point swapped(Point p) { return {p.y, p.x}; }
 
 /// 1: p lies left of the way from a to b; -1: right; 0: on its line.
 inline int side(Point a, Point b, Point p) {

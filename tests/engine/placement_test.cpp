@@ -88,9 +88,7 @@ struct Setting {
   }
 };
 
-double any(double low, double high) {
-  return low + (high - low) * (*rc::gen::inRange(0, 1000001) / 1e6);
-}
+double any(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1000001) / 1e6); }
 
 Setting any_setting() {
   Setting s;

@@ -99,9 +99,10 @@ TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
   scene.body("c", type, {0.2, 0, 0, 0});
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-  EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, first \"a\" and \"b\"; they may "
-                                   "move apart, but not closer"));
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, first \"a\" and \"b\"; they may "
+                           "move apart, but not closer"));
 }
 
 TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
@@ -131,7 +132,8 @@ TEST(World, UnknownKindsAreErrorsThatNameTheKnownOnes) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown drive \"hover\"; known: car, diff, omni"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown controller \"dance\"; known: expand, script, wander"));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("error: unknown controller \"dance\"; known: expand, script, wander"));
   }
 }
 
@@ -200,7 +202,8 @@ TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
     const BodyId body = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {1e-310, 0, 0, 0});
     World world = scene.world();
     world.set_command(world.row(body), {1e-310, 0, 0.1});
-    _mm_setcsr(_mm_getcsr() | 0x8040);  // flush to zero, denormals are zero: what gcc's -ffast-math start-up does
+    _mm_setcsr(_mm_getcsr() |
+               0x8040);  // flush to zero, denormals are zero: what gcc's -ffast-math start-up does
     world.step();
     const std::uint64_t hash = world.hashes().state;
     std::fesetenv(FE_DFL_ENV);

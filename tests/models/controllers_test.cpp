@@ -73,7 +73,8 @@ engine::Record preset(const std::string& name) {
   const engine::Registry::Preset* preset = test::registry().preset(name);
   const engine::FieldTable& table = test::registry().controller(preset->kind)->params;
   engine::Record record = table.defaults();
-  for (const auto& [field, value] : preset->params) record.at(static_cast<std::size_t>(table.find(field))) = value;
+  for (const auto& [field, value] : preset->params)
+    record.at(static_cast<std::size_t>(table.find(field))) = value;
   return record;
 }
 
@@ -90,8 +91,8 @@ TEST(Expand, TurnsTowardsTheVectorSumWithGainOne) {
 TEST(Expand, SwarmPresetLooksAtExactlyItsSevenBeams) {
   // Of 12 beams 0, 1, 2, 3, 9, 10 and 11 are looked at, and each by its own limit; comparisons are strict.
   const double d = 0.5;
-  const std::vector<std::pair<int, double>> limits = {{0, d},     {1, d / 1.5},  {2, d / 3},     {3, d / 5},
-                                                      {9, d / 5}, {10, d / 3}, {11, d / 1.5}};
+  const std::vector<std::pair<int, double>> limits = {{0, d},     {1, d / 1.5}, {2, d / 3},   {3, d / 5},
+                                                      {9, d / 5}, {10, d / 3},  {11, d / 1.5}};
   for (int beam = 0; beam < 12; ++beam) {
     const auto limit = std::ranges::find(limits, beam, &std::pair<int, double>::first);
     for (const double factor : {0.98, 1.02}) {
@@ -101,8 +102,10 @@ TEST(Expand, SwarmPresetLooksAtExactlyItsSevenBeams) {
       ranges[3] = 1.95f;  // no sum of exactly 0
       const double reading = factor * (limit == limits.end() ? 0.05 : limit->second);
       ranges[static_cast<std::size_t>(beam)] = static_cast<float>(reading);
-      ranges[static_cast<std::size_t>((beam + 6) % 12)] = static_cast<float>(reading) + 0.1f;  // sum stays ahead
-      if (limits.end() != std::ranges::find(limits, (beam + 6) % 12, &std::pair<int, double>::first)) continue;
+      ranges[static_cast<std::size_t>((beam + 6) % 12)] =
+          static_cast<float>(reading) + 0.1f;  // sum stays ahead
+      if (limits.end() != std::ranges::find(limits, (beam + 6) % 12, &std::pair<int, double>::first))
+        continue;
       const Command c = decide(ranges);
       if (std::abs(c.turn) >= 0.5) continue;
       EXPECT_EQ(c.x, limit != limits.end() && factor < 1 ? 0 : 0.3) << "beam " << beam << " at " << reading;
@@ -158,7 +161,8 @@ TEST(Wander, CruisesWithAFreeWay) {
 
 TEST(Wander, TurnsAwayFromTheNearerSideForTenToNineteenScans) {
   for (const bool left_nearer : {true, false}) {
-    Decision decide(Decision::scanner(180), "wander", test::registry().controller("wander")->params.defaults());
+    Decision decide(Decision::scanner(180), "wander",
+                    test::registry().controller("wander")->params.defaults());
     std::vector<float> scan(180, 8.0f);
     scan[left_nearer ? 95 : 85] = 0.9f;  // scans run counter-clockwise: the upper half is the left
     const Command c = decide(scan);

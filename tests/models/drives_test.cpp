@@ -14,7 +14,8 @@ using engine::Velocity;
 
 struct Robot {
   explicit Robot(const std::string& kind,
-                 std::initializer_list<std::pair<std::string_view, engine::Value>> params = {}, double period_s = 0) {
+                 std::initializer_list<std::pair<std::string_view, engine::Value>> params = {},
+                 double period_s = 0) {
     const TypeId type = scene.robot("robot", {Solid{{test::box_ring(0.4, 0.4)}, {0, 1}}}, kind);
     scene[type].drive = test::drive(kind, params);
     scene[type].drive->period_s = period_s;

@@ -60,8 +60,8 @@ TEST(Oracle, KnowsTouchingFromSharing) {
 }
 
 TEST(Overlap, ConvexPolygonsAsTheOracleSays) {
-  int shared = 0;
-  constexpr int k_pairs = 100'000;
+  std::uint64_t shared = 0;
+  constexpr std::uint64_t k_pairs = 100'000 / oracle::k_thrift;
   for (std::uint64_t seed = 1; seed <= k_pairs; ++seed) {
     Draw draw(seed);
     const Ring a = oracle::random_star(draw, 3 + draw.below(6), draw.scale(0.01, 3), 1);
@@ -78,8 +78,8 @@ TEST(Overlap, ConvexPolygonsAsTheOracleSays) {
 
 // A needle in place of the segment: it shares area with the polygon where the segment enters it.
 TEST(Overlap, SegmentsAsTheOracleSays) {
-  int shared = 0;
-  constexpr int k_pairs = 100'000;
+  std::uint64_t shared = 0;
+  constexpr std::uint64_t k_pairs = 100'000 / oracle::k_thrift;
   for (std::uint64_t seed = 1; seed <= k_pairs; ++seed) {
     Draw draw(seed);
     const Ring polygon = oracle::random_star(draw, 3 + draw.below(6), draw.scale(0.01, 3), 1);
@@ -134,8 +134,8 @@ TEST(Overlap, EdgesShorterThanTheirRoundingSeparateNobody) {
 }
 
 TEST(Overlap, BodiesAsTheOracleSays) {
-  int shared = 0;
-  constexpr int k_pairs = 20'000;
+  std::uint64_t shared = 0;
+  constexpr std::uint64_t k_pairs = 20'000 / oracle::k_thrift;
   for (std::uint64_t seed = 1; seed <= k_pairs; ++seed) {
     Draw draw(seed);
     const oracle::Kind a = oracle::random_kind(draw, draw.scale(0.05, 3));

@@ -25,9 +25,7 @@ constexpr std::uint32_t k_share = 1;
 constexpr std::uint32_t k_share = 40;  // of the trials in debug builds, which are that much slower
 #endif
 
-bool long_form() {
-  return std::getenv("TROUPE_LONG") != nullptr;
-}
+bool long_form() { return std::getenv("TROUPE_LONG") != nullptr; }
 
 struct Beams {
   std::vector<float> dx, dy, ox, oy;
@@ -49,9 +47,7 @@ double log_uniform(Random& random, double low, double high) {
 
 // ---- the vector form is the formula
 
-Vec2 direction(double angle) {
-  return {std::cos(angle), std::sin(angle)};
-}
+Vec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 /// Edges of every kind that the formula treats differently.
 RayEdge any_edge(Random& random) {
@@ -61,27 +57,13 @@ RayEdge any_edge(Random& random) {
   Vec2 a = away * direction(random.uniform(0, k_turn));
   Vec2 b;
   switch (random.below(8)) {
-    case 0:
-      b = a * random.uniform(-2, 2);
-      break;  // its line meets the reference point
-    case 1:
-      b = a * random.uniform(-2, 2) + 1e-6 * direction(random.uniform(0, k_turn));
-      break;
-    case 2:
-      a.y() = 0, b = {random.uniform(-2, 2), 0};
-      break;
-    case 3:
-      a.x() = 0, b = {0, random.uniform(-2, 2)};
-      break;
-    case 4:
-      b = Vec2::Zero();
-      break;  // it ends in the reference point
-    case 5:
-      b = a;
-      break;
-    default:
-      b = a + size * direction(random.uniform(0, k_turn));
-      break;
+    case 0: b = a * random.uniform(-2, 2); break;  // its line meets the reference point
+    case 1: b = a * random.uniform(-2, 2) + 1e-6 * direction(random.uniform(0, k_turn)); break;
+    case 2: a.y() = 0, b = {random.uniform(-2, 2), 0}; break;
+    case 3: a.x() = 0, b = {0, random.uniform(-2, 2)}; break;
+    case 4: b = Vec2::Zero(); break;  // it ends in the reference point
+    case 5: b = a; break;
+    default: b = a + size * direction(random.uniform(0, k_turn)); break;
   }
   return relative_edge(reference + a, reference + b, reference, static_cast<float>(random.below(3)));
 }
@@ -95,18 +77,10 @@ Beams any_beams(Random& random, bool common_origin, std::span<const RayEdge> edg
     const RayEdge& aim = edges[random.below(static_cast<std::uint32_t>(edges.size()))];
     const double x = aim.ax - ox, y = aim.ay - oy;
     switch (x == 0 && y == 0 ? 0 : random.below(4)) {
-      case 0:
-        beams.add(std::cos(random.uniform(0, k_turn)), random.uniform(-1, 1), ox, oy);
-        break;
-      case 1:
-        beams.add(random.below(2) ? 1 : -1, 0, ox, oy);
-        break;
-      case 2:
-        beams.add(-x, -y, ox, oy);
-        break;
-      default:
-        beams.add(x, y, ox, oy);
-        break;
+      case 0: beams.add(std::cos(random.uniform(0, k_turn)), random.uniform(-1, 1), ox, oy); break;
+      case 1: beams.add(random.below(2) ? 1 : -1, 0, ox, oy); break;
+      case 2: beams.add(-x, -y, ox, oy); break;
+      default: beams.add(x, y, ox, oy); break;
     }
   }
   return beams;
@@ -233,18 +207,10 @@ Ring subdivided(const Ring& ring, Random& random) {
 Ring any_outline(Random& random) {
   Ring ring;
   switch (random.below(4)) {
-    case 0:
-      ring = star(random);
-      break;
-    case 1:
-      ring = convex(random);
-      break;
-    case 2:
-      ring = rectilinear(random);
-      break;
-    default:
-      ring = radial(random);
-      break;
+    case 0: ring = star(random); break;
+    case 1: ring = convex(random); break;
+    case 2: ring = rectilinear(random); break;
+    default: ring = radial(random); break;
   }
   if (random.below(2)) ring = subdivided(ring, random);
   if (random.below(2)) std::ranges::reverse(ring);
@@ -273,18 +239,10 @@ bool any_origin(Random& random, const Ring& ring, double clearance, Vec2& origin
   for (int attempt = 0; attempt < 20; ++attempt) {
     origin = {random.uniform(-1, 1), random.uniform(-1, 1)};
     switch (random.below(6)) {
-      case 0:
-        origin = Vec2::Zero();
-        break;
-      case 1:
-        origin = {pick().x(), pick().y()};
-        break;
-      case 2:
-        origin.x() = pick().x();
-        break;
-      case 3:
-        origin.y() = pick().y();
-        break;
+      case 0: origin = Vec2::Zero(); break;
+      case 1: origin = {pick().x(), pick().y()}; break;
+      case 2: origin.x() = pick().x(); break;
+      case 3: origin.y() = pick().y(); break;
       case 4: {
         const std::size_t i = random.below(static_cast<std::uint32_t>(ring.size()));
         const Vec2 a = ring[i], b = ring[(i + 1) % ring.size()];
@@ -294,8 +252,7 @@ bool any_origin(Random& random, const Ring& ring, double clearance, Vec2& origin
         origin = a + random.uniform() * (b - a) + off * across / across.norm();
         break;
       }
-      default:
-        break;
+      default: break;
     }
     if (contains(solid, origin) && distance(origin, ring) > clearance) return true;
   }
@@ -415,12 +372,8 @@ void expect_tight(bool common_origin) {
 }
 
 // TROUPE_LONG=1 in the environment: a hundred million beams each.
-TEST(Ranging, NoBeamAimedAtAVertexLeavesAClosedOutlineFromOneOrigin) {
-  expect_tight(true);
-}
-TEST(Ranging, NoBeamAimedAtAVertexLeavesAClosedOutlineFromManyOrigins) {
-  expect_tight(false);
-}
+TEST(Ranging, NoBeamAimedAtAVertexLeavesAClosedOutlineFromOneOrigin) { expect_tight(true); }
+TEST(Ranging, NoBeamAimedAtAVertexLeavesAClosedOutlineFromManyOrigins) { expect_tight(false); }
 
 // ---- precision of single edges
 

@@ -47,12 +47,9 @@ TEST(TileDirectory, FindsWhatWasPutIn) {
   const auto draw = [&] {
     // Near the origin, on a line, and at the ends of the numbers: what a careless hash would heap up.
     switch (words() % 3) {
-      case 0:
-        return Cell{static_cast<int>(words() % 50) - 25, static_cast<int>(words() % 50) - 25};
-      case 1:
-        return Cell{static_cast<int>(words() % 5000) << 16, 0};
-      default:
-        return Cell{static_cast<int>(words()), static_cast<int>(words())};
+      case 0: return Cell{static_cast<int>(words() % 50) - 25, static_cast<int>(words() % 50) - 25};
+      case 1: return Cell{static_cast<int>(words() % 5000) << 16, 0};
+      default: return Cell{static_cast<int>(words()), static_cast<int>(words())};
     }
   };
   for (int i = 0; i < 20'000; ++i) {

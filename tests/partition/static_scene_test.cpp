@@ -52,7 +52,7 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
   std::size_t blocked = 0;
   std::size_t swallowed = 0;
   std::size_t asked = 0;
-  for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 1500 / oracle::k_thrift; ++seed) {
     Draw draw(seed);
     const std::vector<FixedSolid> solids = random_solids(draw);
     std::vector<oracle::Blocks> placed;
@@ -95,7 +95,7 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
   }
   EXPECT_GT(blocked, asked / 20);
   EXPECT_LT(blocked, asked * 9 / 10);
-  EXPECT_GT(swallowed, 100u) << "few bodies lay wholly inside a solid";
+  EXPECT_GT(swallowed, 100 / oracle::k_thrift) << "few bodies lay wholly inside a solid";
 }
 
 TEST(StaticScene, ABodyInAHoleIsFree) {
@@ -147,7 +147,7 @@ TEST(StaticScene, CountsItsEdgesAndBounds) {
 
 // Every edge is found wherever a box touches it, in the cells of any size.
 TEST(EdgeGrid, FindsEveryEdgeThatMeetsABox) {
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 300 / oracle::k_thrift; ++seed) {
     Draw draw(seed);
     std::vector<FixedEdge> edges;
     const double far = draw.chance(0.2) ? 9e4 : 0;

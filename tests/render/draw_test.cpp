@@ -48,9 +48,7 @@ FrameType type_of(std::vector<Ring> contours, bool mobile, double height = 0.2) 
   return type;
 }
 
-FrameBody body_at(std::uint32_t type, Pose pose, Color color) {
-  return {type, pose, color, false};
-}
+FrameBody body_at(std::uint32_t type, Pose pose, Color color) { return {type, pose, color, false}; }
 
 /// Type 0: a robot of 1 x 1 m. Shown from (-4, -2) to (4, 2) at 100 pixels a metre.
 struct Stage {

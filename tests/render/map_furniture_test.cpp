@@ -66,9 +66,7 @@ TEST(ScaleAndTime, StayInsideThePicture) {
   }
 }
 
-TEST(ScaleAndTime, AreLeftOutOfThumbnails) {
-  EXPECT_TRUE(scale_and_time(framing_of(239, 400), 1).empty());
-}
+TEST(ScaleAndTime, AreLeftOutOfThumbnails) { EXPECT_TRUE(scale_and_time(framing_of(239, 400), 1).empty()); }
 
 }  // namespace
 }  // namespace troupe::render

@@ -50,9 +50,7 @@ Ring blob(Random& random, const Vec2& middle, double size) {
   return ring;
 }
 
-std::string numbered(std::string name, std::uint32_t n) {
-  return name.append(std::to_string(n));
-}
+std::string numbered(std::string name, std::uint32_t n) { return name.append(std::to_string(n)); }
 
 float any_return(Random& random) {
   constexpr std::array<float, 5> k_returns{-1, 0, 0.5f, 1, 1};
@@ -409,12 +407,8 @@ void expect_true_ranges(const Vec2& place, std::uint32_t first_seed) {
               static_cast<unsigned long long>(comparison.at_ends));
 }
 
-TEST(Ranger, RangesAreTrueToTextbookGeometry) {
-  expect_true_ranges({0, 0}, 100'000);
-}
-TEST(Ranger, RangesAreTrueFarFromTheOriginToo) {
-  expect_true_ranges({1000.7, -730.1}, 200'000);
-}
+TEST(Ranger, RangesAreTrueToTextbookGeometry) { expect_true_ranges({0, 0}, 100'000); }
+TEST(Ranger, RangesAreTrueFarFromTheOriginToo) { expect_true_ranges({1000.7, -730.1}, 200'000); }
 
 // ---- what a ranger means
 

@@ -106,12 +106,8 @@ void expect_agreement(const std::string& name, double least_within_3_cm, double 
   EXPECT_GE(agreement.share(agreement.within_5_cm), least_within_5_cm);
 }
 
-TEST(StageReference, CaveOfWavingRobotsAgrees) {
-  expect_agreement("cave_wave", 0.85, 0.93);
-}
-TEST(StageReference, HospitalOfRobotsInALineAgrees) {
-  expect_agreement("hospital_line", 0.80, 0.88);
-}
+TEST(StageReference, CaveOfWavingRobotsAgrees) { expect_agreement("cave_wave", 0.85, 0.93); }
+TEST(StageReference, HospitalOfRobotsInALineAgrees) { expect_agreement("hospital_line", 0.80, 0.88); }
 
 }  // namespace
 }  // namespace troupe::sensors

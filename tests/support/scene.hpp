@@ -27,7 +27,9 @@ inline const engine::Registry& registry() {
   return kinds;
 }
 
-inline Ring rectangle(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+inline Ring rectangle(double x0, double y0, double x1, double y1) {
+  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
 
 inline Ring box_ring(double size_x, double size_y) {
   return rectangle(-size_x / 2, -size_y / 2, size_x / 2, size_y / 2);
@@ -48,16 +50,17 @@ struct Transducer {
   int samples = 1;
 };
 
-inline engine::SensorSpec ranger(std::string name, const std::vector<Transducer>& transducers, bool intensity = false) {
+inline engine::SensorSpec ranger(std::string name, const std::vector<Transducer>& transducers,
+                                 bool intensity = false) {
   const engine::FieldTable& table = registry().sensor("ranger")->params;
   const engine::FieldTable& fields = *table.fields[0].record;
   std::vector<engine::Record> records;
   for (const Transducer& t : transducers) {
-    records.push_back(record(
-        fields, {{"pose", std::vector<engine::Record>{{t.pose.x, t.pose.y, t.pose.z, t.pose.heading}}},
-                 {"range_max", t.range_max},
-                 {"fov", t.fov},
-                 {"samples", t.samples}}));
+    records.push_back(
+        record(fields, {{"pose", std::vector<engine::Record>{{t.pose.x, t.pose.y, t.pose.z, t.pose.heading}}},
+                        {"range_max", t.range_max},
+                        {"fov", t.fov},
+                        {"samples", t.samples}}));
   }
   return {.name = std::move(name),
           .kind = "ranger",
@@ -65,13 +68,13 @@ inline engine::SensorSpec ranger(std::string name, const std::vector<Transducer>
           .active = true};
 }
 
-inline engine::DriveSpec drive(std::string kind,
-                               std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+inline engine::DriveSpec drive(
+    std::string kind, std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
   return {.kind = kind, .params = record(registry().drive(kind)->params, values)};
 }
 
-inline engine::ControllerSpec controller(std::string kind,
-                                         std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+inline engine::ControllerSpec controller(
+    std::string kind, std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
   return {.kind = kind, .params = record(registry().controller(kind)->params, values)};
 }
 

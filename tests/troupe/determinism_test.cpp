@@ -52,9 +52,7 @@ std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double t
   return lines;
 }
 
-std::string state_of(const std::string& line) {
-  return line.substr(line.find(' ') + 1, 16);
-}
+std::string state_of(const std::string& line) { return line.substr(line.find(' ') + 1, 16); }
 
 class SameBits : public ::testing::TestWithParam<GoldenRun> {};
 

@@ -40,9 +40,7 @@ TEST(Bitmap, StraightRunsBecomeOneEdgeButNotAmongTheFirstThreePoints) {
               ElementsAre(Ring{Vec2(0, 0), Vec2(1, 0), Vec2(4, 0), Vec2(4, -1), Vec2(0, -1)}));
 }
 
-TEST(Bitmap, NothingSolidHasNoContour) {
-  EXPECT_THAT(bitmap_contours(bitmap_of({"..", ".."})), SizeIs(0));
-}
+TEST(Bitmap, NothingSolidHasNoContour) { EXPECT_THAT(bitmap_contours(bitmap_of({"..", ".."})), SizeIs(0)); }
 
 // The even-odd region of the contours is the set of solid pixels, whatever touches whatever.
 RC_GTEST_PROP(Bitmap, ContoursEncloseTheSolidPixels, ()) {

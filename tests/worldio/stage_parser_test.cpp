@@ -475,9 +475,7 @@ RC_GTEST_PROP(StageSoup, TokensInAnyOrderAreReadOrRefused, ()) {
   read_soup(text);
 }
 
-RC_GTEST_PROP(StageSoup, BytesInAnyOrderAreReadOrRefused, (const std::string& text)) {
-  read_soup(text);
-}
+RC_GTEST_PROP(StageSoup, BytesInAnyOrderAreReadOrRefused, (const std::string& text)) { read_soup(text); }
 
 }  // namespace
 }  // namespace troupe::worldio

@@ -20,9 +20,7 @@ constexpr double k_degree = k_pi / 180;
 
 class StageWorld : public StageTest {};
 
-const engine::FieldTable& ranger_table() {
-  return test_registry().sensor("ranger")->params;
-}
+const engine::FieldTable& ranger_table() { return test_registry().sensor("ranger")->params; }
 
 /// One field of one transducer of a ranger.
 const engine::Value& transducer(const engine::SensorSpec& sensor, std::size_t number,
