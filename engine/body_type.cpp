@@ -32,7 +32,8 @@ void add_geometry(const TypeSpec& spec, BodyType& type) {
       }
     }
   }
-  if (is_mobile(spec) || !spec.sensors.empty()) type.obstacle = obstacle_shape(spec);  // others: the static scene
+  if (is_mobile(spec) || !spec.sensors.empty())
+    type.obstacle = obstacle_shape(spec);  // others: the static scene
   type.radius = sqrt(radius2);
 }
 
@@ -64,8 +65,9 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     for (int n = 2; std::ranges::find(type.sensors, name, &BodyType::Sensor::name) != type.sensors.end(); ++n)
       name = fmt::format("{}#{}", sensor.name, n);
     if (name != sensor.name) {
-      diagnostics.warning(sensor.where, fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"",
-                                                    sensor.name, name));
+      diagnostics.warning(
+          sensor.where,
+          fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
     type.sensors.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
                             period_ticks(sensor.period_s, tick_s), sensor.active});
@@ -93,8 +95,9 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       continue;
     }
     if (prepared.sensors.size() > k_most_sensors_read) {
-      diagnostics.error(controller.where, fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",
-                                                      controller.kind, prepared.sensors.size(), k_most_sensors_read));
+      diagnostics.error(controller.where,
+                        fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",
+                                    controller.kind, prepared.sensors.size(), k_most_sensors_read));
       continue;
     }
     for (const std::size_t s : prepared.sensors) type.sensors[s].active = true;

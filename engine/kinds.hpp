@@ -21,8 +21,8 @@ class World;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
 /// A kind turns its parameters once, when the world is built, into whatever it likes to run with
-/// (`prepare`), and is then called for batches of rows. Those calls run on several threads at once: they write what
-/// they are given and nothing else. An exception ends the step and comes out of World::step().
+/// (`prepare`), and is then called for batches of rows. Those calls run on several threads at once: they
+/// write what they are given and nothing else. An exception ends the step and comes out of World::step().
 
 /// A model kind: what a Stage world file may create. Part of the registry so that loaders share the defaults.
 struct ModelKind {

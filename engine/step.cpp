@@ -9,8 +9,8 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_batch = 64;         // rows a task: a crowded tile is split, small ones are joined
-constexpr double k_world_limit = 100e3;     // m: where a world without floor plans ends
+constexpr std::size_t k_batch = 64;      // rows a task: a crowded tile is split, small ones are joined
+constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -76,7 +76,8 @@ void World::sense() {
     for (const BodyType::Sensor& sensor : type.sensors) {
       if (!due(tick_, sensor.period)) continue;
       const auto sense_rows = [&](std::span<const Row> some) {
-        const std::uint64_t cast = sensor.kind->sense(*this, sensor.prepared.data, some, tables_[sensor.table]);
+        const std::uint64_t cast =
+            sensor.kind->sense(*this, sensor.prepared.data, some, tables_[sensor.table]);
         beams.fetch_add(cast, std::memory_order_relaxed);
       };
       if (sensor.active) {

@@ -7,18 +7,15 @@ namespace {
 
 constexpr double k_most = 1e15;  // far beyond any run, and still exact in double
 
-std::uint64_t round_up(double ticks) {
-  if (!(ticks > 0)) return 0;
-  if (ticks >= k_most) return static_cast<std::uint64_t>(k_most);
-  const auto whole = static_cast<std::uint64_t>(ticks);
-  return static_cast<double>(whole) < ticks ? whole + 1 : whole;
-}
-
 }  // namespace
 
 std::uint64_t ticks_until(double end_s, double tick_s) {
-  const double ticks = end_s / tick_s;
-  return round_up(ticks - 1e-9 * std::max(1.0, ticks));
+  const double quotient = end_s / tick_s;
+  if (quotient >= k_most) return static_cast<std::uint64_t>(k_most);
+  const double ticks = quotient - 1e-9 * std::max(1.0, quotient);
+  if (!(ticks > 0)) return 0;
+  const auto whole = static_cast<std::uint64_t>(ticks);
+  return static_cast<double>(whole) < ticks ? whole + 1 : whole;
 }
 
 std::uint64_t period_ticks(double period_s, double tick_s) {

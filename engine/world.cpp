@@ -9,9 +9,11 @@
 namespace troupe::engine {
 namespace {
 
-/// Cells a quarter of how far robots see, in the mean: small enough to leave out most of what is out of reach,
-/// large enough that a query runs over few of them. A few far-sighted robots among many do not coarsen them.
-partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types, double tile_size_m) {
+/// Cells a quarter of how far robots see, in the mean: small enough to leave out most of what is out of
+/// reach, large enough that a query runs over few of them. A few far-sighted robots among many do not coarsen
+/// them.
+partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
+                                        double tile_size_m) {
   double sum = 0;
   double count = 0;
   double width = 0;
@@ -109,7 +111,8 @@ void World::build_tables() {
                        row_bodies_);
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
-      std::vector<StateField>{{"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
+      std::vector<StateField>{
+          {"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
       row_bodies_);
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
@@ -207,9 +210,13 @@ Hashes World::hashes() {
   return hashes;
 }
 
-std::size_t World::stalled_count() const { return rows() - static_cast<std::size_t>(std::ranges::count(stall(), k_free)); }
+std::size_t World::stalled_count() const {
+  return rows() - static_cast<std::size_t>(std::ranges::count(stall(), k_free));
+}
 
-std::size_t World::held_count() const { return static_cast<std::size_t>(std::ranges::count(stall(), k_held)); }
+std::size_t World::held_count() const {
+  return static_cast<std::size_t>(std::ranges::count(stall(), k_held));
+}
 
 double World::mean_displacement() const {
   double sum = 0;

@@ -79,8 +79,8 @@ class World {
   const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }
   /// Position of a row among those of its type: its row in the type's tables.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
-  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. The first call
-  /// makes the table of names: from one thread at a time.
+  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. The first
+  /// call makes the table of names: from one thread at a time.
   BodyId find(std::string_view name) const;
 
   // ---- the state

@@ -63,7 +63,8 @@ Drive read(const Record& params, bool car) {
 }
 
 std::string fault(const Record& params) {
-  constexpr std::pair<std::size_t, std::string_view> k_bounds[] = {{0, "velocity_x"}, {2, "velocity_y"}, {4, "turn"}};
+  constexpr std::pair<std::size_t, std::string_view> k_bounds[] = {
+      {0, "velocity_x"}, {2, "velocity_y"}, {4, "turn"}};
   for (const auto& [low, name] : k_bounds)
     if (params[low].number() > params[low + 1].number())
       return fmt::format("the bounds of {} stand the wrong way round: the lower must come first", name);

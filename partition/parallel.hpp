@@ -20,9 +20,9 @@ class Parallel {
   unsigned threads() const { return threads_; }
 
   /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
-  /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop reads or
-  /// writes. Where tasks throw, the others still run, and then the exception of the lowest index comes out.
-  /// With more threads than cores oneTBB's limit for the whole process is raised.
+  /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
+  /// reads or writes. Where tasks throw, the others still run, and then the exception of the lowest index
+  /// comes out. With more threads than cores oneTBB's limit for the whole process is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(

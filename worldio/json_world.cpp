@@ -154,8 +154,7 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
   }
   if (seed) spec_.seed = *seed;
 
-  const Value tick =
-      read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
+  const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
   if (tick.given()) spec_.tick_s = tick.number();
   const Value quit = read_field(
       object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
