@@ -4,6 +4,7 @@
 #include "apps/progress.hpp"
 #include "apps/report.hpp"
 #include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -12,11 +13,15 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
@@ -37,13 +42,6 @@ void stop_on_signals() {
   action.sa_handler = [](int) { stop_requested = true; };
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-}
-
-/// The first tick whose time is `end_s` or later. 0.7 s of 0.1 s ticks are 7, though neither is exact in
-/// binary and their quotient may fall on either side: a billionth of a tick too early counts as in time.
-std::uint64_t ticks_until(double end_s, double tick_s) {
-  const double ticks = end_s / tick_s;
-  return static_cast<std::uint64_t>(std::max(0.0, std::ceil(ticks - 1e-9 * std::max(1.0, ticks))));
 }
 
 /// Wall time in each phase, from the simulation's marks between them.
@@ -90,7 +88,7 @@ void print_options(const Report& report) {
 void step_to_end(Simulation& simulation, HashLog* log, bool show_progress, Report& report) {
   PhaseClock phases;
   simulation.on_phase([&phases](std::optional<Phase> phase) { phases(phase); });
-  const std::uint64_t ticks = ticks_until(report.end_s, simulation.tick_s());
+  const std::uint64_t ticks = engine::ticks_until(report.end_s, simulation.tick_s());
   {
     Progress progress(ticks, simulation.tick_s(), show_progress);
     const auto start = Clock::now();
@@ -108,11 +106,23 @@ void step_to_end(Simulation& simulation, HashLog* log, bool show_progress, Repor
   report.hashes = simulation.hashes();
 }
 
+/// The folders of STAGEPATH, as Stage's users have them: separated by colons.
+std::vector<std::filesystem::path> stage_path() {
+  std::vector<std::filesystem::path> folders;
+  const char* value = std::getenv("STAGEPATH");
+  std::istringstream list(value ? value : "");
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) folders.emplace_back(folder);
+  return folders;
+}
+
 ExitCode run_checked(const RunOptions& options) {
   check_outputs(options.world, {options.hash_log, options.snapshot});
 
   const auto start = Clock::now();
-  Simulation simulation(options.world, options.simulation);
+  SimulationOptions simulation_options = options.simulation;
+  simulation_options.search_path = stage_path();
+  Simulation simulation(options.world, simulation_options);
   Report report;
   report.load_s = seconds_since(start);
   if (!options.quiet)

@@ -234,6 +234,14 @@ Ring outline_of(const Piece& piece) {
 
 }  // namespace
 
+Solid placed(Solid solid, const Pose& pose_world_body) {
+  const Transform transform(pose_world_body);
+  for (Ring& ring : solid.contours)
+    for (Vec2& v : ring) v = transform * v;
+  solid.z = solid.z.shifted(pose_world_body.z);
+  return solid;
+}
+
 double signed_area(const Ring& ring) {
   double twice = 0;
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) {

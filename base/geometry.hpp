@@ -72,6 +72,9 @@ struct Solid {
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
+/// The solid of a body that stands at this pose, in the world's frame.
+Solid placed(Solid solid, const Pose& pose_world_body);
+
 /// A convex polygon, counter-clockwise, extruded over a z interval.
 struct ConvexPrism {
   Ring outline;

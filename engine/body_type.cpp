@@ -1,5 +1,8 @@
 #include "engine/body_type.hpp"
 
+#include "engine/placement.hpp"
+#include "engine/ticks.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +20,6 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
 }
 
 void add_geometry(const TypeSpec& spec, BodyType& type) {
-  std::vector<ConvexPrism> pieces;
   double radius2 = 0;
   for (const PartSpec& part : spec.parts) {
     for (const Solid& solid : part.solids) {
@@ -28,26 +30,14 @@ void add_geometry(const TypeSpec& spec, BodyType& type) {
                                  static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger});
         type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
       }
-      if (!part.returns.obstacle) continue;
-      std::vector<ConvexPrism> more = convex_pieces(solid);
-      std::ranges::move(more, std::back_inserter(pieces));
     }
   }
-  type.obstacle = partition::make_obstacle_shape(pieces);
+  if (is_mobile(spec) || !spec.sensors.empty())
+    type.obstacle = obstacle_shape(spec);  // others: the static scene
   type.radius = sqrt(radius2);
 }
 
 }  // namespace
-
-std::uint64_t period_ticks(double period_s, double tick_s) {
-  const double ticks =
-      period_s / tick_s - 1e-9;  // 0.3 s of 0.1 s ticks are 3, whatever the quotient rounds to
-  if (!(ticks > 1)) return 1;
-  constexpr double k_never = 1e15;
-  if (ticks > k_never) return static_cast<std::uint64_t>(k_never);
-  const auto whole = static_cast<std::uint64_t>(ticks);
-  return static_cast<double>(whole) < ticks ? whole + 1 : whole;
-}
 
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
                         Diagnostics& diagnostics) {
@@ -56,9 +46,11 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
   add_geometry(spec, type);
 
   if (spec.drive) {
-    if (const DriveKind* kind = registry.drive(spec.drive->kind))
+    if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
+      if (const std::string fault = kind->fault(spec.drive->params); !fault.empty())
+        diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
       type.drive = {kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s)};
-    else
+    } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }
 
@@ -68,7 +60,16 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.sensors));
       continue;
     }
-    type.sensors.push_back({sensor.name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
+    // Readings are found, and hashed, by name.
+    std::string name = sensor.name;
+    for (int n = 2; std::ranges::find(type.sensors, name, &BodyType::Sensor::name) != type.sensors.end(); ++n)
+      name = fmt::format("{}#{}", sensor.name, n);
+    if (name != sensor.name) {
+      diagnostics.warning(
+          sensor.where,
+          fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
+    }
+    type.sensors.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
                             period_ticks(sensor.period_s, tick_s), sensor.active});
   }
 
@@ -91,6 +92,12 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     ControllerKind::Prepared prepared = kind->prepare(controller.params, infos, claimed, fault);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
+      continue;
+    }
+    if (prepared.sensors.size() > k_most_sensors_read) {
+      diagnostics.error(controller.where,
+                        fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",
+                                    controller.kind, prepared.sensors.size(), k_most_sensors_read));
       continue;
     }
     for (const std::size_t s : prepared.sensors) type.sensors[s].active = true;

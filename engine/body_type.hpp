@@ -58,10 +58,6 @@ struct BodyType {
   bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
 };
 
-/// Ticks between two runs of something with this period: as in Stage, the next multiple of the tick, and
-/// every tick for 0.
-std::uint64_t period_ticks(double period_s, double tick_s);
-
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
                         Diagnostics& diagnostics);

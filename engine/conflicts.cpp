@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 namespace troupe::engine {
 namespace {
@@ -26,6 +27,22 @@ Box swept(const Motion& m, double radius) {
   Box box = Box::around(m.from.position(), radius);
   if (m.moves) box.extend(Box::around(m.to.position(), radius));
   return box;
+}
+
+/// The samples of a motion at which its origin may lie within `reach` of a point, and some to either side;
+/// none: first > last. For slow motions that is all of them; a fast one takes thousands.
+std::pair<std::size_t, std::size_t> samples_near(const Motion& m, std::size_t n, const Vec2& point,
+                                                 double reach) {
+  constexpr std::size_t k_few = 8;
+  const Vec2 along = m.to.position() - m.from.position();
+  const double length2 = along.squaredNorm();
+  if (n <= k_few || length2 == 0) return {1, n};
+  const double samples = static_cast<double>(n);
+  const double middle = along.dot(point - m.from.position()) / length2 * samples;
+  const double half = (reach + partition::k_rounding_m) / sqrt(length2) * samples + 2;
+  const double first = std::clamp(middle - half, 1.0, samples);
+  const double last = std::clamp(middle + half, 0.0, samples);
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
 
 class Rule {
@@ -56,7 +73,9 @@ class Rule {
   bool body_refuses(std::size_t row, std::size_t other, const Pose& other_pose) const {
     const Motion& m = crowd_.motions[row];
     const std::size_t n = motion_samples(m, *crowd_.shapes[row]);
-    for (std::size_t k = 1; k <= n; ++k) {
+    const auto [first, last] =
+        samples_near(m, n, other_pose.position(), crowd_.shapes[row]->radius + crowd_.shapes[other]->radius);
+    for (std::size_t k = first; k <= last; ++k) {
       if (!meet(row, motion_pose(m, k, n), other, other_pose)) continue;
       const Vec2 there = other_pose.position();
       const bool apart = (m.to.position() - there).squaredNorm() > (m.from.position() - there).squaredNorm();
@@ -115,7 +134,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
       settled_[r] = k_open;
       if (!m.moves) continue;
       priority_[r] = mix(crowd.seed, crowd.tick, crowd.ids[r]);
-      if (!crowd.shapes[r]->empty())
+      if (!crowd.shapes[r]->empty() && !rule.leaves_world(m))
         longest = std::max(longest, (m.to.position() - m.from.position()).squaredNorm());
     }
     work_[b].longest = longest;

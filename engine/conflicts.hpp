@@ -20,8 +20,10 @@ struct Motion {
 };
 
 /// Poses at which a motion is tested: n = ceil(displacement / (thinnest part / 4)), equally spaced, the last
-/// being `to` itself. The displacement is |translation| + radius * |turn|, which no vertex exceeds; so no
-/// part of a body jumps over anything, however thin.
+/// being `to` itself, and at most a million. The displacement is |translation| + radius * |turn|, which no
+/// vertex exceeds: from one pose to the next a body moves less than its parts are thick, so nothing of any
+/// thickness passes through it whole. Something thin may pass a corner of a part, by less than a quarter of
+/// the part's width.
 std::size_t motion_samples(const Motion& motion, const partition::ObstacleShape& shape);
 Pose motion_pose(const Motion& motion, std::size_t k, std::size_t n);
 
@@ -63,7 +65,8 @@ class Conflicts {
     std::uint32_t first;  // into Work::others
     std::uint32_t count;
   };
-  struct Work {  // of one batch; kept between ticks so that a warm step allocates nothing
+  struct alignas(64) Work {  // of one batch, on cache lines of its own; kept between ticks so that a warm
+                             // step allocates nothing
     std::vector<Waiting> waiting;
     std::vector<std::uint32_t> others;
     double longest = 0;

@@ -94,7 +94,7 @@ struct UnitSuffix {
 };
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// Fills a record from its table: read(name) is looked up by position.
+/// The value of a field, by its name; the table must have it.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }

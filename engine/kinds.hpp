@@ -21,13 +21,8 @@ class World;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
 /// A kind turns its parameters once, when the world is built, into whatever it likes to run with
-/// (`prepare`), and is then called for batches of rows, never for one robot.
-
-/// A half-open range of positions in World::order(): rows that lie near one another.
-struct Batch {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-};
+/// (`prepare`), and is then called for batches of rows. Those calls run on several threads at once: they
+/// write what they are given and nothing else. An exception ends the step and comes out of World::step().
 
 /// A model kind: what a Stage world file may create. Part of the registry so that loaders share the defaults.
 struct ModelKind {
@@ -80,9 +75,14 @@ struct DriveKind {
   std::string_view text;
   FieldTable params;
   std::any (*prepare)(const Record& params);
+  /// What is wrong with the parameters taken together; empty when nothing is.
+  std::string (*fault)(const Record& params);
   /// Velocities of a batch from their commands, bounds applied. Sizes are equal.
   void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
 };
+
+/// Sensors that one controller can read.
+inline constexpr std::size_t k_most_sensors_read = 16;
 
 /// What one robot's controller sees in a tick.
 struct Percept {

@@ -78,25 +78,18 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
   data_.assign(end, std::byte{0});
 }
 
-std::uint64_t StateTable::hash_row(std::size_t row) const {
+std::uint64_t StateTable::hash_row(std::size_t row, std::vector<std::byte>& scratch) const {
   // Rows are gathered field by field, so that padding and layout never reach the hash.
-  constexpr std::size_t k_small = 1024;
-  std::byte small[k_small];
-  std::vector<std::byte> large;
-  std::byte* out = small;
-  if (hashed_bytes_ + 4 > k_small) {
-    large.resize(hashed_bytes_ + 4);
-    out = large.data();
-  }
-  std::byte* p = out;
-  std::memcpy(p, &ids_[row].value, 4);
-  p += 4;
+  scratch.resize(sizeof(BodyId) + hashed_bytes_);
+  std::byte* p = scratch.data();
+  std::memcpy(p, &ids_[row], sizeof(BodyId));
+  p += sizeof(BodyId);
   for (std::size_t f = 0; f < fields_.size(); ++f) {
     const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
     std::memcpy(p, data_.data() + starts_[f] + row * strides_[f], width);
     p += width;
   }
-  return hash_bytes({out, hashed_bytes_ + 4}, component_hash_);
+  return hash_bytes(scratch, component_hash_);
 }
 
 }  // namespace troupe::engine

@@ -97,7 +97,12 @@ class StateTable {
 
   /// Hash of (component name, id, fields in declared order); equal rows of equal entities hash alike whatever
   /// the layout.
-  std::uint64_t hash_row(std::size_t row) const;
+  /// scratch: grows to what a row needs, for the next call.
+  std::uint64_t hash_row(std::size_t row, std::vector<std::byte>& scratch) const;
+  std::uint64_t hash_row(std::size_t row) const {
+    std::vector<std::byte> scratch;
+    return hash_row(row, scratch);
+  }
   std::size_t bytes() const { return data_.size(); }
 
  private:

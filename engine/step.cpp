@@ -9,9 +9,8 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_batch = 64;         // rows a task: a crowded tile is split, small ones are joined
-constexpr std::size_t k_most_sensors = 16;  // a controller reads, at most
-constexpr double k_world_limit = 100e3;     // m: where a world without floor plans ends
+constexpr std::size_t k_batch = 64;      // rows a task: a crowded tile is split, small ones are joined
+constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -59,7 +58,7 @@ void World::for_batches(Work&& work) {
     for (std::size_t i = 0; i < count; ++i) rows[i] = Row(order[b * k_batch + i]);
     const std::span<Row> all(rows.data(), count);
     const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-    if (types_.size() > 1)
+    if (!std::ranges::all_of(all, [&](Row row) { return type_of(row) == type_of(all.front()); }))
       std::ranges::sort(
           all, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
     for (std::size_t i = 0; i < count;) {
@@ -75,9 +74,18 @@ void World::sense() {
   std::atomic<std::uint64_t> beams = 0;
   for_batches([&](std::span<const Row> rows, const BodyType& type) {
     for (const BodyType::Sensor& sensor : type.sensors) {
-      if (!sensor.active || !due(tick_, sensor.period)) continue;
-      beams.fetch_add(sensor.kind->sense(*this, sensor.prepared.data, rows, tables_[sensor.table]),
-                      std::memory_order_relaxed);
+      if (!due(tick_, sensor.period)) continue;
+      const auto sense_rows = [&](std::span<const Row> some) {
+        const std::uint64_t cast =
+            sensor.kind->sense(*this, sensor.prepared.data, some, tables_[sensor.table]);
+        beams.fetch_add(cast, std::memory_order_relaxed);
+      };
+      if (sensor.active) {
+        sense_rows(rows);
+        continue;
+      }
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (row_subscribed_[rows[i].index()]) sense_rows(rows.subspan(i, 1));
     }
   });
   beams_ += beams;
@@ -114,8 +122,8 @@ void World::decide() {
   for_batches([&](std::span<const Row> rows, const BodyType& type) {
     for (const BodyType::Controller& controller : type.controllers) {
       if (!due(tick_, controller.period)) continue;
-      std::array<std::span<const float>, k_most_sensors> ranges;
-      const std::size_t sensors = std::min(controller.sensors.size(), k_most_sensors);
+      std::array<std::span<const float>, k_most_sensors_read> ranges;
+      const std::size_t sensors = controller.sensors.size();
       for (const Row row : rows) {
         const std::size_t at = slot(row);
         for (std::size_t s = 0; s < sensors; ++s)
@@ -153,8 +161,9 @@ void World::move() {
         const Pose& to = motions_[row.index()].to;
         as<Pose>(k_pose)[row.index()] = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
       }
-      as<std::uint8_t>(k_stall)[row.index()] =
-          outcome == Conflicts::Outcome::refused || outcome == Conflicts::Outcome::held;
+      stall()[row.index()] = outcome == Conflicts::Outcome::refused ? k_refused
+                             : outcome == Conflicts::Outcome::held  ? k_held
+                                                                    : k_free;
     }
   });
 }

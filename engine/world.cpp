@@ -9,32 +9,32 @@
 namespace troupe::engine {
 namespace {
 
-Solid placed(const Solid& solid, const Pose& pose) {
-  const Transform transform(pose);
-  Solid out{solid.contours, solid.z.shifted(pose.z)};
-  for (Ring& ring : out.contours)
-    for (Vec2& v : ring) v = transform * v;
-  return out;
-}
-
-/// Cells a quarter of the farthest sight: small enough to leave out most of what is out of reach, large
-/// enough that a query runs over few of them.
-partition::GridGeometry choose_geometry(std::span<const BodyType> types, double tile_size_m) {
-  constexpr double k_least_cell = 0.05;
-  double reach = 0;
+/// Cells a quarter of how far robots see, in the mean: small enough to leave out most of what is out of
+/// reach, large enough that a query runs over few of them. A few far-sighted robots among many do not coarsen
+/// them.
+partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
+                                        double tile_size_m) {
+  double sum = 0;
+  double count = 0;
   double width = 0;
-  for (const BodyType& type : types) {
+  for (const BodySpec& body : spec.bodies) {
+    const BodyType& type = types[body.type.index()];
     if (!type.runs()) continue;
-    width = std::max(width, 2 * type.radius);
+    double reach = 0;
     for (const BodyType::Sensor& sensor : type.sensors)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
+    sum += reach > 0 ? reach : 8 * type.radius;
+    width = std::max(width, 2 * type.radius);
+    ++count;
   }
-  const double cell = std::max({k_least_cell, reach / 4, reach > 0 ? 0.0 : 2 * width});
+  // Never so small that a body lies in more than some hundred cells.
+  const double least = std::max(0.05, width / 8);
+  const double cell = std::max(least, count > 0 ? 0.25 * sum / count : 1.0);
   constexpr unsigned k_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_tile_bits};
   unsigned bits = 0;
   while (bits < 8 && tile_size_m / (1u << bits) > cell) ++bits;
-  return {tile_size_m / (1u << bits), bits};
+  return {std::max(least, tile_size_m / (1u << bits)), bits};
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   for (const TypeSpec& type : spec_.types)
     types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
   diagnostics.throw_if_errors();
-  geometry_ = choose_geometry(types_, options.tile_size_m);
+  geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
   build_scene();
   build_tables();
@@ -65,6 +65,7 @@ void World::build_rows() {
     row_types_.push_back(t);
     row_slots_.push_back(slots[t]++);
     row_radii_.push_back(type.radius);
+    row_subscribed_.push_back(0);
     row_shapes_.push_back(&type.obstacle);
     outline_begins_.push_back(vertices);
     vertices += type.outline_vertices.size();
@@ -110,7 +111,8 @@ void World::build_tables() {
                        row_bodies_);
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
-      std::vector<StateField>{{"stalled", Element::u8, 1, "", "1: the last motion was refused"}},
+      std::vector<StateField>{
+          {"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
       row_bodies_);
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
@@ -151,6 +153,10 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   for (std::uint32_t r = 0; r < rows(); ++r) {
     const partition::ObstacleShape& shape = *row_shapes_[r];
     if (shape.empty()) continue;
+    if (shape.z.min + poses()[r].z < 0) {
+      diagnostics.warning_once(spec_.bodies[row_bodies_[r].index()].where,
+                               "a body reaches below the floor, which holds nothing here");
+    }
     for (const BodyId fixed :
          scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
       report(row_bodies_[r], fixed);
@@ -183,12 +189,7 @@ Pose World::pose(BodyId body) const {
   return r.valid() ? poses()[r.index()] : spec_.bodies[body.index()].pose_world_body;
 }
 
-bool World::stalled(Row row) const { return as<std::uint8_t>(k_stall)[row.index()] != 0; }
-
-void World::activate(BodyId body) {
-  for (BodyType::Sensor& sensor : types_[spec_.bodies[body.index()].type.index()].sensors)
-    sensor.active = true;
-}
+bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
 
 Hashes World::hashes() {
   constexpr std::size_t k_block = 256;
@@ -197,9 +198,10 @@ Hashes World::hashes() {
     const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
     std::atomic<std::uint64_t> sum = 0;
     parallel_.for_each(blocks, [&](std::size_t b) {
+      std::vector<std::byte> scratch;
       std::uint64_t part = 0;
       for (std::size_t r = b * k_block; r < std::min(table.rows(), (b + 1) * k_block); ++r)
-        part += table.hash_row(r);
+        part += table.hash_row(r, scratch);
       sum.fetch_add(part, std::memory_order_relaxed);
     });
     hashes.groups[static_cast<std::size_t>(table.group())] += sum;
@@ -209,11 +211,11 @@ Hashes World::hashes() {
 }
 
 std::size_t World::stalled_count() const {
-  return static_cast<std::size_t>(std::ranges::count(as<std::uint8_t>(k_stall), std::uint8_t{1}));
+  return rows() - static_cast<std::size_t>(std::ranges::count(stall(), k_free));
 }
 
 std::size_t World::held_count() const {
-  return static_cast<std::size_t>(std::ranges::count(outcomes_, Conflicts::Outcome::held));
+  return static_cast<std::size_t>(std::ranges::count(stall(), k_held));
 }
 
 double World::mean_displacement() const {

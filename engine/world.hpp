@@ -48,7 +48,9 @@ class World {
  public:
   /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
   /// at the start, once, with a count.
+  /// The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
+  World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -77,7 +79,8 @@ class World {
   const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }
   /// Position of a row among those of its type: its row in the type's tables.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
-  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it.
+  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. The first
+  /// call makes the table of names: from one thread at a time.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -91,8 +94,12 @@ class World {
   void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
   /// Percepts of one sensor of a type.
   const StateTable& percepts(const BodyType::Sensor& sensor) const { return tables_[sensor.table]; }
-  /// Runs every sensor of the type from now on.
-  void activate(BodyId body);
+  /// Runs every sensor of this body from now on; before the first step.
+  void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
+  /// Whether a sensor of the row's type runs for this row.
+  bool senses(Row row, const BodyType::Sensor& sensor) const {
+    return sensor.active || row_subscribed_[row.index()] != 0;
+  }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
@@ -111,7 +118,8 @@ class World {
   Frame frame() const;
 
  private:
-  enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall, k_common_tables };
+  enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall };
+  enum Stall : std::uint8_t { k_free, k_refused, k_held };
 
   template <class T>
   std::span<T> as(std::size_t table) {
@@ -121,6 +129,9 @@ class World {
   std::span<const T> as(std::size_t table) const {
     return {reinterpret_cast<const T*>(tables_[table].row(0)), tables_[table].rows()};
   }
+
+  std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
+  std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
   void build_rows();
   void build_scene();
@@ -150,6 +161,7 @@ class World {
   std::vector<std::uint32_t> row_types_;
   std::vector<std::uint32_t> row_slots_;
   std::vector<double> row_radii_;
+  std::vector<std::uint8_t> row_subscribed_;  // by the program, beside what the world runs
   std::vector<const partition::ObstacleShape*> row_shapes_;
   std::vector<std::uint32_t> row_ids_;
   std::vector<std::size_t> outline_begins_;

@@ -94,7 +94,7 @@ struct WorldSpec {
   /// Where robots may go; one that would leave is held. Not given: +-100 km.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;
-  /// BodyId is the position in this list. Body 0 is the ground: make_ground().
+  /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   /// Other names of bodies (Stage keeps generated names as aliases): name -> body.
   std::unordered_map<std::string, BodyId> aliases;
@@ -105,7 +105,7 @@ struct WorldSpec {
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.
 void add_ground(WorldSpec& spec);
 
-/// The reader of a world format sees only the parts it needs of a type: true when anything of it can move.
+/// True when bodies of the type can move.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
 
 }  // namespace troupe::engine

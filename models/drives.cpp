@@ -2,7 +2,10 @@
 
 #include "base/math.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
 
 namespace troupe::models {
 namespace {
@@ -59,10 +62,19 @@ Drive read(const Record& params, bool car) {
   return d;
 }
 
+std::string fault(const Record& params) {
+  constexpr std::pair<std::size_t, std::string_view> k_bounds[] = {
+      {0, "velocity_x"}, {2, "velocity_y"}, {4, "turn"}};
+  for (const auto& [low, name] : k_bounds)
+    if (params[low].number() > params[low + 1].number())
+      return fmt::format("the bounds of {} stand the wrong way round: the lower must come first", name);
+  return {};
+}
+
 std::any prepare_simple(const Record& params) { return read(params, false); }
 std::any prepare_car(const Record& params) { return read(params, true); }
 
-// Not std::clamp: it is undefined where a file gives bounds the wrong way round, and NaN must stay NaN.
+// Not std::clamp: NaN must stay NaN, for the step to name the robot.
 double bounded(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
 
 Velocity bounded(const Drive& d, double x, double y, double turn) {
@@ -98,6 +110,7 @@ engine::DriveKind diff_drive() {
           .text = "two driven wheels: forward speed and turn rate",
           .params = drive_fields(),
           .prepare = prepare_simple,
+          .fault = fault,
           .drive = drive_diff};
 }
 
@@ -106,6 +119,7 @@ engine::DriveKind omni_drive() {
           .text = "holonomic: forward and sideways speed and turn rate",
           .params = drive_fields(),
           .prepare = prepare_simple,
+          .fault = fault,
           .drive = drive_omni};
 }
 
@@ -114,6 +128,7 @@ engine::DriveKind car_drive() {
           .text = "front wheels that steer: speed and steering angle",
           .params = car_fields(),
           .prepare = prepare_car,
+          .fault = fault,
           .drive = drive_car};
 }
 

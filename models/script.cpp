@@ -1,6 +1,7 @@
 #include "models/script.hpp"
 
 #include "engine/controller.hpp"
+#include "engine/ticks.hpp"
 
 namespace troupe::models {
 namespace {
@@ -77,7 +78,7 @@ struct Script {
       case Law::timed:
         actions.command = {};
         for (const Leg& leg : legs) {
-          if (percept.time_s >= leg.until_s) continue;
+          if (percept.tick >= engine::ticks_until(leg.until_s, percept.tick_s)) continue;
           actions.command = leg.command;
           break;
         }

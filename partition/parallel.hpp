@@ -20,8 +20,9 @@ class Parallel {
   unsigned threads() const { return threads_; }
 
   /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
-  /// Tasks must be coarse (some tens of microseconds), must not throw, and must write only what no other
-  /// task of the loop reads or writes.
+  /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
+  /// reads or writes. Where tasks throw, the others still run, and then the exception of the lowest index
+  /// comes out. With more threads than cores oneTBB's limit for the whole process is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -31,6 +32,7 @@ class Parallel {
  private:
   using Call = void (*)(void* task, std::size_t i);
   void run(std::size_t count, Call call, void* task);
+  void run_tasks(std::size_t count, Call call, void* task);  // of the backend; tasks do not throw
 
   struct Workers;
   unsigned threads_;

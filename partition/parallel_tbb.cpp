@@ -36,7 +36,7 @@ Parallel::~Parallel() = default;
 Parallel::Parallel(Parallel&&) noexcept = default;
 Parallel& Parallel::operator=(Parallel&&) noexcept = default;
 
-void Parallel::run(std::size_t count, Call call, void* task) {
+void Parallel::run_tasks(std::size_t count, Call call, void* task) {
   if (!workers_ || count < 2) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;

@@ -14,7 +14,7 @@ bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 /// True when the segment enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
 
-/// The vertices of a shape at a pose, in the world's frame: piece after piece. Bodies of up to 48 vertices,
+/// The vertices of a shape at a pose, in the world's frame: piece after piece. Bodies of up to 128 vertices,
 /// nearly all, live on the stack.
 class PlacedShape {
  public:
@@ -25,7 +25,7 @@ class PlacedShape {
   const Vec2* vertices() const { return begin_; }
 
  private:
-  std::array<Vec2, 48> small_;
+  std::array<Vec2, 128> small_;
   std::vector<Vec2> large_;
   const Vec2* begin_;
 };

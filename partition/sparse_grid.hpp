@@ -102,16 +102,28 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, cons
   const Cell high = grid.cell(box.max);
   const Cell tile_low = grid.tile(low);
   const Cell tile_high = grid.tile(high);
+  const auto visit_tile = [&](std::uint32_t slot, std::int32_t tx, std::int32_t ty) {
+    const std::int32_t x0 = std::max(low.x, tx << grid.tile_bits);
+    const std::int32_t x1 = std::min(high.x, ((tx + 1) << grid.tile_bits) - 1);
+    const std::int32_t y0 = std::max(low.y, ty << grid.tile_bits);
+    const std::int32_t y1 = std::min(high.y, ((ty + 1) << grid.tile_bits) - 1);
+    for (std::int32_t y = y0; y <= y1; ++y)
+      visit(slot, grid.in_tile({x0, y}), grid.in_tile({x1, y}) + 1, Cell{x0, y});
+  };
+  const auto wide = static_cast<std::int64_t>(tile_high.x) - tile_low.x + 1;
+  const auto tall = static_cast<std::int64_t>(tile_high.y) - tile_low.y + 1;
+  if (wide * tall > static_cast<std::int64_t>(directory.size())) {  // more ground than tiles: ask the tiles
+    for (std::uint32_t slot = 0; slot < directory.size(); ++slot) {
+      const Cell tile = directory.tile(slot);
+      if (tile_low.x <= tile.x && tile.x <= tile_high.x && tile_low.y <= tile.y && tile.y <= tile_high.y)
+        visit_tile(slot, tile.x, tile.y);
+    }
+    return;
+  }
   for (std::int32_t ty = tile_low.y; ty <= tile_high.y; ++ty) {
     for (std::int32_t tx = tile_low.x; tx <= tile_high.x; ++tx) {
       const std::uint32_t slot = directory.find({tx, ty});
-      if (slot == TileDirectory::k_none) continue;
-      const std::int32_t x0 = std::max(low.x, tx << grid.tile_bits);
-      const std::int32_t x1 = std::min(high.x, ((tx + 1) << grid.tile_bits) - 1);
-      const std::int32_t y0 = std::max(low.y, ty << grid.tile_bits);
-      const std::int32_t y1 = std::min(high.y, ((ty + 1) << grid.tile_bits) - 1);
-      for (std::int32_t y = y0; y <= y1; ++y)
-        visit(slot, grid.in_tile({x0, y}), grid.in_tile({x1, y}) + 1, Cell{x0, y});
+      if (slot != TileDirectory::k_none) visit_tile(slot, tx, ty);
     }
   }
 }

@@ -14,7 +14,17 @@ void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visi
   const Vec2 along = edge.b - edge.a;
   const double reach = 0.7072 * grid.cell_m * along.norm() * (1 + 1e-9);
   for (std::int32_t y = low.y; y <= high.y; ++y) {
-    for (std::int32_t x = low.x; x <= high.x; ++x) {
+    Cell from = low;
+    Cell to = high;
+    if (along.y() != 0) {  // where the edge passes this row of cells, and a cell to either side
+      const double t0 = std::clamp((y * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
+      const double t1 = std::clamp(((y + 1) * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
+      const Vec2 p = edge.a + t0 * along;
+      const Vec2 q = edge.a + t1 * along;
+      from.x = std::max(low.x, grid.cell(p.cwiseMin(q)).x - 1);
+      to.x = std::min(high.x, grid.cell(p.cwiseMax(q)).x + 1);
+    }
+    for (std::int32_t x = from.x; x <= to.x; ++x) {
       const Vec2 middle((x + 0.5) * grid.cell_m, (y + 0.5) * grid.cell_m);
       const double side = cross(along, middle - edge.a);
       if (side <= reach && side >= -reach) visit(Cell{x, y});

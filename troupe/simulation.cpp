@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/registry.hpp"
@@ -62,7 +63,7 @@ struct Model::Place {
     std::vector<std::string_view> known;
     for (const auto* sensor : sensors()) {
       if (wanted.empty() || sensor->name == wanted) {
-        if (!sensor->active) {
+        if (!world->senses(row(), *sensor)) {
           throw std::logic_error(fmt::format(
               "sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor->name, name));
         }
@@ -123,7 +124,7 @@ std::span<const float> Model::intensities(std::string_view sensor) const {
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options)
     : impl_(std::make_unique<Impl>()) {
-  if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
+  restore_fp_environment();  // before anything is computed from the file
   impl_->options = options;
   impl_->file = file;
   impl_->registry = make_registry();
@@ -167,7 +168,7 @@ void Simulation::run_for(double seconds) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
     throw std::invalid_argument(
         fmt::format("run_for({}): give a time in seconds from 0 to {:g}", seconds, k_longest_run_s));
-  const auto ticks = static_cast<std::uint64_t>(std::max(0.0, std::ceil(seconds / tick_s() - 1e-6)));
+  const std::uint64_t ticks = engine::ticks_until(seconds, tick_s());
   for (std::uint64_t i = 0; i < ticks; ++i) step();
 }
 
@@ -222,7 +223,7 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   if (tick() > 0) throw std::logic_error("subscribe before the first step");
-  impl_->world->activate(find(model).place_->body);
+  impl_->world->subscribe(find(model).place_->body);
 }
 
 std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }

@@ -33,7 +33,7 @@ struct SimulationOptions {
   std::vector<std::filesystem::path> search_path;
 };
 
-/// The phases of a tick, in their order: engine/world.hpp.
+/// The phases of a tick, in their order: engine/phase.hpp.
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;

@@ -115,6 +115,20 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
   return rings;
 }
 
+void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
+  constexpr double k_thickness = 0.01;  // m, as in Stage
+  const double x = size.x() / 2;
+  const double y = size.y() / 2;
+  const double t = std::min({k_thickness, x, y});
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    solids.push_back({{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}, {0, size.z()}});
+  };
+  wall(-x, -y, -x + t, y);
+  wall(x - t, -y, x, y);
+  wall(-x, -y, x, -y + t);
+  wall(-x, y - t, x, y);
+}
+
 void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size) {
   Box box;
   ZInterval z{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};

@@ -28,6 +28,10 @@ std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where
 /// up (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
+/// Adds four walls that stand just inside the box of a floor plan, 0.01 m thick (less in a smaller box) and
+/// as tall as it.
+void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids);
+
 /// Scales the contours of several solids together so that their common bounding box fills `size` and is
 /// centred; z is multiplied by size.z / (z_max - z_min) and not shifted.
 void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size);

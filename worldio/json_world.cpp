@@ -27,7 +27,6 @@ using engine::WorldSpec;
 constexpr std::int64_t k_version = 1;
 constexpr double k_max_bodies = 10000000;
 constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
-constexpr double k_wall_m = 0.01;          // thickness of `boundary` walls, as in Stage
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
@@ -64,26 +63,6 @@ void fit_image(const Bitmap& bitmap, const Eigen::Vector3d& size, std::vector<Ri
   for (Ring& ring : contours)
     for (Vec2& p : ring)
       p = {(p.x() / bitmap.width - 0.5) * size.x(), ((p.y() + lift) / bitmap.height - 0.5) * size.y()};
-}
-
-/// Four walls that stand just inside the box of a floor plan.
-void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
-  const double x = size.x() / 2, y = size.y() / 2;
-  const auto wall = [&](double x0, double y0, double x1, double y1) {
-    solids.push_back({{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}, {0, size.z()}});
-  };
-  wall(-x, -y, -x + k_wall_m, y);
-  wall(x - k_wall_m, -y, x, y);
-  wall(-x, -y, x, -y + k_wall_m);
-  wall(-x, y - k_wall_m, x, y);
-}
-
-Solid in_world(Solid solid, const Pose& pose_world_body) {
-  const Transform transform(pose_world_body);
-  for (Ring& ring : solid.contours)
-    for (Vec2& p : ring) p = transform * p;
-  solid.z = solid.z.shifted(pose_world_body.z);
-  return solid;
 }
 
 class WorldReader {
@@ -175,8 +154,7 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
   }
   if (seed) spec_.seed = *seed;
 
-  const Value tick =
-      read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 0, .max = 3600, .above_min = true});
+  const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
   if (tick.given()) spec_.tick_s = tick.number();
   const Value quit = read_field(
       object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
@@ -414,7 +392,7 @@ void WorldReader::place_bodies() {
     const BodySpec& body = spec_.bodies[i];
     for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
       for (const Solid& solid : part.solids)
-        if (part.returns.obstacle) walls.push_back({in_world(solid, body.pose_world_body), BodyId(i)});
+        if (part.returns.obstacle) walls.push_back({placed(solid, body.pose_world_body), BodyId(i)});
   }
   const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());

@@ -12,20 +12,8 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr double k_boundary_thickness = 0.01;  // m, as in Stage
-
 Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, double z_max) {
   return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
-}
-
-void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
-  const double x = size.x() / 2;
-  const double y = size.y() / 2;
-  const double t = std::min({k_boundary_thickness, x, y});
-  solids.push_back(box(-x, -x + t, -y, y, 0, size.z()));
-  solids.push_back(box(x - t, x, -y, y, 0, size.z()));
-  solids.push_back(box(-x, x, -y, -y + t, 0, size.z()));
-  solids.push_back(box(-x, x, y - t, y, 0, size.z()));
 }
 
 /// 12 of "point[12]".

@@ -1,5 +1,7 @@
 #include "engine/world.hpp"
 
+#include "engine/controller.hpp"
+#include "engine/ticks.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>
@@ -37,6 +39,105 @@ TEST(World, PeriodsRoundUpToTicks) {
   EXPECT_EQ(period_ticks(0.3, 0.1), 3u);
   EXPECT_EQ(period_ticks(0.1, 0.02), 5u);
   EXPECT_EQ(period_ticks(1e300, 0.1), 1000000000000000u);
+}
+
+TEST(World, TimesRoundUpToTicksWhateverTheirQuotientRoundsTo) {
+  EXPECT_EQ(ticks_until(0.7, 0.1), 7u);
+  EXPECT_EQ(ticks_until(0.9, 0.3), 3u);
+  EXPECT_EQ(ticks_until(0.71, 0.1), 8u);
+  EXPECT_EQ(ticks_until(0, 0.1), 0u);
+  EXPECT_EQ(ticks_until(-1, 0.1), 0u);
+  EXPECT_EQ(ticks_until(60, 0.1), 600u);
+  EXPECT_EQ(ticks_until(1e300, 1e-300), 1000000000000000u);
+}
+
+TEST(World, SubscribingToOneRobotRunsItsSensorsAlone) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].sensors = {test::ranger("ir", {{.range_max = 3}})};
+  scene[type].sensors[0].active = false;
+  const BodyId a = scene.body("a", type);
+  const BodyId b = scene.body("b", type, {5, 0, 0, 0});
+  World world = scene.world();
+  world.subscribe(b);
+  world.step();
+  EXPECT_EQ(world.beams_cast(), 1u);
+  const BodyType::Sensor& sensor = world.type(world.row(a)).sensors[0];
+  EXPECT_FALSE(world.senses(world.row(a), sensor));
+  EXPECT_TRUE(world.senses(world.row(b), sensor));
+  EXPECT_EQ(world.percepts(sensor).cell<float>(world.slot(world.row(a)), 0)[0], 0);
+  EXPECT_EQ(world.percepts(sensor).cell<float>(world.slot(world.row(b)), 0)[0], 3);
+}
+
+TEST(World, BoundsTheWrongWayRoundAreAnError) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].drive = test::drive("diff", {{"velocity_min_x", 1.0}, {"velocity_max_x", -1.0}});
+  scene.body("r", type);
+  Diagnostics diagnostics;
+  EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
+  EXPECT_EQ(
+      diagnostics.text(diagnostics.findings()[0]),
+      "error: drive \"diff\": the bounds of velocity_x stand the wrong way round: the lower must come first");
+}
+
+TEST(World, TwoSensorsOfOneNameAreToldApart) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].sensors = {test::ranger("ir", {{.range_max = 3}}), test::ranger("ir", {{.range_max = 4}})};
+  scene.body("r", type);
+  Diagnostics diagnostics;
+  const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+  EXPECT_EQ(world.types()[type.index()].sensors[1].name, "ir#2");
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre("warning: a second sensor \"ir\" of one robot: it is called \"ir#2\""));
+}
+
+TEST(World, ABodyBelowTheFloorIsAWarning) {
+  SceneBuilder scene;
+  scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0, 0, -0.1, 0});
+  Diagnostics diagnostics;
+  const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre("warning: a body reaches below the floor, which holds nothing here"));
+}
+
+struct Thrower {
+  static Thrower make(const Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string&) {
+    return {};
+  }
+  void operator()(const Percept& percept, Random&, Actions&) const {
+    if (percept.body >= 40) throw std::runtime_error("robot " + std::to_string(percept.body));
+  }
+};
+
+TEST(World, AnExceptionOfAControllerComesOutOfTheStep) {
+  Registry registry = test::registry();
+  registry.controllers.push_back(make_controller_kind<Thrower>("thrower", "", {}));
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    SceneBuilder scene;
+    const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+    scene[type].controllers = {{.kind = "thrower", .params = {}, .where = {}}};
+    for (int i = 0; i < 500; ++i) scene.body("r" + std::to_string(i), type, {i * 1.0, 0, 0, 0});
+    Diagnostics diagnostics;
+    World world(scene.spec, registry, {.threads = threads}, diagnostics);
+    EXPECT_THROW(world.step(), std::runtime_error);
+  }
+}
+
+TEST(World, ARobotAtTheSpeedOfLightKeepsNobodyWaiting) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].drive = test::drive("diff", {{"velocity_max_x", 3e8}});
+  const BodyId a = scene.body("a", type);
+  scene.body("b", type, {0, 5, 0, 0});
+  World world = scene.world();
+  world.set_command(world.row(a), {3e8, 0, 0});
+  for (int i = 0; i < 100; ++i)
+    world.step();  // out of the world in one tick: held, and nobody looks that far
+  EXPECT_EQ(world.pose(a).x, 0);
+  EXPECT_EQ(world.held_count(), 1u);
 }
 
 TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {

@@ -19,6 +19,7 @@ struct Decision {
   std::string fault;
   Command command{9, 9, 9};
   std::uint32_t tick = 1;
+  double tick_s = 0.1;
 
   static engine::SensorKind::Prepared ring(const std::vector<double>& headings) {
     engine::SensorKind::Prepared layout;
@@ -50,7 +51,7 @@ struct Decision {
     const std::span<const float> view(ranges);
     Random random(1, 2, 3, tick);
     engine::Actions actions{command};
-    kind.decide(prepared.data, {tick, 0.1 * tick, 0.1, 3, {&view, 1}}, memory.data(), random, actions);
+    kind.decide(prepared.data, {tick, tick_s * tick, tick_s, 3, {&view, 1}}, memory.data(), random, actions);
     ++tick;
     return command;
   }
@@ -211,6 +212,19 @@ TEST(Script, TimedLegsFollowOneAnotherAndThenItStands) {
   EXPECT_EQ(decide({}).x, 1);
   EXPECT_EQ(decide({}).turn, 0.5);
   EXPECT_EQ(decide({}).turn, 0);
+}
+
+TEST(Script, ALegEndsOnItsTickThoughTimesAreNotExact) {
+  // 3 * 0.3 is less than 0.9 in binary.
+  const engine::FieldTable& table = test::registry().controller("script")->params;
+  const engine::FieldTable& leg = *table.fields[1].record;
+  Decision decide({}, "script",
+                  test::record(table, {{"legs", std::vector<engine::Record>{test::record(
+                                                    leg, {{"until", 0.9}, {"forward", 1.0}})}}}));
+  decide.tick_s = 0.3;
+  EXPECT_EQ(decide({}).x, 1);
+  EXPECT_EQ(decide({}).x, 1);
+  EXPECT_EQ(decide({}).x, 0);
 }
 
 TEST(Script, TimedWithoutLegsIsAFault) {

@@ -19,6 +19,12 @@ namespace {
 
 constexpr double k_turn = 6.283185307179586;
 
+#ifdef NDEBUG
+constexpr std::uint32_t k_share = 1;
+#else
+constexpr std::uint32_t k_share = 40;  // of the trials in debug builds, which are that much slower
+#endif
+
 bool long_form() { return std::getenv("TROUPE_LONG") != nullptr; }
 
 struct Beams {
@@ -81,7 +87,7 @@ Beams any_beams(Random& random, bool common_origin, std::span<const RayEdge> edg
 }
 
 TEST(Ranging, TheVectorFormIsTheFormulaBitForBit) {
-  for (std::uint32_t trial = 0; trial < 30000; ++trial) {
+  for (std::uint32_t trial = 0; trial < 30000 / k_share; ++trial) {
     Random random(1, 1, 0, trial);
     const bool common_origin = random.below(2) == 0;
     std::vector<RayEdge> edges;
@@ -354,7 +360,7 @@ void aim_at_vertices(std::uint32_t trial, bool common_origin, Tally& tally) {
 }
 
 void expect_tight(bool common_origin) {
-  const std::uint64_t wanted = long_form() ? 100'000'000 : 2'000'000;
+  const std::uint64_t wanted = long_form() ? 100'000'000 : 2'000'000 / k_share;
   Tally tally;
   for (std::uint32_t trial = 0; tally.beams < wanted; ++trial) aim_at_vertices(trial, common_origin, tally);
   EXPECT_EQ(tally.leaks, 0u) << "of " << tally.beams << "; first:\n" << tally.first;
@@ -373,7 +379,7 @@ TEST(Ranging, NoBeamAimedAtAVertexLeavesAClosedOutlineFromManyOrigins) { expect_
 
 TEST(Ranging, ShortEdgesFarAwayAreMetToTheTolerance) {
   double worst = 0;  // of the error times the sine of incidence
-  for (std::uint32_t trial = 0; trial < 2'000'000; ++trial) {
+  for (std::uint32_t trial = 0; trial < 2'000'000 / k_share; ++trial) {
     Random random(3, 1, 0, trial);
     const Vec2 reference(random.uniform(-1000, 1000), random.uniform(-1000, 1000));
     const double length = log_uniform(random, 1e-3, 100);

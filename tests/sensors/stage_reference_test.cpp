@@ -55,7 +55,7 @@ void expect_agreement(const std::string& name, double least_within_3_cm, double 
   engine::WorldSpec spec = worldio::load_stage_world(file, text, registry, {}, diagnostics);
   diagnostics.throw_if_errors();
   engine::World world(std::move(spec), registry, {.threads = 2}, diagnostics);
-  for (std::uint32_t r = 0; r < world.rows(); ++r) world.activate(world.body(Row(r)));
+  for (std::uint32_t r = 0; r < world.rows(); ++r) world.subscribe(world.body(Row(r)));
 
   std::map<long, std::vector<nlohmann::json>> records;  // by tick
   std::ifstream lines(folder / (name + ".jsonl"));

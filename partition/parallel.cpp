@@ -1,0 +1,38 @@
+#include "partition/parallel.hpp"
+
+#include <exception>
+#include <mutex>
+
+namespace troupe::partition {
+namespace {
+
+/// Tasks of a loop, with the exception of the lowest index that threw.
+struct Guarded {
+  void (*call)(void* task, std::size_t i);
+  void* task;
+  std::mutex mutex;
+  std::size_t lowest = 0;
+  std::exception_ptr exception;
+
+  static void run(void* self, std::size_t i) {
+    auto& guarded = *static_cast<Guarded*>(self);
+    try {
+      guarded.call(guarded.task, i);
+    } catch (...) {
+      const std::lock_guard lock(guarded.mutex);
+      if (guarded.exception && guarded.lowest < i) return;
+      guarded.lowest = i;
+      guarded.exception = std::current_exception();
+    }
+  }
+};
+
+}  // namespace
+
+void Parallel::run(std::size_t count, Call call, void* task) {
+  Guarded guarded{.call = call, .task = task};
+  run_tasks(count, Guarded::run, &guarded);
+  if (guarded.exception) std::rethrow_exception(guarded.exception);
+}
+
+}  // namespace troupe::partition
