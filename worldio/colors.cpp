@@ -211,7 +211,8 @@ std::optional<Color> color_by_name(std::string_view given) {
   if (stem == "gray") {
     if (number > 100) return {};
     // In doubles 50 and 90 fall just below a half, and X11's list has them rounded down.
-    const auto level = static_cast<std::uint32_t>(number * 2.55 + 0.5);
+    const double share = number * 2.55;
+    const auto level = static_cast<std::uint32_t>(0.5 + share);
     return color_of(level << 16 | level << 8 | level);
   }
   const Shades* shades = find(k_shaded, stem);
