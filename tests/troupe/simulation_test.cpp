@@ -340,6 +340,18 @@ TEST_F(SimulationTest, ASensorThatDoesNotRunSaysSoUntilSubscribed) {
   EXPECT_THAT(robot.intensities("top"), IsEmpty());  // not switched on
 }
 
+TEST_F(SimulationTest, ASubscriptionRunsTheSensorsOfThatRobotAlone) {
+  const fs::path file = write("twins.world",
+                              "define bot position ( size [0.4 0.4 0.25] ranger( sensor( range [0 5] ) ) )\n"
+                              "bot( name \"a\" )\nbot( name \"b\" pose [3 0 0 0] )\n");
+  Simulation simulation(file);
+  simulation.subscribe("a");
+  simulation.step();
+  EXPECT_EQ(simulation.statistics().beams, 1u);
+  EXPECT_EQ(simulation.find("a").ranges().size(), 1u);
+  EXPECT_THROW(static_cast<void>(simulation.find("b").ranges()), std::logic_error);
+}
+
 TEST_F(SimulationTest, SubscriptionsComeBeforeTheFirstStep) {
   Simulation simulation = json();
   simulation.step();
