@@ -1,6 +1,7 @@
 #include "apps/describe.hpp"
 
 #include "base/diagnostics.hpp"
+#include "worldio/stage_properties.hpp"
 
 #include <fmt/ranges.h>
 
@@ -121,11 +122,30 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
+/// The properties that a Stage world file may give a model, its own first.
+std::string properties_text(std::string_view model) {
+  std::string text;
+  for (const std::string_view of : {model, std::string_view("model")}) {
+    if (of == "model" && model != "model") text += "\n  as every model\n";
+    for (const worldio::StageRow& row : worldio::stage_rows()) {
+      if (row.type != of ||
+          (row.support != worldio::StageSupport::honoured && row.support != worldio::StageSupport::fixed &&
+           row.support != worldio::StageSupport::unsupported))
+        continue;
+      text += fmt::format("  {:<22}  {}{}\n", row.name,
+                          row.support == worldio::StageSupport::unsupported ? "not supported yet. " : "",
+                          row.note);
+    }
+  }
+  return text;
+}
+
 std::string model_text(const engine::ModelKind& kind) {
-  return fmt::format("model {}: {}\n\n  {} x {} x {} m, {}\n\n{}\n", kind.name, kind.text, kind.size.x(),
-                     kind.size.y(), kind.size.z(),
-                     kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body",
-                     fields_text(kind.params));
+  return fmt::format(
+      "model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n  property in a Stage world\n{}\n", kind.name,
+      kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
+      kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body",
+      properties_text(kind.name));
 }
 
 /// A preset is its kind with other defaults: shown as such.
@@ -173,9 +193,10 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
     throw InputError(fmt::format("troupe describe: error: unknown kind \"{}\"; known: {}{}", name,
                                  comma_list(known), did_you_mean(name, known)));
   }
-  return text +
-         "Defaults and ranges are in the first unit of a key; those in brackets may take its place in "
-         "JSON.\n";
+  if (text.find("\n  key ") != std::string::npos)
+    text +=
+        "Defaults and ranges are in the first unit of a key; those in brackets may take its place in JSON.\n";
+  return text;
 }
 
 }  // namespace troupe::apps

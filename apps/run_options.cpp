@@ -112,7 +112,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   add_value(*run, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
     options.for_s = finite(text);
     if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
-      refuse("--for", text, "a time in seconds, 0 or more");
+      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
   });
   add_value(*run, "--threads", "N", "Worker threads (default: one for each core)",
             [&options](const std::string& text) {
@@ -135,7 +135,9 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   add_value(*run, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
             [&options](const std::string& text) {
               const auto size = finite(text);
-              if (!size || *size <= 0) refuse("--tile-size", text, "a length in metres, above 0");
+              if (!size || *size <= 0)
+                refuse("--tile-size", text,
+                       "a length in metres, above 0 (tiles are never smaller than the cells they hold)");
               options.simulation.tile_size_m = *size;
             });
   add_value(*run, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from tick 0",

@@ -45,6 +45,14 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
   type.name = spec.name;
   add_geometry(spec, type);
 
+  constexpr double k_thin_m = 0.5e-3;
+  if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
+    diagnostics.warning(
+        spec.parts.front().where,
+        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each of its motions is tested at "
+                    "steps of a quarter of that, which is slow; make it {} m or more",
+                    spec.name, type.obstacle.thinnest, k_thin_m));
+  }
   if (spec.drive) {
     if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
       if (const std::string fault = kind->fault(spec.drive->params); !fault.empty())

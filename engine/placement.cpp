@@ -153,7 +153,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
     if (grid) {
       const auto rows = static_cast<std::uint64_t>(cells_along(box.size().y(), rule.pitch_m));
       if (spilt) cell -= region_cells;
-      pose.x += rule.pitch_m * static_cast<double>(cell / rows);
+      const std::uint64_t column = cell / rows;
+      pose.x += rule.pitch_m * static_cast<double>(column);
       pose.y += rule.pitch_m * static_cast<double>(cell % rows);
     }
     if (!draws) return pose;

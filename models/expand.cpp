@@ -3,6 +3,8 @@
 #include "base/math.hpp"
 #include "engine/controller.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -69,6 +71,10 @@ struct Expand {
       const auto& layout = sensors[s].prepared;
       if (claimed[s] || layout.transducers.empty()) continue;
       claimed[s] = true;
+      if (clearances.size() > layout.transducers.size()) {
+        fault = fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(),
+                            layout.transducers.size(), sensors[s].name);
+      }
       for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
         const SinCos a = sincos(layout.transducer_headings[t]);
         const double demand = clearances.empty()      ? std::max(0.0, clearance * a.cos)

@@ -63,6 +63,9 @@ struct Script {
 
   std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
                                   std::string& fault) {
+    for (std::size_t i = 1; i < legs.size(); ++i)
+      if (legs[i].until_s <= legs[i - 1].until_s)
+        fault = "has a leg that ends before it begins: `until` must rise";
     if (law == Law::timed && legs.empty()) fault = "needs legs: the law `timed` drives nothing without them";
     return {};
   }

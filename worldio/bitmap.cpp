@@ -6,16 +6,40 @@
 #include <stb/stb_image.h>
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string_view>
 
 namespace troupe::worldio {
 namespace {
 
 constexpr int k_darkest_free = 128;  // of 255: what is darker is solid
+
+/// True when a chunk of a PNG is cut off or does not fit its checksum. stb_image does not look, and a map
+/// with a flipped bit would be another map.
+bool png_is_damaged(std::string_view bytes) {
+  constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
+  if (!bytes.starts_with(k_signature)) return false;
+  const auto number = [&](std::size_t at) {
+    std::uint32_t n = 0;
+    for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return n;
+  };
+  constexpr std::size_t k_frame = 12;  // a chunk's length, kind and checksum
+  for (std::size_t at = k_signature.size(); bytes.size() - at >= k_frame;) {
+    const std::size_t length = number(at);
+    if (length > bytes.size() - at - k_frame) return true;
+    const auto* kind_and_data = reinterpret_cast<const Bytef*>(bytes.data() + at + 4);
+    if (crc32(0, kind_and_data, static_cast<uInt>(length + 4)) != number(at + 8 + length)) return true;
+    if (bytes.substr(at + 4, 4) == "IEND") return false;
+    at += k_frame + length;
+  }
+  return true;
+}
 
 /// The directed unit edges around the solid pixels that are left when those between two solid pixels cancel,
 /// as the set of directions in which they leave each corner of the pixel lattice (image axes, +y down).
@@ -73,6 +97,11 @@ std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where
   }
   if (bytes->size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     diagnostics.error(where, fmt::format("the image {} is larger than 2 GB", file.string()));
+    return {};
+  }
+  if (png_is_damaged(*bytes)) {
+    diagnostics.error(where,
+                      fmt::format("the image {} is damaged: a checksum in it does not fit", file.string()));
     return {};
   }
   Bitmap bitmap;

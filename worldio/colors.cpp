@@ -210,8 +210,8 @@ std::optional<Color> color_by_name(std::string_view given) {
   if (fault != std::errc() || rest != end) return {};
   if (stem == "gray") {
     if (number > 100) return {};
-    // In doubles 50 and 90 fall just below a half, and X11's list has them rounded down.
-    const auto level = static_cast<std::uint32_t>(number * 2.55 + 0.5);
+    // Halves are rounded up in X11's list, but for these two.
+    const std::uint32_t level = (number * 255 + 50) / 100 - (number == 50 || number == 90);
     return color_of(level << 16 | level << 8 | level);
   }
   const Shades* shades = find(k_shaded, stem);

@@ -24,7 +24,7 @@ std::string keys(const Field& field) {
 
 std::string what(const Field& field) {
   const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
-  const auto within = [&](std::string noun) { return limits.empty() ? noun : noun + ", " + limits; };
+  const auto within = [&](const std::string& noun) { return limits.empty() ? noun : noun + ", " + limits; };
   switch (field.type) {
     case FieldType::boolean: return "true or false";
     case FieldType::integer: return within("whole number");

@@ -19,7 +19,8 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
     return fail(
         fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending));
   const auto found = find_stage_file(file, options.search_path);
-  if (!found) return fail("there is no such file");
+  if (!found)
+    return fail(std::filesystem::exists(file) ? "this is no file that can be read" : "there is no such file");
   const auto text = read_file(*found);
   if (!text) return fail("the file cannot be read");
   return ending == ".world" ? load_stage_world(*found, *text, registry, options, diagnostics)

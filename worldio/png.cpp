@@ -91,9 +91,9 @@ void write_whole(const std::filesystem::path& file, const std::string& bytes) {
   const bool closed = std::fclose(out) == 0;
   if (!written) errno = write_error;
   if (!written || !closed || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const std::system_error error = failed();
+    const int reason = errno;
     std::remove(partial.c_str());
-    throw error;
+    throw std::system_error(reason, std::generic_category());
   }
 }
 

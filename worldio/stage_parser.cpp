@@ -73,6 +73,7 @@ class Lexer {
     document_.sources.push_back(std::move(text));
     open_files_.push_back(identity(file));
     Source source{document_.sources.back(), diagnostics_.files()->add(file.string())};
+    if (source.text.starts_with("\xef\xbb\xbf")) source.at = 3;  // the byte-order mark of some editors
     while (source.at < source.text.size()) next(source);
     open_files_.pop_back();
   }

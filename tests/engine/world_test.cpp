@@ -93,6 +93,17 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
               testing::ElementsAre("warning: a second sensor \"ir\" of one robot: it is called \"ir#2\""));
 }
 
+TEST(World, AWaferThinRobotIsAWarning) {
+  SceneBuilder scene;
+  scene.body("r", scene.robot("wafer", {box(0.4, 1e-5)}));
+  Diagnostics diagnostics;
+  const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("warning: a part of type \"wafer\" is only 1e-05 m thick: each of its motions is "
+                           "tested at steps of a quarter of that, which is slow; make it 0.0005 m or more"));
+}
+
 TEST(World, ABodyBelowTheFloorIsAWarning) {
   SceneBuilder scene;
   scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0, 0, -0.1, 0});

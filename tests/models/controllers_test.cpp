@@ -227,6 +227,21 @@ TEST(Script, ALegEndsOnItsTickThoughTimesAreNotExact) {
   EXPECT_EQ(decide({}).x, 0);
 }
 
+TEST(Script, LegsMustFollowOneAnother) {
+  const engine::FieldTable& table = test::registry().controller("script")->params;
+  const engine::FieldTable& leg = *table.fields[1].record;
+  const Decision decide(
+      {}, "script",
+      test::record(table, {{"legs", std::vector<engine::Record>{test::record(leg, {{"until", 5.0}}),
+                                                                test::record(leg, {{"until", 2.0}})}}}));
+  EXPECT_EQ(decide.fault, "has a leg that ends before it begins: `until` must rise");
+}
+
+TEST(Expand, MoreClearancesThanTransducersIsAFault) {
+  const Decision decide(Decision::ring({0, 1}), "expand", preset("expand_pioneer"));
+  EXPECT_EQ(decide.fault, "has 7 clearances for the 2 transducers of \"sensor\"");
+}
+
 TEST(Script, TimedWithoutLegsIsAFault) {
   Decision decide({}, "script", test::registry().controller("script")->params.defaults());
   EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");

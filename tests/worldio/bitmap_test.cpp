@@ -123,6 +123,27 @@ TEST_F(BitmapFile, ABrokenFileIsAnError) {
   EXPECT_FALSE(read(folder_ / "c.png"));
 }
 
+TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
+  const fs::path file = folder_ / "d.png";
+  Image image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 255)};
+  for (std::size_t i = 0; i < image.rgba.size(); i += 28) image.rgba[i] = 0;
+  write_png(file, image);
+  std::string bytes;
+  {
+    std::ifstream in(file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  ASSERT_TRUE(read(file));
+  for (std::size_t at = 8; at < bytes.size(); at += 7) {  // behind the signature every byte counts
+    std::string wrong = bytes;
+    wrong[at] = static_cast<char>(wrong[at] ^ 0x55);
+    std::ofstream(file, std::ios::binary) << wrong;
+    EXPECT_FALSE(read(file)) << "byte " << at;
+  }
+  EXPECT_EQ(error(),
+            "w.world:7: error: the image " + file.string() + " is damaged: a checksum in it does not fit");
+}
+
 TEST(Bitmap, ConformanceVector13PolygonsAndVertices) {
   const fs::path bitmaps = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/bitmaps";
   if (!fs::exists(bitmaps)) GTEST_SKIP() << "Stage's bitmaps are not in " << bitmaps;

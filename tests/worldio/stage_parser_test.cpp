@@ -41,6 +41,12 @@ TEST_F(StageParser, ConformanceVector14EntityWithoutParentheses) {
                           "w.world:2: error: \"position\" needs a value on the same line, or a body in ( )"));
 }
 
+TEST_F(StageParser, AByteOrderMarkIsNoText) {
+  const auto spec = load("\xef\xbb\xbfmodel( name \"x\" )");
+  EXPECT_THAT(messages(), IsEmpty());
+  EXPECT_EQ(spec.bodies[1].name, "x");
+}
+
 TEST_F(StageParser, ConformanceVector14UnquotedString) {
   const auto spec = load("model(\n color red\n name \"x\" )");
   EXPECT_THAT(messages(),
