@@ -161,22 +161,31 @@ double box_distance2(const Vec2& a, const Vec2& b, const Vec2& p) {
 /// first.
 class NearBodies {
  public:
-  NearBodies(const engine::World& world, Row self, const Vec2& reference, double reach, double z,
-             const partition::Fan& fan, std::span<const float> inverse, Projector& projector)
+  NearBodies(const engine::World& world, Row self, const Vec2& reference, double z, const partition::Fan& fan,
+             std::span<const float> inverse, Projector& projector)
       : world_(world),
         self_(self),
         reference_(reference),
-        reach_(reach),
         z_(z),
         fan_(fan),
         inverse_(inverse),
         projector_(projector) {}
 
-  void add(const partition::BodyEntry& entry) {
+  /// Projects the bodies that reach within `to` of the reference and not within `from`.
+  void project_between(double from, double to) {
+    world_.index().for_each_near(Box::around(reference_, to),
+                                 [&](const partition::BodyEntry& entry) { add(entry, from, to); });
+    flush();
+  }
+
+ private:
+  void add(const partition::BodyEntry& entry, double from, double to) {
     const Vec2 offset = entry.position - reference_;
-    const double apart = reach_ + entry.radius;
+    const double apart = to + entry.radius;
+    const double done = from + entry.radius;
     const double distance2 = offset.squaredNorm();
-    if (entry.row == self_.value || distance2 > apart * apart) return;
+    if (entry.row == self_.value || distance2 > apart * apart || (from > 0 && distance2 <= done * done))
+      return;
     const auto ring = static_cast<std::size_t>(distance2 / (apart * apart) * (k_rings - 1));
     near_[count_++] = {static_cast<float>(offset.x()), static_cast<float>(offset.y()),
                        static_cast<float>(entry.radius), entry.row, static_cast<std::uint32_t>(ring)};
@@ -203,7 +212,6 @@ class NearBodies {
     ring_sizes_ = {};
   }
 
- private:
   static constexpr std::size_t k_block = 512;
   static constexpr std::size_t k_rings = 16;  // of equal area
   struct Near {
@@ -225,7 +233,6 @@ class NearBodies {
   const engine::World& world_;
   Row self_;
   Vec2 reference_;
-  double reach_;
   double z_;
   const partition::Fan& fan_;
   std::span<const float> inverse_;
@@ -268,22 +275,25 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
   // Culls may keep too much but never too little: their margins are above what rounding can take away. Bodies
   // go first, from near to far, because in a crowd they soon hide everything else.
   const double reach = ranger.reach * (1 + partition::k_range_slack) + 1e-6;
-  NearBodies bodies(world, row, reference, reach, z, fan, inverse, projector);
-  world.index().for_each_near(Box::around(reference, reach),
-                              [&](const partition::BodyEntry& entry) { bodies.add(entry); });
-  bodies.flush();
+  const auto sight = [&] {  // how far the farthest beam can still go
+    double farthest = 0;
+    for (std::size_t i = 0; i < group.count; ++i)
+      farthest =
+          std::max<double>(farthest, partition::range_of(inverse[i], ranger.range_max[group.first + i]));
+    return std::min(reach, (farthest + ranger.spread) * (1 + partition::k_range_slack) + 1e-6);
+  };
+  constexpr double k_at_hand = 0.3;  // of the reach: in a dense crowd hardly anything is seen beyond
+  NearBodies bodies(world, row, reference, z, fan, inverse, projector);
+  bodies.project_between(0, k_at_hand * reach);
+  if (const double left = sight(); left > k_at_hand * reach) bodies.project_between(k_at_hand * reach, left);
 
-  double sight = 0;  // no beam goes farther now
-  for (std::size_t i = 0; i < group.count; ++i)
-    sight = std::max<double>(sight, partition::range_of(inverse[i], ranger.range_max[group.first + i]));
-  sight = std::min(reach, (sight + ranger.spread) * (1 + partition::k_range_slack) + 1e-6);
+  const double far = sight();
   const partition::StaticScene& scene = world.scene();
   scene.ranger_edges().for_each_run(
-      Box::around(reference, sight), [&](std::span<const partition::FixedEdge> edges) {
+      Box::around(reference, far), [&](std::span<const partition::FixedEdge> edges) {
         for (const partition::FixedEdge& edge : edges) {
           const partition::FixedSolid& solid = scene.solids()[edge.solid];
-          if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > sight * sight)
-            continue;
+          if (!solid.solid.z.contains(z) || box_distance2(edge.a, edge.b, reference) > far * far) continue;
           projector.add(edge.a, edge.b, solid.ranger_return);
         }
       });
