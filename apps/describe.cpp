@@ -122,30 +122,29 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
-/// The properties that a Stage world file may give a model, its own first.
-std::string properties_text(std::string_view model) {
+/// The properties that a Stage world file may give entities of this type; what has no effect is left out.
+std::string properties_text(std::string_view heading, std::string_view type) {
   std::string text;
-  for (const std::string_view of : {model, std::string_view("model")}) {
-    if (of == "model" && model != "model") text += "\n  as every model\n";
-    for (const worldio::StageRow& row : worldio::stage_rows()) {
-      if (row.type != of ||
-          (row.support != worldio::StageSupport::honoured && row.support != worldio::StageSupport::fixed &&
-           row.support != worldio::StageSupport::unsupported))
-        continue;
-      text += fmt::format("  {:<22}  {}{}\n", row.name,
-                          row.support == worldio::StageSupport::unsupported ? "not supported yet. " : "",
-                          row.note);
-    }
+  for (const worldio::StageRow& row : worldio::stage_rows()) {
+    using enum worldio::StageSupport;
+    const bool later = row.support == unsupported;
+    if (row.type != type || (row.support != honoured && row.support != fixed && !later)) continue;
+    std::string line = fmt::format("  {:<22}  {}{}", row.name, later ? "not supported yet. " : "", row.note);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
   }
-  return text;
+  return text.empty() ? text : fmt::format("{}\n{}\n", heading, text);
 }
 
 std::string model_text(const engine::ModelKind& kind) {
-  return fmt::format(
-      "model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n  property in a Stage world\n{}\n", kind.name,
-      kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
-      kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body",
-      properties_text(kind.name));
+  std::string text =
+      fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name, kind.text,
+                  kind.size.x(), kind.size.y(), kind.size.z(),
+                  kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body");
+  if (kind.name != "model") text += properties_text("its properties in a Stage world", kind.name);
+  if (kind.name == "ranger") text += properties_text("of each sensor( ) in it", "sensor");
+  return text + properties_text("properties of every model", "model") +
+         properties_text("of each block( ) in it", "block");
 }
 
 /// A preset is its kind with other defaults: shown as such.
