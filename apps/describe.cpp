@@ -188,9 +188,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
   if (text.empty()) {
-    const std::vector<std::string_view> known = all_names(registry);
-    throw InputError(fmt::format("troupe describe: error: unknown kind \"{}\"; known: {}{}", name,
-                                 comma_list(known), did_you_mean(name, known)));
+    throw InputError("troupe describe: error: " + unknown_name("kind", name, all_names(registry)));
   }
   if (text.find("\n  key ") != std::string::npos)
     text +=

@@ -128,4 +128,11 @@ std::string comma_list(std::span<const std::string_view> names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
+  std::ranges::sort(known);
+  if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
+  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(known),
+                     did_you_mean(name, known));
+}
+
 }  // namespace troupe

@@ -80,6 +80,9 @@ class Diagnostics {
 /// ` (did you mean "omni"?)` for the nearest known name within an edit for every three letters, else empty.
 /// Of equally near names the first.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
+/// `unknown drive "hover"; known: car, diff, omni (did you mean "omni"?)`: what every message about a name
+/// says.
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);
 

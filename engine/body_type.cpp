@@ -14,9 +14,7 @@ template <class Kinds>
 std::string unknown(std::string_view what, std::string_view name, const Kinds& kinds) {
   std::vector<std::string_view> names;
   for (const auto& kind : kinds) names.push_back(kind.name);
-  std::ranges::sort(names);
-  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(names),
-                     did_you_mean(name, names));
+  return unknown_name(what, name, std::move(names));
 }
 
 void add_geometry(const TypeSpec& spec, BodyType& type) {

@@ -61,11 +61,4 @@ const std::string* read_text(const JsonCursor& at, std::string_view what) {
   return nullptr;
 }
 
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
-  std::ranges::sort(known);
-  if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
-  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(known),
-                     did_you_mean(name, known));
-}
-
 }  // namespace troupe::worldio

@@ -66,7 +66,5 @@ const JsonNode::List* read_list(const JsonCursor& at);
 /// The text below a cursor, or null with an error; `what` says what is expected ("the name of a type").
 /// An empty text is an error too.
 const std::string* read_text(const JsonCursor& at, std::string_view what);
-/// ` "a"; known: b, c (did you mean ...)`: the end of every message about a name that is not known.
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 
 }  // namespace troupe::worldio

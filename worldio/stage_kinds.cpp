@@ -174,9 +174,7 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
   }
   const engine::DriveKind* kind = registry_.drive(spec.kind);
   if (!kind) {
-    const std::vector<std::string_view> known = names_of(registry_.drives);
-    values_.error(spec.where, fmt::format("unknown drive \"{}\"; known: {}{}", spec.kind, comma_list(known),
-                                          did_you_mean(spec.kind, known)));
+    values_.error(spec.where, unknown_name("drive", spec.kind, names_of(registry_.drives)));
     return {};
   }
   const double quarter_turn = radians(90);
@@ -237,8 +235,7 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
   const engine::Registry::Preset* preset = registry_.preset(name);
   const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name);
   if (!kind) {
-    values_.error(where, fmt::format("unknown controller \"{}\"; known: {}{}", name, comma_list(known),
-                                     did_you_mean(name, known)));
+    values_.error(where, unknown_name("controller", name, known));
     return {};
   }
   const std::vector<Field>& fields = kind->params.fields;

@@ -495,7 +495,7 @@ TEST_F(StageWorld, RefusesWrongDrives) {
   load("position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( wheelbase 0 )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: diff, omni, car (did you mean \"omni\"?)",
+      ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
                   "w.world:2: error: \"velocity_bounds\" needs each minimum at most its maximum",
                   "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
 }
