@@ -16,6 +16,10 @@ struct StageWorld {
   std::string seconds;  ///< the large ones are cut short: their cost is most of what these tests take
 };
 
+void PrintTo(const StageWorld& world, std::ostream* out) {
+  *out << world.file << ", " << world.seconds << " s";
+}
+
 class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<StageWorld> {};
 
 TEST_P(StageWorlds, RunUnmodified) {

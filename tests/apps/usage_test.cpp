@@ -48,6 +48,10 @@ struct WrongUsage {
   std::string message;
 };
 
+void PrintTo(const WrongUsage& wrong, std::ostream* out) {
+  for (const std::string& argument : wrong.arguments) *out << argument.substr(argument.rfind('/') + 1) << ' ';
+}
+
 class WrongUsages : public ProgramTest, public ::testing::WithParamInterface<WrongUsage> {};
 
 TEST_P(WrongUsages, IsOneLineAndExitCode2) {

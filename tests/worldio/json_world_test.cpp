@@ -220,6 +220,8 @@ struct Wrong {
   const char* message;
 };
 
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.to; }
+
 class JsonWorldError : public testing::TestWithParam<Wrong> {};
 
 TEST_P(JsonWorldError, SaysWhatAndWhere) {
