@@ -16,12 +16,21 @@ using partition::ObstacleShape;
 
 constexpr std::size_t k_batch = 64;  // rows a task
 
+// A motion that is longer than this is far. A few bodies with far motions are looked at one by one, so that
+// they do not widen everybody's search.
+constexpr double k_far_m = 0.5;
+constexpr std::size_t k_few_far = 64;
+
 // A row's state while motions settle. A round reads only what earlier rounds settled, so that the number of
 // rounds, too, is the same on any number of threads.
 constexpr std::uint32_t k_open = 0;
 constexpr std::uint32_t k_stays = 1;
 constexpr std::uint32_t k_moves = 2;
 constexpr std::uint32_t k_state = 3;
+
+double length2(const Motion& m) { return (m.to.position() - m.from.position()).squaredNorm(); }
+
+bool is_far(const Motion& m) { return m.moves && length2(m) > k_far_m * k_far_m; }
 
 Box swept(const Motion& m, double radius) {
   Box box = Box::around(m.from.position(), radius);
@@ -128,19 +137,30 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
 
   // Nobody's motion is longer than this: how far out to look for those who may come near.
   parallel.for_each(batches, [&](std::size_t b) {
-    double longest = 0;
+    Work& work = work_[b];
+    work.longest = 0;
+    work.far.clear();
     for (std::size_t r = b * k_batch; r < std::min(rows, (b + 1) * k_batch); ++r) {
       const Motion& m = crowd.motions[r];
       settled_[r] = k_open;
       if (!m.moves) continue;
       priority_[r] = mix(crowd.seed, crowd.tick, crowd.ids[r]);
-      if (!crowd.shapes[r]->empty() && !rule.leaves_world(m))
-        longest = std::max(longest, (m.to.position() - m.from.position()).squaredNorm());
+      if (crowd.shapes[r]->empty() || rule.leaves_world(m)) continue;
+      if (is_far(m))
+        work.far.push_back(static_cast<std::uint32_t>(r));
+      else
+        work.longest = std::max(work.longest, length2(m));
     }
-    work_[b].longest = longest;
   });
   double longest = 0;
-  for (const Work& work : work_) longest = std::max(longest, work.longest);
+  far_.clear();
+  for (const Work& work : work_) {
+    longest = std::max(longest, work.longest);
+    far_.insert(far_.end(), work.far.begin(), work.far.end());
+  }
+  const bool few_far = far_.size() <= k_few_far;
+  if (!few_far)
+    for (const std::uint32_t row : far_) longest = std::max(longest, length2(crowd.motions[row]));
   longest = sqrt(longest) + partition::k_rounding_m;
 
   // First round: the static scene, and all who are sure to stand where they are when this body's turn comes.
@@ -177,8 +197,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
       const auto first = static_cast<std::uint32_t>(work.others.size());
       const Box mine = swept(m, shape.radius + partition::k_rounding_m);
       bool refused = false;
-      index.for_each_near(mine.expanded(longest), [&](const BodyEntry& entry) {
-        const std::uint32_t other = entry.row;
+      const auto consider = [&](std::uint32_t other) {
         if (refused || other == row || crowd.shapes[other]->empty()) return;
         const Motion& theirs = crowd.motions[other];
         if (!mine.touches(swept(theirs, crowd.shapes[other]->radius))) return;
@@ -186,7 +205,14 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
           work.others.push_back(other);
         else
           refused = rule.body_refuses(row, other, theirs.from);
+      };
+      index.for_each_near(mine.expanded(longest), [&](const BodyEntry& entry) {
+        const Motion& theirs = crowd.motions[entry.row];
+        const bool one_by_one = few_far && is_far(theirs) && !rule.leaves_world(theirs);
+        if (!one_by_one) consider(entry.row);
       });
+      if (few_far)
+        for (const std::uint32_t other : far_) consider(other);
       if (refused) {
         settle(Outcome::refused);
         work.others.resize(first);

@@ -69,10 +69,12 @@ class Conflicts {
                              // step allocates nothing
     std::vector<Waiting> waiting;
     std::vector<std::uint32_t> others;
-    double longest = 0;
+    double longest = 0;              // squared, of the motions that are not far
+    std::vector<std::uint32_t> far;  // rows whose motions are
   };
 
   std::vector<Work> work_;
+  std::vector<std::uint32_t> far_;
   std::vector<std::uint64_t> priority_;
   std::vector<std::uint32_t> settled_;  // round * 4 + state, read and written atomically
   std::uint64_t rounds_ = 0;

@@ -119,7 +119,7 @@ struct Thrower {
     return {};
   }
   void operator()(const Percept& percept, Random&, Actions&) const {
-    if (percept.body >= 40) throw std::runtime_error("robot " + std::to_string(percept.body));
+    if (percept.body >= 40) throw std::runtime_error(std::to_string(percept.body));
   }
 };
 
@@ -130,7 +130,7 @@ TEST(World, AnExceptionOfAControllerComesOutOfTheStep) {
     SceneBuilder scene;
     const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
     scene[type].controllers = {{.kind = "thrower", .params = {}, .where = {}}};
-    for (int i = 0; i < 500; ++i) scene.body("r" + std::to_string(i), type, {i * 1.0, 0, 0, 0});
+    for (int i = 0; i < 500; ++i) scene.body(std::to_string(i), type, {i * 1.0, 0, 0, 0});
     Diagnostics diagnostics;
     World world(scene.spec, registry, {.threads = threads}, diagnostics);
     EXPECT_THROW(world.step(), std::runtime_error);
