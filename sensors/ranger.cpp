@@ -2,6 +2,7 @@
 
 #include "engine/world.hpp"
 #include "partition/ranging.hpp"
+#include "sensors/ranger_beams.hpp"
 
 #include <array>
 #include <cmath>
@@ -47,32 +48,12 @@ const FieldTable& transducer_fields() {
   return table;
 }
 
-/// Beams of one height that are cast together.
-struct Group {
-  std::size_t first;
-  std::size_t count;
-  double z;  ///< body frame, m
-};
-
-struct Ranger {
-  // One entry a beam, body frame.
-  std::vector<double> dx, dy;  ///< direction
-  std::vector<double> ox, oy;  ///< origin less `reference`, m
-  std::vector<float> range_max;
-  std::vector<Group> groups;
-  Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
-  bool common_origin = true;      ///< all beams start at the reference
-  double spread = 0;              ///< from the reference to the farthest origin, m
-  double reach = 0;               ///< from the reference to the farthest point of any beam, m
-  bool intensity = false;
-};
-
 constexpr std::size_t k_fan = 256;  // beams cast together at most: their working set stays in the first cache
 constexpr std::size_t k_edges = 128;  // edges gathered before they are projected
 
 engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
   engine::SensorKind::Prepared out;
-  Ranger ranger;
+  RangerBeams ranger;
   ranger.intensity = params[1].boolean();
   std::vector<Vec2> origins;
   double farthest = 0;
@@ -242,7 +223,7 @@ class NearBodies {
   std::array<std::size_t, k_rings> ring_sizes_{};
 };
 
-void cast(const engine::World& world, const Ranger& ranger, const Group& group, Row row,
+void cast(const engine::World& world, const RangerBeams& ranger, const BeamGroup& group, Row row,
           std::span<float> ranges, std::span<float> intensities) {
   const Transform pose(world.poses()[row.index()]);
   const Vec2 reference = pose * ranger.reference;
@@ -308,12 +289,12 @@ void cast(const engine::World& world, const Ranger& ranger, const Group& group, 
 
 std::uint64_t sense(const engine::World& world, const std::any& data, std::span<const Row> rows,
                     engine::StateTable& percepts) {
-  const Ranger& ranger = *std::any_cast<Ranger>(&data);
+  const RangerBeams& ranger = *std::any_cast<RangerBeams>(&data);
   for (const Row row : rows) {
     const std::span<float> ranges = percepts.cell<float>(world.slot(row), 0);
     const std::span<float> intensities =
         ranger.intensity ? percepts.cell<float>(world.slot(row), 1) : std::span<float>();
-    for (const Group& group : ranger.groups) cast(world, ranger, group, row, ranges, intensities);
+    for (const BeamGroup& group : ranger.groups) cast(world, ranger, group, row, ranges, intensities);
   }
   return rows.size() * ranger.dx.size();
 }

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "base/pose.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace troupe::sensors {
+
+/// Beams of one height that are cast together.
+struct BeamGroup {
+  std::size_t first;
+  std::size_t count;
+  double z;  ///< body frame, m
+};
+
+/// A ranger's beams, made once from its parameters: what both ray engines cast.
+struct RangerBeams {
+  // One entry a beam, body frame.
+  std::vector<double> dx, dy;  ///< direction
+  std::vector<double> ox, oy;  ///< origin less `reference`, m
+  std::vector<float> range_max;
+  std::vector<BeamGroup> groups;
+  Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
+  bool common_origin = true;      ///< all beams start at the reference
+  double spread = 0;              ///< from the reference to the farthest origin, m
+  double reach = 0;               ///< from the reference to the farthest point of any beam, m
+  bool intensity = false;
+};
+
+}  // namespace troupe::sensors
