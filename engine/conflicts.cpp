@@ -11,7 +11,7 @@
 namespace troupe::engine {
 namespace {
 
-using partition::BodyEntry;
+using partition::BodyCircle;
 using partition::ObstacleShape;
 
 constexpr std::size_t k_batch = 64;  // rows a task
@@ -206,10 +206,10 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
         else
           refused = rule.body_refuses(row, other, theirs.from);
       };
-      index.for_each_near(mine.expanded(longest), [&](const BodyEntry& entry) {
-        const Motion& theirs = crowd.motions[entry.row];
+      index.for_each_near(mine.expanded(longest), [&](const BodyCircle& circle) {
+        const Motion& theirs = crowd.motions[circle.row];
         const bool one_by_one = few_far && is_far(theirs) && !rule.leaves_world(theirs);
-        if (!one_by_one) consider(entry.row);
+        if (!one_by_one) consider(circle.row);
       });
       if (few_far)
         for (const std::uint32_t other : far_) consider(other);

@@ -160,10 +160,10 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     for (const BodyId fixed :
          scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
       report(row_bodies_[r], fixed);
-    index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyEntry& entry) {
-      if (entry.row > r && !row_shapes_[entry.row]->empty() &&
-          overlap(shape, poses()[r], *row_shapes_[entry.row], poses()[entry.row]))
-        report(row_bodies_[r], row_bodies_[entry.row]);
+    index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyCircle& other) {
+      if (other.row > r && !row_shapes_[other.row]->empty() &&
+          overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row]))
+        report(row_bodies_[r], row_bodies_[other.row]);
     });
   }
   if (pairs > 0) {

@@ -16,6 +16,8 @@ std::uint32_t add(std::uint32_t& counter, std::uint32_t n = 1) {
 
 void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double> radii, Parallel& parallel) {
   const std::size_t rows = positions.size();
+  positions_ = positions;
+  radii_ = radii;
   const std::size_t blocks = (rows + k_block - 1) / k_block;
   const std::size_t cells = geometry_.cells_per_tile();
   const auto for_rows = [&](auto&& work) {
@@ -25,7 +27,7 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
     });
   };
   const auto for_cells_of = [&](std::uint32_t r, auto&& visit) {
-    if (radii[r] <= small_limit()) {
+    if (!is_wide(r)) {
       visit(geometry_.cell(positions[r]), true);
       return;
     }
@@ -48,8 +50,12 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
     });
   });
   small_radius_ = 0;
+  has_wide_ = false;
   for (std::uint32_t r = 0; r < rows; ++r) {
-    if (radii[r] <= small_limit()) small_radius_ = std::max(small_radius_, radii[r]);
+    if (is_wide(r))
+      has_wide_ = true;
+    else
+      small_radius_ = std::max(small_radius_, radii[r]);
     if (new_ground.load(std::memory_order_relaxed))
       for_cells_of(r, [&](Cell c, bool) { directory_.insert(geometry_.tile(c)); });
   }
@@ -59,19 +65,23 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
   const std::size_t slots = directory_.size();
   next_.assign(slots * cells, 0);
   tile_rows_.assign(slots, 0);
+  homes_.resize(rows);
   for_rows([&](std::uint32_t r) {
     for_cells_of(r, [&](Cell c, bool home) {
       const std::uint32_t slot = directory_.find(geometry_.tile(c));
-      add(next_[slot * cells + geometry_.in_tile(c)]);
-      if (home) add(tile_rows_[slot]);
+      const auto place = static_cast<std::uint32_t>(slot * cells + geometry_.in_tile(c));
+      add(next_[place]);
+      if (!home) return;
+      add(tile_rows_[slot]);
+      homes_[r] = place;
     });
   });
   begins_.resize(slots * cells + 1);
-  homes_.resize(slots + 1);
+  tile_begins_.resize(slots);
   std::uint32_t sum = 0;
   std::uint32_t homes = 0;
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    homes_[slot] = homes;
+    tile_begins_[slot] = homes;
     homes += tile_rows_[slot];
     for (std::size_t c = slot * cells; c < (slot + 1) * cells; ++c) {
       begins_[c] = sum;
@@ -80,34 +90,28 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
     }
   }
   begins_.back() = sum;
-  homes_[slots] = homes;
-  entries_.resize(sum);
+  circles_.resize(sum);
   order_.resize(rows);
   for_rows([&](std::uint32_t r) {
     for_cells_of(r, [&](Cell c, bool) {
       const std::uint32_t slot = directory_.find(geometry_.tile(c));
-      entries_[add(next_[slot * cells + geometry_.in_tile(c)])] = {positions[r], radii[r], r};
+      circles_[add(next_[slot * cells + geometry_.in_tile(c)])] = enclosing_circle(positions[r], radii[r], r);
     });
   });
   parallel.for_each(slots, [&](std::size_t slot) {
-    std::uint32_t home = homes_[slot];
-    const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
+    std::uint32_t home = tile_begins_[slot];
     for (std::size_t c = slot * cells; c < (slot + 1) * cells; ++c) {
-      const std::span<BodyEntry> cell(entries_.data() + begins_[c], begins_[c + 1] - begins_[c]);
-      std::ranges::sort(cell, {}, &BodyEntry::row);
-      for (const BodyEntry& entry : cell) {
-        const Cell at = geometry_.cell(entry.position);
-        if (geometry_.tile(at) == tile && slot * cells + geometry_.in_tile(at) == c)
-          order_[home++] = entry.row;
-      }
+      const std::span<BodyCircle> cell(circles_.data() + begins_[c], begins_[c + 1] - begins_[c]);
+      std::ranges::sort(cell, {}, &BodyCircle::row);
+      for (const BodyCircle& circle : cell)
+        if (homes_[circle.row] == c) order_[home++] = circle.row;
     }
   });
 }
 
-bool BodyIndex::first_meeting(const BodyEntry& entry, Cell query_low, Cell run_cell,
-                              const std::uint32_t* begin, std::size_t first, std::size_t last,
-                              std::uint32_t i) const {
-  const Cell low = geometry_.cell(Box::around(entry.position, entry.radius).min);
+bool BodyIndex::first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
+                              std::size_t first, std::size_t last, std::uint32_t i) const {
+  const Cell low = geometry_.cell(Box::around(positions_[row], radii_[row]).min);
   const Cell lowest{std::max(low.x, query_low.x), std::max(low.y, query_low.y)};
   if (lowest.y != run_cell.y || lowest.x < run_cell.x) return false;
   const std::size_t cell = first + static_cast<std::size_t>(lowest.x - run_cell.x);

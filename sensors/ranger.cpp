@@ -155,21 +155,21 @@ class NearBodies {
   /// Projects the bodies that reach within `to` of the reference and not within `from`.
   void project_between(double from, double to) {
     world_.index().for_each_near(Box::around(reference_, to),
-                                 [&](const partition::BodyEntry& entry) { add(entry, from, to); });
+                                 [&](const partition::BodyCircle& body) { add(body.row, from, to); });
     flush();
   }
 
  private:
-  void add(const partition::BodyEntry& entry, double from, double to) {
-    const Vec2 offset = entry.position - reference_;
-    const double apart = to + entry.radius;
-    const double done = from + entry.radius;
+  void add(std::uint32_t row, double from, double to) {
+    const double radius = world_.type(Row(row)).radius;
+    const Vec2 offset = world_.poses()[row].position() - reference_;
+    const double apart = to + radius;
+    const double done = from + radius;
     const double distance2 = offset.squaredNorm();
-    if (entry.row == self_.value || distance2 > apart * apart || (from > 0 && distance2 <= done * done))
-      return;
+    if (row == self_.value || distance2 > apart * apart || (from > 0 && distance2 <= done * done)) return;
     const auto ring = static_cast<std::size_t>(distance2 / (apart * apart) * (k_rings - 1));
     near_[count_++] = {static_cast<float>(offset.x()), static_cast<float>(offset.y()),
-                       static_cast<float>(entry.radius), entry.row, static_cast<std::uint32_t>(ring)};
+                       static_cast<float>(radius), row, static_cast<std::uint32_t>(ring)};
     ++ring_sizes_[ring];
     if (count_ == near_.size()) flush();
   }

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,15 @@ bool may_touch(const Box& box, const Vec2& p, double radius) {
   return x * x + y * y <= radius * radius;
 }
 
+/// The circle holds the body's own: long double is exact enough to tell.
+void expect_encloses(const BodyCircle& circle, const Bodies& bodies) {
+  const long double x = static_cast<long double>(circle.x) - bodies.positions[circle.row].x();
+  const long double y = static_cast<long double>(circle.y) - bodies.positions[circle.row].y();
+  EXPECT_LE(std::sqrt(x * x + y * y) + bodies.radii[circle.row], static_cast<long double>(circle.radius));
+  EXPECT_LE(static_cast<double>(circle.radius),
+            bodies.radii[circle.row] * (1 + 1e-6) + 1.3e-7 * bodies.positions[circle.row].norm() + 1e-30);
+}
+
 TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
   Parallel parallel(2);
   std::size_t found = 0;
@@ -50,6 +61,7 @@ TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
     Draw draw(seed);
     const double far = draw.chance(0.2) ? 1e5 : draw.chance(0.2) ? -300 : 0;
     BodyIndex index(k_grids[seed % k_grids.size()]);
+    const double index_cell = k_grids[seed % k_grids.size()].cell_m;
     // Three times into one index: what it held before must not show.
     for (int filling = 0; filling < 3; ++filling) {
       const Bodies bodies = random_bodies(draw, draw.below(300), far);
@@ -58,13 +70,20 @@ TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
         const Box box =
             Box::around(Vec2(far, -far) + Vec2(draw.real(-60, 60), draw.real(-60, 60)), draw.scale(0.01, 30));
         std::vector<int> visits(bodies.positions.size());
-        index.for_each_near(box, [&](const BodyEntry& entry) {
-          ++visits.at(entry.row);
-          EXPECT_EQ(entry.position, bodies.positions[entry.row]);
-          EXPECT_EQ(entry.radius, bodies.radii[entry.row]);
+        index.for_each_near(box, [&](const BodyCircle& circle) {
+          ++visits.at(circle.row);
+          expect_encloses(circle, bodies);
+        });
+        std::vector<int> in_runs(bodies.positions.size());
+        index.for_each_run(box, [&](std::span<const BodyCircle> run) {
+          ASSERT_FALSE(run.empty());
+          for (const BodyCircle& circle : run) ++in_runs.at(circle.row);
         });
         for (std::size_t r = 0; r < visits.size(); ++r) {
           ASSERT_LE(visits[r], 1) << "row " << r << ", seed " << seed;
+          ASSERT_EQ(in_runs[r] > 0, visits[r] > 0) << "row " << r << ", seed " << seed;
+          if (bodies.radii[r] <= 0.5 * index_cell)
+            ASSERT_LE(in_runs[r], 1) << "row " << r << ", seed " << seed;
           if (!may_touch(box, bodies.positions[r], bodies.radii[r])) continue;
           ASSERT_EQ(visits[r], 1) << "row " << r << " of radius " << bodies.radii[r] << ", seed " << seed;
           ++found;
@@ -89,7 +108,7 @@ TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
   BodyIndex index({1, 3});
   index.rebuild(bodies.positions, bodies.radii, parallel);
   std::size_t visited = 0;
-  index.for_each_near(Box::around({50, 50}, 0.5), [&](const BodyEntry&) { ++visited; });
+  index.for_each_near(Box::around({50, 50}, 0.5), [&](const BodyCircle&) { ++visited; });
   EXPECT_GT(visited, 1u);
   EXPECT_LT(visited, 30u);
 }
@@ -99,7 +118,7 @@ TEST(BodyIndex, IsEmptyAtFirstAndCanBeEmptied) {
   BodyIndex index({1, 3});
   const auto visit_all = [&] {
     std::size_t visited = 0;
-    index.for_each_near(Box::around({0, 0}, 100), [&](const BodyEntry&) { ++visited; });
+    index.for_each_near(Box::around({0, 0}, 100), [&](const BodyCircle&) { ++visited; });
     return visited;
   };
   EXPECT_EQ(visit_all(), 0u);
@@ -122,7 +141,7 @@ TEST(BodyIndex, ForgetsTilesLongLeft) {
     const std::vector<Vec2> positions{{static_cast<double>(i), 0}};
     index.rebuild(positions, radii, parallel);
     std::size_t visited = 0;
-    index.for_each_near(Box::around(positions[0], 1), [&](const BodyEntry&) { ++visited; });
+    index.for_each_near(Box::around(positions[0], 1), [&](const BodyCircle&) { ++visited; });
     ASSERT_EQ(visited, 1u);
   }
   EXPECT_LT(index.tiles(), 100u);
@@ -144,7 +163,7 @@ TEST(BodyIndex, IsTheSameOnAnyNumberOfThreads) {
       index.rebuild(bodies.positions, bodies.radii, parallel);
       std::vector<std::uint32_t> rows;
       index.for_each_near(Box::around({0, 0}, 30),
-                          [&](const BodyEntry& entry) { rows.push_back(entry.row); });
+                          [&](const BodyCircle& circle) { rows.push_back(circle.row); });
       if (&parallel == &teams.front()) {
         order.assign(index.order().begin(), index.order().end());
         visited = rows;
@@ -160,11 +179,17 @@ TEST(BodyIndex, IsTheSameOnAnyNumberOfThreads) {
     std::iota(all.begin(), all.end(), 0u);
     ASSERT_EQ(sorted, all);
     // (cell, row) order: within a tile, cells row by row, and rows ascending within a cell.
+    BodyIndex index(grid);
+    index.rebuild(bodies.positions, bodies.radii, teams.front());
     std::vector<Cell> tiles;
+    std::uint32_t home = 0;
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Cell cell = grid.cell(bodies.positions[order[i]]);
+      const auto last_home = home;
+      home = index.home(order[i]);
       if (i > 0) {
         const Cell before = grid.cell(bodies.positions[order[i - 1]]);
+        ASSERT_EQ(before == cell, last_home == home);
         if (grid.tile(before) == grid.tile(cell)) {
           const auto key = std::pair(grid.in_tile(cell), order[i]);
           ASSERT_LT(std::pair(grid.in_tile(before), order[i - 1]), key);
