@@ -46,9 +46,13 @@ struct Transform {
 };
 
 /// pose_a_c from pose_a_b and pose_b_c; the heading is wrapped into [-pi, pi].
-inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
-  const Vec2 p = Transform(pose_a_b) * pose_b_c.position();
+/// transform_a_b: that of pose_a_b, for callers who have it.
+inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
+  const Vec2 p = transform_a_b * pose_b_c.position();
   return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};
+}
+inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
+  return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }
 
 }  // namespace troupe

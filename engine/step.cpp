@@ -147,7 +147,7 @@ void World::move() {
       Motion& motion = motions_[row.index()];
       motion = {from, from, v.turn * dt, type.drive && (v.x != 0 || v.y != 0 || v.turn != 0)};
       // Euler with the old heading, as in Stage.
-      if (motion.moves) motion.to = compose(from, {v.x * dt, v.y * dt, 0, motion.turn});
+      if (motion.moves) motion.to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
     }
   });
   const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
@@ -173,6 +173,7 @@ void World::index_bodies() {
   parallel_.for_each(batches, [&](std::size_t b) {
     for (std::size_t r = b * k_batch; r < std::min(rows(), (b + 1) * k_batch); ++r) {
       const Transform transform(poses()[r]);
+      transforms_[r] = transform;
       positions_[r] = transform.position;
       Vec2* out = outlines_.data() + outline_begins_[r];
       for (const Vec2& v : type(Row(r)).outline_vertices) *out++ = transform * v;

@@ -71,6 +71,7 @@ void World::build_rows() {
     vertices += type.outline_vertices.size();
     robots_ += type.drive.has_value();
   }
+  transforms_.resize(rows());
   positions_.resize(rows());
   outlines_.resize(vertices);
   motions_.resize(rows());

@@ -87,6 +87,8 @@ class World {
   std::span<const StateTable> tables() const { return tables_; }
   std::span<const Pose> poses() const { return as<Pose>(k_pose); }
   Pose pose(BodyId body) const;
+  /// That of the row's pose, its sine and cosine worked out once a tick: the same bits as Transform(pose).
+  const Transform& transform(Row row) const { return transforms_[row.index()]; }
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
   std::span<const Command> commands() const { return as<Command>(k_command); }
   bool stalled(Row row) const;
@@ -171,6 +173,7 @@ class World {
   std::vector<StateTable> tables_;
 
   // Derived from the state each tick.
+  std::vector<Transform> transforms_;
   std::vector<Vec2> positions_;
   std::vector<Vec2> outlines_;
   std::vector<Motion> motions_;

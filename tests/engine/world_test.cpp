@@ -31,6 +31,23 @@ TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
   EXPECT_DOUBLE_EQ(world.pose(body).x, 0.05);
 }
 
+TEST(World, TransformsAreThoseOfThePoses) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  const BodyId body = scene.body("r", type, {3, -2, 0, 0.7});
+  World world = scene.world();
+  const Row row = world.row(body);
+  world.set_command(row, {0.5, 0, 0.9});
+  for (int tick = 0; tick < 4; ++tick) {
+    const Transform expected(world.pose(body));
+    EXPECT_EQ(world.transform(row).position, expected.position);
+    EXPECT_EQ(world.transform(row).rotation.cos, expected.rotation.cos);
+    EXPECT_EQ(world.transform(row).rotation.sin, expected.rotation.sin);
+    world.step();
+  }
+  EXPECT_NE(world.pose(body).heading, 0.7);
+}
+
 TEST(World, PeriodsRoundUpToTicks) {
   EXPECT_EQ(period_ticks(0, 0.1), 1u);
   EXPECT_EQ(period_ticks(0.01, 0.1), 1u);
