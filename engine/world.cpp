@@ -9,12 +9,13 @@
 namespace troupe::engine {
 namespace {
 
-/// Cells a quarter of how far robots see, in the mean: small enough to leave out most of what is out of
-/// reach, large enough that a query runs over few of them. A few far-sighted robots among many do not coarsen
-/// them.
+/// Cells an eighth of how far robots see, in the mean, so that what a body looks up, and its own width, end
+/// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
+/// runs over few of them. A few far-sighted robots among many do not coarsen them.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
+  double widths = 0;
   double count = 0;
   double width = 0;
   for (const BodySpec& body : spec.bodies) {
@@ -23,17 +24,18 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Sensor& sensor : type.sensors)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
-    sum += reach > 0 ? reach : 8 * type.radius;
+    sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
+    widths += 2 * type.radius;
     width = std::max(width, 2 * type.radius);
     ++count;
   }
-  // Never so small that a body lies in more than some hundred cells.
-  const double least = std::max(0.05, width / 8);
-  const double cell = std::max(least, count > 0 ? 0.25 * sum / count : 1.0);
+  // As wide as most bodies, and never so small that one lies in more than some hundred cells.
+  const double least = std::max({0.05, count > 0 ? widths / count : 0, width / 8});
+  const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
   constexpr unsigned k_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_tile_bits};
   unsigned bits = 0;
-  while (bits < 8 && tile_size_m / (1u << bits) > cell) ++bits;
+  while (bits < 8 && tile_size_m / (1u << bits) > cell && tile_size_m / (2u << bits) >= least) ++bits;
   return {std::max(least, tile_size_m / (1u << bits)), bits};
 }
 

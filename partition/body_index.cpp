@@ -12,6 +12,17 @@ std::uint32_t add(std::uint32_t& counter, std::uint32_t n = 1) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
 }
 
+/// visit(cell in its tile), block by block.
+template <class Visit>
+void for_each_cell_in_blocks(const GridGeometry& grid, Visit&& visit) {
+  const std::int32_t tile = 1 << grid.tile_bits;
+  const std::int32_t block = 1 << grid.block_bits();
+  for (std::int32_t by = 0; by < tile; by += block)
+    for (std::int32_t bx = 0; bx < tile; bx += block)
+      for (std::int32_t y = by; y < by + block; ++y)
+        for (std::int32_t x = bx; x < bx + block; ++x) visit(grid.in_tile({x, y}));
+}
+
 }  // namespace
 
 void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double> radii, Parallel& parallel) {
@@ -100,12 +111,13 @@ void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double>
   });
   parallel.for_each(slots, [&](std::size_t slot) {
     std::uint32_t home = tile_begins_[slot];
-    for (std::size_t c = slot * cells; c < (slot + 1) * cells; ++c) {
+    for_each_cell_in_blocks(geometry_, [&](std::size_t in_tile) {
+      const std::size_t c = slot * cells + in_tile;
       const std::span<BodyCircle> cell(circles_.data() + begins_[c], begins_[c + 1] - begins_[c]);
       std::ranges::sort(cell, {}, &BodyCircle::row);
       for (const BodyCircle& circle : cell)
         if (homes_[circle.row] == c) order_[home++] = circle.row;
-    }
+    });
   });
 }
 

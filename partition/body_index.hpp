@@ -48,7 +48,14 @@ class BodyIndex {
   /// several; others come once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
-    partition::for_each_run(geometry_, directory_, box.expanded(small_radius_),
+    const Box reach = box.expanded(small_radius_);
+    for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
+  }
+  /// The same for the cells from low to high: all that lie in them, but of those whose circle only reaches
+  /// in none. Bodies that are not wide reach largest_small_radius() beyond the cell of their origin at most.
+  template <class Visit>
+  void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
+    partition::for_each_run(geometry_, directory_, cell_low, cell_high,
                             [&](std::uint32_t slot, std::size_t first, std::size_t last, Cell) {
                               const std::uint32_t* begin = &begins_[slot * geometry_.cells_per_tile()];
                               const std::uint32_t from = begin[first];
@@ -75,12 +82,14 @@ class BodyIndex {
                             });
   }
 
-  /// Every row once, in (tile, cell, row) order: the order in which to work so that neighbours share caches.
+  /// Every row once, in (tile, block, cell, row) order: the order in which to work so that neighbours share
+  /// caches.
   std::span<const std::uint32_t> order() const { return order_; }
   /// A number for the cell that holds the row's origin: rows that follow one another in order() share the
   /// cell where it is equal. Until the next rebuild.
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
   std::size_t tiles() const { return directory_.size(); }
+  double largest_small_radius() const { return small_radius_; }
 
  private:
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }

@@ -7,9 +7,6 @@
 namespace troupe::partition {
 namespace {
 
-constexpr float k_grazing = 1.0f / 256;
-constexpr float k_tiny = 1.0f / (1 << 20);
-
 float magnitude(const RayEdge& e) {
   return std::abs(e.ax) + std::abs(e.ay) + std::abs(e.bx) + std::abs(e.by);
 }
@@ -60,89 +57,7 @@ float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double 
   return range > k_least ? static_cast<float>(1.0 / range) : std::numeric_limits<float>::infinity();
 }
 
-/// The two loops are branch-free, and their conditions are signs of minima and sums of comparisons, because
-/// that is what gcc 12 turns into vector instructions. They leave out the beams that want care and return
-/// true where there are any.
-
-bool project_common(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
-  if (is_tiny(e.area, magnitude(e))) return true;
-  const std::size_t beams = fan.dx.size();
-  const float* __restrict dx = fan.dx.data();
-  const float* __restrict dy = fan.dy.data();
-  // Turned so that the area is positive, the edge is met from c_a >= 0 to c_b <= 0 and lies behind otherwise.
-  const float turn = std::copysign(1.0f, e.area);  // no branch: it would be a coin's toss
-  const float ax = turn * e.ax, ay = turn * e.ay, bx = turn * e.bx, by = turn * e.by;
-  const float ex = turn * e.ex, ey = turn * e.ey;
-  const float per_area = 1.0f / (turn * e.area);
-  const float grazing = grazing_limit(e);
-  int careful = 0;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const float ca = ax * dy[i] - ay * dx[i];
-    const float minus_cb = by * dx[i] - bx * dy[i];
-    const float across = dx[i] * ey - dy[i] * ex;
-    const float sides = std::min(ca, minus_cb);
-    const float sharp = std::min(sides, across - grazing);  // >= 0: met, and not at a grazing angle
-    const float candidate = sharp >= 0 ? across * per_area : 0.0f;
-    careful += (sides >= 0 ? 1 : 0) - (sharp >= 0 ? 1 : 0);
-    inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-  }
-  return careful != 0;
-}
-
-bool project_apart(const RayEdge& e, const Fan& fan, float* __restrict inverse) {
-  const std::size_t beams = fan.dx.size();
-  const float* __restrict dx = fan.dx.data();
-  const float* __restrict dy = fan.dy.data();
-  const float* __restrict ox = fan.ox.data();
-  const float* __restrict oy = fan.oy.data();
-  const float m = magnitude(e);
-  const float grazing = grazing_limit(e);
-  int careful = 0;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const float ca = (e.ax - ox[i]) * dy[i] - (e.ay - oy[i]) * dx[i];
-    const float cb = (e.bx - ox[i]) * dy[i] - (e.by - oy[i]) * dx[i];
-    const float across = dx[i] * e.ey - dy[i] * e.ex;
-    const float area = e.area - (ox[i] * e.ey - oy[i] * e.ex);
-    const float reach = m + (std::abs(ox[i]) + std::abs(oy[i]));
-    const float sides = std::min(std::max(ca, cb), -std::min(ca, cb));  // >= 0: different ones
-    const float sharp = std::min(sides, std::abs(across) - grazing);
-    const float tiny = k_tiny * (reach * reach) - std::abs(area);
-    float candidate = across * (1.0f / area);
-    candidate = sharp >= 0 ? candidate : 0.0f;
-    candidate = tiny >= 0 ? 0.0f : candidate;
-    careful += (sides >= 0 ? 1 : 0) - (sharp >= 0 ? 1 : 0) + (tiny >= 0 ? 1 : 0);
-    inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-    inverse[i] = candidate > inverse[i] ? candidate : inverse[i];
-  }
-  return careful != 0;
-}
-
 }  // namespace
-
-bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse) {
-  const std::size_t beams = fan.dx.size();
-  const float* __restrict dx = fan.dx.data();
-  const float* __restrict dy = fan.dy.data();
-  const float* __restrict ox = fan.ox.data();
-  const float* __restrict oy = fan.oy.data();
-  const float* __restrict met = inverse.data();
-  // Float errors of sides grow with the distance; ten times their bound, and a little for the origin's
-  // neighbourhood.
-  const float r = radius * (1 + 1e-5f) + (std::abs(x) + std::abs(y)) * 2e-6f + 1e-6f;
-  constexpr float k_met = 1 + static_cast<float>(k_range_slack);
-  int any = 0;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const float ex = x - ox[i];
-    const float ey = y - oy[i];
-    const float aside = std::abs(ex * dy[i] - ey * dx[i]);
-    const float along = ex * dx[i] + ey * dy[i];
-    int meets = aside <= r ? 1 : 0;
-    meets = along >= -r ? meets : 0;
-    meets = (along - r) * met[i] <= k_met ? meets : 0;
-    any |= meets;
-  }
-  return any != 0;
-}
 
 float inverse_range(const RayEdge& e, float dx, float dy, float ox, float oy) {
   const float ca = (e.ax - ox) * dy - (e.ay - oy) * dx;
@@ -155,30 +70,6 @@ float inverse_range(const RayEdge& e, float dx, float dy, float ox, float oy) {
   if (std::abs(across) < grazing_limit(e)) return careful_inverse(e, dx, dy, ox, oy, ca, cb, m);
   const float value = across * (1.0f / area);
   return value > 0 ? value : 0;
-}
-
-void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse) {
-  for (const RayEdge& e : edges) {
-    if (!(fan.common_origin ? project_common(e, fan, inverse.data()) : project_apart(e, fan, inverse.data())))
-      continue;
-    for (std::size_t i = 0; i < inverse.size(); ++i)
-      inverse[i] = std::max(inverse[i], inverse_range(e, fan.dx[i], fan.dy[i], fan.ox[i], fan.oy[i]));
-  }
-}
-
-void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse,
-             std::span<float> returns) {
-  for (const RayEdge& e : edges) {
-    for (std::size_t i = 0; i < inverse.size(); ++i) {
-      const float value = inverse_range(e, fan.dx[i], fan.dy[i], fan.ox[i], fan.oy[i]);
-      if (value > inverse[i]) {
-        inverse[i] = value;
-        returns[i] = e.ranger_return;
-      } else if (value == inverse[i] && value > 0) {
-        returns[i] = std::max(returns[i], e.ranger_return);
-      }
-    }
-  }
 }
 
 }  // namespace troupe::partition

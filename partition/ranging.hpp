@@ -1,11 +1,12 @@
 #pragma once
 
 #include "base/pose.hpp"
+#include "partition/surroundings.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace troupe::partition {
 
@@ -30,14 +31,26 @@ namespace troupe::partition {
 ///
 /// units  metres; inverse ranges 1/m
 
+/// Beams are taken this many at a time, or fewer: arrays of beams have room for more than there are.
+inline constexpr std::size_t k_beam_padding = 16;
+/// The room that an array of so many beams needs.
+constexpr std::size_t padded_beams(std::size_t count) {
+  return (count + k_beam_padding - 1) / k_beam_padding * k_beam_padding;
+}
+
 /// A fan of beams at one height. Beam i starts at (ox, oy) and runs along the unit vector (dx, dy), both in
-/// the world's orientation, relative to the reference point.
+/// the world's orientation, relative to the reference point. Each array has padded_beams(count) entries, of
+/// which those beyond count repeat the last.
 struct Fan {
-  std::span<const float> dx;
-  std::span<const float> dy;
-  std::span<const float> ox;
-  std::span<const float> oy;
+  const float* dx = nullptr;
+  const float* dy = nullptr;
+  const float* ox = nullptr;
+  const float* oy = nullptr;
+  std::size_t count = 0;
   bool common_origin = false;  ///< all origins are 0
+  bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
+
+  std::size_t padded() const { return padded_beams(count); }
 };
 
 /// An edge relative to the reference point.
@@ -52,6 +65,14 @@ struct RayEdge {
 /// rounding at the least angle that counts as no grazing, and 2^-14 of an origin's offset. Culls by distance
 /// leave twice that.
 constexpr double k_range_slack = 1.0 / 4096;
+
+/// What culls leave beside, m: float noise close to an origin.
+constexpr float k_cull_slack = 1e-6f;
+
+/// Below this sine of the angle to the beam, over the edge's |ex| + |ey|, an edge is met at a grazing angle.
+constexpr float k_grazing = 1.0f / 256;
+/// Below this area over m^2, noise could decide on which side of an edge's line the origin lies.
+constexpr float k_tiny = 1.0f / (1 << 20);
 
 /// An edge, given in the world's frame.
 inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
@@ -73,18 +94,66 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
+/// Edges in the world's frame on their way to a fan.
+class EdgeBlock {
+ public:
+  static constexpr std::size_t k_capacity = 128;
+  static constexpr std::size_t k_lanes = 64;  ///< no target has wider vectors
+
+  void clear() { count_ = 0; }
+  bool full() const { return count_ == k_capacity; }
+  std::size_t count() const { return count_; }
+  void add(const Vec2& a, const Vec2& b, float ranger_return) {
+    Eigen::Map<Eigen::Matrix<double, 4, 1>>(&ends_[4 * count_]) << a, b;
+    returns_[count_++] = ranger_return;
+  }
+
+  const double* ends() const { return ends_.data(); }  ///< ax, ay, bx, by of each, aligned to 64 bytes
+  float ranger_return(std::size_t i) const { return returns_[i]; }
+  RayEdge relative(std::size_t i, const Vec2& reference) const {
+    const double* e = &ends_[4 * i];
+    return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, returns_[i]);
+  }
+
+ private:
+  alignas(64) std::array<double, 4 * k_capacity> ends_{};
+  std::array<float, k_capacity> returns_{};
+  std::size_t count_ = 0;
+};
+
+/// Beams from one origin at equal angles, counter-clockwise: a scanner's, of which there are many. Then an
+/// edge is projected only on the beams that it spans.
+struct Scan {
+  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
+  float fov = 0;                ///< between the first and the last beam, rad
+  float step = 0;               ///< between neighbours, rad
+};
+
 /// Raises inverse[i] to the inverse range at which beam i meets one of the edges, where that is larger.
-/// sizes  inverse: one a beam
-void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse);
+/// inverse  fan.padded() entries
+/// returns  as many, or null: becomes the ranger_return of the edge that is met; of two at one range, the
+///          larger
+void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
+/// The same, bit for bit, for a fan that is a scan.
+void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, const Scan& scan, float* inverse,
+             float* returns);
 
-/// The same, and returns[i] becomes the ranger_return of the edge that is met; of two at one range, the
-/// larger.
-void project(std::span<const RayEdge> edges, const Fan& fan, std::span<float> inverse,
-             std::span<float> returns);
+/// How far each beam can still go, m: its range so far or range_max, with the slack that culls leave. Returns
+/// the farthest.
+/// inverse, range_max, limits  fan.padded() entries
+float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
-/// False only when no beam of the fan can meet anything within the circle nearer than it has met something
-/// already: a cull of whole bodies, with a margin far above rounding.
-bool may_meet(const Fan& fan, float x, float y, float radius, std::span<const float> inverse);
+/// Culls circles: leaves in met.row those of [begin, end) that some beam may meet before its limit and whose
+/// nearest point lies from `low` to `high` away from the reference, and returns their number. Margins are far
+/// above rounding: it leaves out none that counts.
+/// begin, end  multiples of k_circle_padding; circles with negative infinite radius are never met
+inline constexpr std::size_t k_circle_padding = 16;
+std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
+                     const Fan& fan, const float* limits, float low, float high, CircleArrays& met);
+/// The same for a fan that is a scan; it keeps a few more.
+std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
+                     const Fan& fan, const Scan& scan, const float* limits, float low, float high,
+                     CircleArrays& met);
 
 /// The inverse range of one beam and one edge: the formula itself, 0 where they do not meet. Infinity when
 /// the beam starts on the edge.

@@ -26,6 +26,16 @@ struct GridGeometry {
   /// The cell of a point. Points beyond +-2^30 cells count as lying in the outermost one.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
+  /// Blocks of cells: bodies of one block are worked on one after another, and what they look up serves all.
+  unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
+  Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }
+  Box box_of_block(Cell block) const {
+    const double edge = cell_m * static_cast<double>(1u << block_bits());
+    Box box;
+    box.min = Vec2(block.x * edge, block.y * edge);
+    box.max = Vec2((block.x + 1.0) * edge, (block.y + 1.0) * edge);
+    return box;
+  }
   /// Row-major within the tile, so that a run of cells along x lies contiguous.
   std::size_t in_tile(Cell c) const {
     const std::int32_t mask = (1 << tile_bits) - 1;
@@ -94,12 +104,11 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits the runs of cells that a box touches: visit(slot, first cell in tile, one past the last, cell of
-/// the first), a run for each row of each tile that exists.
+/// Visits the runs of cells from low to high, both included: visit(slot, first cell in tile, one past the
+/// last, cell of the first), a run for each row of each tile that exists.
 template <class Visit>
-void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
-  const Cell low = grid.cell(box.min);
-  const Cell high = grid.cell(box.max);
+void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
+                  Visit&& visit) {
   const Cell tile_low = grid.tile(low);
   const Cell tile_high = grid.tile(high);
   const auto visit_tile = [&](std::uint32_t slot, std::int32_t tx, std::int32_t ty) {
@@ -126,6 +135,12 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, cons
       if (slot != TileDirectory::k_none) visit_tile(slot, tx, ty);
     }
   }
+}
+
+/// The same for the cells that a box touches.
+template <class Visit>
+void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
+  for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);
 }
 
 }  // namespace troupe::partition

@@ -105,7 +105,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
         strips.edges[next[i]++] = {a, b, s};
     });
   }
-  ranger_edges_ = EdgeGrid(seen, geometry);
+  outlines_ = FixedOutlines(seen, geometry);
   obstacle_edges_ = EdgeGrid(hard, geometry);
 }
 

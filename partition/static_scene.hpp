@@ -2,6 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
+#include "partition/fixed_outlines.hpp"
 #include "partition/overlap.hpp"
 #include "partition/placed_shape.hpp"
 #include "partition/sparse_grid.hpp"
@@ -18,13 +19,6 @@ struct FixedSolid {
   BodyId body;
   bool obstacle = true;
   float ranger_return = 1;
-};
-
-/// One edge of a fixed solid, world frame, metres.
-struct FixedEdge {
-  Vec2 a;
-  Vec2 b;
-  std::uint32_t solid;
 };
 
 /// Edges by the cells they cross. An edge lies whole in each of its cells: clipping would change bits, and
@@ -65,8 +59,8 @@ class StaticScene {
   const Box& bounds() const { return bounds_; }
   std::size_t edge_count() const { return edge_count_; }
 
-  /// Edges that rangers see.
-  const EdgeGrid& ranger_edges() const { return ranger_edges_; }
+  /// What rangers see.
+  const FixedOutlines& outlines() const { return outlines_; }
   bool has_obstacles() const { return has_obstacles_; }
 
   /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
@@ -102,7 +96,7 @@ class StaticScene {
   Box bounds_;
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;
-  EdgeGrid ranger_edges_;
+  FixedOutlines outlines_;
   EdgeGrid obstacle_edges_;
 };
 

@@ -11,6 +11,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -18,32 +19,70 @@
 namespace troupe {
 namespace {
 
-/// A fan of beams all round, and short edges scattered about it as walls and robots are.
+/// Beams all round, and short edges scattered about them as walls and robots are.
+struct Scattered {
+  explicit Scattered(std::size_t beams) {
+    const std::size_t padded = partition::padded_beams(beams);
+    const double step = 2 * k_pi / static_cast<double>(beams);
+    for (std::size_t i = 0; i < padded; ++i) {
+      const SinCos s = sincos(-k_pi + step * static_cast<double>(std::min(i, beams - 1)));
+      dx.push_back(static_cast<float>(s.cos));
+      dy.push_back(static_cast<float>(s.sin));
+    }
+    for (std::vector<float>* array : {&zero, &inverse, &limits}) array->resize(padded);
+    range_max.resize(padded, 2.0f);
+    fan = {dx.data(), dy.data(), zero.data(), zero.data(), beams, true, beams % 2 == 0};
+    scan = {Vec2::UnitX(), static_cast<float>(2 * k_pi - step), static_cast<float>(step)};
+    Random random(1, 2, 3, 4);
+    circles.make_room(k_circles);
+    for (std::uint32_t i = 0; i < k_circles; ++i) {
+      const Vec2 at(random.uniform(-2, 2), random.uniform(-2, 2));
+      circles.set(i, partition::enclosing_circle(at, 0.07, i));
+      if (edges.full()) continue;
+      edges.add(at, at + Vec2(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)), 1);
+    }
+  }
+  static constexpr std::size_t k_circles = 256;
+  std::vector<float> dx, dy, zero, inverse, limits, range_max;
+  partition::Fan fan;
+  partition::Scan scan;
+  partition::EdgeBlock edges;
+  partition::CircleArrays circles, met;
+};
+
 void project_edges(benchmark::State& state) {
-  const auto beams = static_cast<std::size_t>(state.range(0));
-  std::vector<float> dx, dy, zero(beams, 0.0f), inverse(beams);
-  for (std::size_t i = 0; i < beams; ++i) {
-    const SinCos s = sincos(2 * k_pi * static_cast<double>(i) / static_cast<double>(beams));
-    dx.push_back(static_cast<float>(s.cos));
-    dy.push_back(static_cast<float>(s.sin));
-  }
-  Random random(1, 2, 3, 4);
-  std::vector<partition::RayEdge> edges;
-  for (int i = 0; i < 64; ++i) {
-    const auto x = static_cast<float>(random.uniform(-2, 2));
-    const auto y = static_cast<float>(random.uniform(-2, 2));
-    edges.push_back({x, y, x + static_cast<float>(random.uniform(-0.2, 0.2)),
-                     y + static_cast<float>(random.uniform(-0.2, 0.2)), 1});
-  }
-  const partition::Fan fan{dx, dy, zero, zero, true};
+  Scattered s(static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
-    std::fill(inverse.begin(), inverse.end(), 0.0f);
-    partition::project(edges, fan, inverse);
-    benchmark::DoNotOptimize(inverse.data());
+    std::ranges::fill(s.inverse, 0.0f);
+    partition::project(s.edges, Vec2::Zero(), s.fan, s.inverse.data(), nullptr);
+    benchmark::DoNotOptimize(s.inverse.data());
   }
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(edges.size() * beams));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.edges.count()));
 }
-BENCHMARK(project_edges)->Arg(12)->Arg(16)->Arg(180)->Name("ray/project (items: edge x beam)");
+BENCHMARK(project_edges)->Arg(12)->Arg(16)->Arg(180)->Name("cast/project on a fan (items: edges)");
+
+void project_scan(benchmark::State& state) {
+  Scattered s(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    std::ranges::fill(s.inverse, 0.0f);
+    partition::project(s.edges, Vec2::Zero(), s.fan, s.scan, s.inverse.data(), nullptr);
+    benchmark::DoNotOptimize(s.inverse.data());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.edges.count()));
+}
+BENCHMARK(project_scan)->Arg(180)->Arg(1000)->Name("cast/project on a scan (items: edges)");
+
+void cull_circles(benchmark::State& state) {
+  Scattered s(static_cast<std::size_t>(state.range(0)));
+  const float farthest = partition::limits_of(s.fan, s.inverse.data(), s.range_max.data(), s.limits.data());
+  const auto cull = [&](auto&&... scan) {
+    return partition::may_meet(s.circles, 0, Scattered::k_circles, Vec2::Zero(), s.fan, scan...,
+                               s.limits.data(), -1.0f, farthest, s.met);
+  };
+  for (auto _ : state) benchmark::DoNotOptimize(state.range(0) > 32 ? cull(s.scan) : cull());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(Scattered::k_circles));
+}
+BENCHMARK(cull_circles)->Arg(12)->Arg(16)->Arg(180)->Name("sweep/cull circles (items: circles)");
 
 void polygon_overlap(benchmark::State& state) {
   const ConvexPrism box{{{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}}, {0, 1}};

@@ -9,9 +9,14 @@ namespace troupe::sensors {
 
 /// Beams of one height that are cast together.
 struct BeamGroup {
-  std::size_t first;
-  std::size_t count;
-  double z;  ///< body frame, m
+  std::size_t first = 0;
+  std::size_t count = 0;
+  double z = 0;           ///< body frame, m
+  bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
+  bool scan = false;      ///< many beams at equal angles from the reference; the three below are theirs
+  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last, body frame
+  double fov = 0;               ///< between the first and the last, rad
+  double step = 0;              ///< between neighbours, rad
 };
 
 /// A ranger's beams, made once from its parameters: what both ray engines cast.

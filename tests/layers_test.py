@@ -72,6 +72,8 @@ WORDS = [
     (r"getenv|secure_getenv|setenv|environ", "reads the environment"),
     (r"argc|argv", "parses arguments"),
     (r"std::rand|srand|random_device|std::mt19937\w*", "draws random numbers that no seed decides"),
+    (r"(Neg)?Mul(Add|Sub)\w*|Approximate\w*", "does not round the same on every processor"),
+    (r"hwy::HWY_NAMESPACE", "goes around partition/simd.inl, which lists the operations that kernels may use"),
 ]
 WORDS_ALLOWED = {"base/assert.hpp"}  # TROUPE_ASSERT says which invariant broke, and stops
 
@@ -222,6 +224,8 @@ class PlantedFaults(unittest.TestCase):
             ("worldio/home.cpp", 'auto h = getenv("HOME");\n', "`getenv` reads the environment"),
             ("models/dice.cpp", "#include <random>\n", "<random> draws random numbers"),
             ("sensors/own_pool.cpp", "#include <thread>\n", "<thread> is parallel"),
+            ("partition/kernel.cpp", "auto f = MulAdd(a, b, c);\n", "`MulAdd` does not round the same"),
+            ("partition/kernel.cpp", "namespace hn = hwy::HWY_NAMESPACE;\n", "goes around partition/simd.inl"),
         ]:
             with self.subTest(text=text, file=name):
                 found = self.check({name: text})

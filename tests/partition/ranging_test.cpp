@@ -2,6 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/random.hpp"
+#include "tests/support/simd_targets.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,8 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace troupe::partition {
 namespace {
@@ -38,8 +41,65 @@ struct Beams {
     ox.push_back(origin_x);
     oy.push_back(origin_y);
   }
-  Fan fan(bool common_origin) const { return {dx, dy, ox, oy, common_origin}; }
 };
+
+struct Edge {
+  Vec2 a, b;  // world frame
+  float ranger_return;
+};
+
+struct Readings {
+  std::vector<float> inverse, returns;
+};
+
+/// The vector form, in blocks as the sensor does it. With a scan, by spans.
+Readings cast(std::span<const Edge> edges, const Vec2& reference, const Beams& beams, bool common_origin,
+              bool with_returns, const Scan* scan = nullptr) {
+  const std::size_t padded = padded_beams(beams.size());
+  Beams b = beams;
+  for (std::vector<float>* array : {&b.dx, &b.dy, &b.ox, &b.oy}) array->resize(padded, array->back());
+  const Fan fan{b.dx.data(), b.dy.data(), b.ox.data(), b.oy.data(), beams.size(), common_origin, false};
+  Readings out{std::vector<float>(padded, 0.0f), std::vector<float>(padded, 0.0f)};
+  EdgeBlock block;
+  const auto flush = [&] {
+    float* returns = with_returns ? out.returns.data() : nullptr;
+    if (scan != nullptr)
+      project(block, reference, fan, *scan, out.inverse.data(), returns);
+    else
+      project(block, reference, fan, out.inverse.data(), returns);
+    block.clear();
+  };
+  for (const Edge& e : edges) {
+    if (block.full()) flush();
+    block.add(e.a, e.b, e.ranger_return);
+  }
+  flush();
+  out.inverse.resize(beams.size());
+  out.returns.resize(beams.size());
+  return out;
+}
+
+/// The formula, edge by edge and beam by beam.
+Readings formula(std::span<const Edge> edges, const Vec2& reference, const Beams& beams) {
+  Readings out{std::vector<float>(beams.size(), 0.0f), std::vector<float>(beams.size(), 0.0f)};
+  for (const Edge& edge : edges) {
+    const RayEdge e = relative_edge(edge.a, edge.b, reference, edge.ranger_return);
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      const float value = inverse_range(e, beams.dx[i], beams.dy[i], beams.ox[i], beams.oy[i]);
+      EXPECT_GE(value, 0);
+      if (value > out.inverse[i] ||
+          (value == out.inverse[i] && value > 0 && e.ranger_return > out.returns[i]))
+        out.returns[i] = e.ranger_return;
+      out.inverse[i] = std::max(out.inverse[i], value);
+    }
+  }
+  return out;
+}
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::ranges::equal(a, b, {}, std::bit_cast<std::uint32_t, float>,
+                            std::bit_cast<std::uint32_t, float>);
+}
 
 double log_uniform(Random& random, double low, double high) {
   return low * std::exp(random.uniform() * std::log(high / low));
@@ -50,10 +110,9 @@ double log_uniform(Random& random, double low, double high) {
 Vec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 /// Edges of every kind that the formula treats differently.
-RayEdge any_edge(Random& random) {
+Edge any_edge(Random& random, const Vec2& reference) {
   const double size = log_uniform(random, 1e-6, 100);
   const double away = log_uniform(random, 1e-6, 100);
-  const Vec2 reference(random.uniform(-1000, 1000), random.uniform(-1000, 1000));
   Vec2 a = away * direction(random.uniform(0, k_turn));
   Vec2 b;
   switch (random.below(8)) {
@@ -65,16 +124,19 @@ RayEdge any_edge(Random& random) {
     case 5: b = a; break;
     default: b = a + size * direction(random.uniform(0, k_turn)); break;
   }
-  return relative_edge(reference + a, reference + b, reference, static_cast<float>(random.below(3)));
+  return {reference + a, reference + b, static_cast<float>(random.below(3))};
 }
 
-Beams any_beams(Random& random, bool common_origin, std::span<const RayEdge> edges) {
+Vec2 any_place(Random& random) { return {random.uniform(-1000, 1000), random.uniform(-1000, 1000)}; }
+
+Beams any_beams(Random& random, bool common_origin, std::span<const Edge> edges, const Vec2& reference) {
   Beams beams;
   const std::size_t count = 1 + random.below(70);
   for (std::size_t i = 0; i < count; ++i) {
     const float ox = common_origin ? 0.0f : static_cast<float>(random.uniform(-0.3, 0.3));
     const float oy = common_origin ? 0.0f : static_cast<float>(random.uniform(-0.3, 0.3));
-    const RayEdge& aim = edges[random.below(static_cast<std::uint32_t>(edges.size()))];
+    const Edge& edge = edges[random.below(static_cast<std::uint32_t>(edges.size()))];
+    const RayEdge aim = relative_edge(edge.a, edge.b, reference, 1);
     const double x = aim.ax - ox, y = aim.ay - oy;
     switch (x == 0 && y == 0 ? 0 : random.below(4)) {
       case 0: beams.add(std::cos(random.uniform(0, k_turn)), random.uniform(-1, 1), ox, oy); break;
@@ -86,51 +148,148 @@ Beams any_beams(Random& random, bool common_origin, std::span<const RayEdge> edg
   return beams;
 }
 
-TEST(Ranging, TheVectorFormIsTheFormulaBitForBit) {
-  for (std::uint32_t trial = 0; trial < 30000 / k_share; ++trial) {
-    Random random(1, 1, 0, trial);
-    const bool common_origin = random.below(2) == 0;
-    std::vector<RayEdge> edges;
-    for (std::uint32_t i = 0, n = 1 + random.below(20); i < n; ++i) edges.push_back(any_edge(random));
-    const Beams beams = any_beams(random, common_origin, edges);
-
-    std::vector<float> inverse(beams.size(), 0.0f);
-    std::vector<float> with_returns(beams.size(), 0.0f);
-    std::vector<float> returns(beams.size(), 0.0f);
-    project(edges, beams.fan(common_origin), inverse);
-    project(edges, beams.fan(common_origin), with_returns, returns);
-    for (std::size_t i = 0; i < beams.size(); ++i) {
-      float nearest = 0;
-      float met = 0;
-      for (const RayEdge& e : edges) {
-        const float value = inverse_range(e, beams.dx[i], beams.dy[i], beams.ox[i], beams.oy[i]);
-        ASSERT_GE(value, 0) << "trial " << trial;
-        if (value > nearest || (value == nearest && value > 0 && e.ranger_return > met))
-          met = e.ranger_return;
-        nearest = std::max(nearest, value);
-      }
-      ASSERT_EQ(std::bit_cast<std::uint32_t>(inverse[i]), std::bit_cast<std::uint32_t>(nearest))
-          << "trial " << trial;
-      ASSERT_EQ(std::bit_cast<std::uint32_t>(with_returns[i]), std::bit_cast<std::uint32_t>(nearest));
-      ASSERT_EQ(returns[i], met) << "trial " << trial;
+TEST(Ranging, TheVectorFormIsTheFormulaBitForBitOnEveryInstructionSet) {
+  for_each_simd_target([](const std::string& target) {
+    for (std::uint32_t trial = 0; trial < 10000 / k_share; ++trial) {
+      Random random(1, 1, 0, trial);
+      const bool common_origin = random.below(2) == 0;
+      const Vec2 reference = any_place(random);
+      std::vector<Edge> edges;
+      for (std::uint32_t i = 0, n = 1 + random.below(random.below(10) ? 20 : 300); i < n; ++i)
+        edges.push_back(any_edge(random, reference));
+      const Beams beams = any_beams(random, common_origin, edges, reference);
+      const Readings expected = formula(edges, reference, beams);
+      const Readings without = cast(edges, reference, beams, common_origin, false);
+      const Readings with = cast(edges, reference, beams, common_origin, true);
+      ASSERT_TRUE(same_bits(without.inverse, expected.inverse)) << target << ", trial " << trial;
+      ASSERT_TRUE(same_bits(with.inverse, expected.inverse)) << target << ", trial " << trial;
+      ASSERT_EQ(with.returns, expected.returns) << target << ", trial " << trial;
     }
-  }
+  });
+}
+
+TEST(Ranging, AScanBySpansIsTheFormulaBitForBitOnEveryInstructionSet) {
+  for_each_simd_target([](const std::string& target) {
+    for (std::uint32_t trial = 0; trial < 5000 / k_share; ++trial) {
+      Random random(1, 3, 0, trial);
+      const Vec2 reference = any_place(random);
+      const std::size_t samples = 33 + random.below(random.below(8) ? 300 : 3000);
+      const double fov = random.below(3)   ? random.uniform(0.01, k_turn)
+                         : random.below(2) ? k_turn
+                                           : k_turn / 2;
+      const double middle = random.uniform(-k_turn, k_turn);
+      const double step = fov / static_cast<double>(samples - 1);
+      Beams beams;
+      for (std::size_t i = 0; i < samples; ++i) {
+        const Vec2 d = direction(middle - fov / 2 + static_cast<double>(i) * step);
+        beams.add(d.x(), d.y());
+      }
+      const Scan scan{direction(middle), static_cast<float>(fov), static_cast<float>(step)};
+      std::vector<Edge> edges;
+      for (std::uint32_t i = 0, n = 1 + random.below(150); i < n; ++i) {
+        edges.push_back(any_edge(random, reference));
+        // Ends on beams, and at the back, where angles jump.
+        if (random.below(3) == 0) {
+          const double beam = middle - fov / 2 +
+                              static_cast<double>(random.below(static_cast<std::uint32_t>(samples))) * step;
+          edges.back().a =
+              reference + random.uniform(0.01, 10) * direction(random.below(4) ? beam : middle + k_turn / 2);
+        }
+      }
+      const Readings expected = formula(edges, reference, beams);
+      const Readings without = cast(edges, reference, beams, true, false, &scan);
+      const Readings with = cast(edges, reference, beams, true, true, &scan);
+      ASSERT_TRUE(same_bits(without.inverse, expected.inverse)) << target << ", trial " << trial;
+      ASSERT_TRUE(same_bits(with.inverse, expected.inverse)) << target << ", trial " << trial;
+      ASSERT_EQ(with.returns, expected.returns) << target << ", trial " << trial;
+    }
+  });
 }
 
 TEST(Ranging, TheOrderOfEdgesChangesNothing) {
   for (std::uint32_t trial = 0; trial < 2000; ++trial) {
     Random random(1, 2, 0, trial);
-    std::vector<RayEdge> edges;
-    for (int i = 0; i < 20; ++i) edges.push_back(any_edge(random));
-    const Beams beams = any_beams(random, false, edges);
-    std::vector<float> inverse(beams.size(), 0.0f), returns(beams.size(), 0.0f);
-    project(edges, beams.fan(false), inverse, returns);
+    const Vec2 reference = any_place(random);
+    std::vector<Edge> edges;
+    for (int i = 0; i < 20; ++i) edges.push_back(any_edge(random, reference));
+    const Beams beams = any_beams(random, false, edges, reference);
+    const Readings first = cast(edges, reference, beams, false, true);
     random.shuffle(edges);
-    std::vector<float> shuffled(beams.size(), 0.0f), shuffled_returns(beams.size(), 0.0f);
-    project(edges, beams.fan(false), shuffled, shuffled_returns);
-    ASSERT_EQ(inverse, shuffled);
-    ASSERT_EQ(returns, shuffled_returns);
+    const Readings shuffled = cast(edges, reference, beams, false, true);
+    ASSERT_EQ(first.inverse, shuffled.inverse);
+    ASSERT_EQ(first.returns, shuffled.returns);
   }
+}
+
+/// Circles about edges, so that an edge that would raise a reading must survive the cull of its circle.
+TEST(Ranging, CullsKeepEveryCircleThatCounts) {
+  for_each_simd_target([](const std::string& target) {
+    std::size_t kept = 0, all = 0;
+    for (std::uint32_t trial = 0; trial < 4000 / k_share; ++trial) {
+      Random random(1, 4, 0, trial);
+      const Vec2 reference = any_place(random);
+      enum { k_ring, k_apart, k_scanner, k_kinds };
+      const std::uint32_t kind = random.below(k_kinds);
+      const std::size_t count = kind == k_scanner ? 33 + random.below(200) : 2 * (1 + random.below(16));
+      const double fov = kind == k_scanner ? random.uniform(0.1, k_turn) : k_turn;
+      const double middle = random.uniform(-3, 3);
+      const double step = fov / static_cast<double>(kind == k_scanner ? count - 1 : count);
+      Beams beams;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double way = kind == k_scanner ? middle - fov / 2 + static_cast<double>(i) * step
+                                             : middle + static_cast<double>(i) * step;
+        beams.add(std::cos(way), std::sin(way),
+                  kind == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f,
+                  kind == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f);
+      }
+      const std::size_t padded = padded_beams(count);
+      for (std::vector<float>* array : {&beams.dx, &beams.dy, &beams.ox, &beams.oy})
+        array->resize(padded, array->back());
+      const Fan fan{beams.dx.data(), beams.dy.data(), beams.ox.data(), beams.oy.data(),
+                    count,           kind != k_apart, kind == k_ring};
+      const Scan scan{direction(middle), static_cast<float>(fov), static_cast<float>(step)};
+
+      const std::size_t circles_count = k_circle_padding * (1 + random.below(4));
+      std::vector<Edge> edges;
+      CircleArrays circles;
+      circles.make_room(circles_count);
+      for (std::uint32_t c = 0; c < circles_count; ++c) {
+        const Vec2 center = reference + log_uniform(random, 0.01, 10) * direction(random.uniform(0, k_turn));
+        const double radius = log_uniform(random, 0.001, 3);
+        edges.push_back({center + random.uniform(0.9, 1) * radius * direction(random.uniform(0, k_turn)),
+                         center + random.uniform(0.9, 1) * radius * direction(random.uniform(0, k_turn)), 1});
+        circles.set(c, enclosing_circle(center, radius, c));
+      }
+      // Some readings so far, of which the cull may make use.
+      std::vector<float> inverse(padded), limits(padded), range_max(padded, 8.0f);
+      for (float& value : inverse)
+        value = random.below(3) ? static_cast<float>(1 / random.uniform(0.1, 10)) : 0;
+      const float farthest = limits_of(fan, inverse.data(), range_max.data(), limits.data());
+      const float near = static_cast<float>(random.uniform(0, 5));
+      std::vector<bool> survives(circles_count);
+      CircleArrays met;
+      const float from_reference = farthest + 0.5f;  // origins lie apart by less
+      for (const auto& [low, high] :
+           {std::pair(-std::numeric_limits<float>::infinity(), near), std::pair(near, from_reference)}) {
+        const std::size_t n =
+            kind == k_scanner
+                ? may_meet(circles, 0, circles_count, reference, fan, scan, limits.data(), low, high, met)
+                : may_meet(circles, 0, circles_count, reference, fan, limits.data(), low, high, met);
+        for (std::size_t i = 0; i < n; ++i) survives[met.row[i]] = true;
+      }
+      for (std::size_t c = 0; c < circles_count; ++c) {
+        const RayEdge e = relative_edge(edges[c].a, edges[c].b, reference, 1);
+        ++all;
+        kept += survives[c];
+        for (std::size_t i = 0; i < count; ++i) {
+          const float value = inverse_range(e, beams.dx[i], beams.dy[i], beams.ox[i], beams.oy[i]);
+          const bool counts = value > inverse[i] && range_of(value, range_max[i]) < range_max[i];
+          ASSERT_TRUE(!counts || survives[c]) << target << ", trial " << trial << ", kind " << kind;
+        }
+      }
+    }
+    EXPECT_LT(kept, all * 7 / 10) << target << ": hardly anything is culled";
+  });
 }
 
 // ---- no leaks, and no reading out of place
@@ -308,9 +467,9 @@ void aim_at_vertices(std::uint32_t trial, bool common_origin, Tally& tally) {
   Ring ring;
   for (const Vec2& v : shape) ring.push_back(place + size * v);
   reference = place + size * reference;
-  std::vector<RayEdge> edges;
+  std::vector<Edge> edges;
   for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
-    if (ring[j] != ring[i]) edges.push_back(relative_edge(ring[j], ring[i], reference, 1));
+    if (ring[j] != ring[i]) edges.push_back({ring[j], ring[i], 1});
 
   Beams beams;
   for (std::size_t k = 0; k < k_beams; ++k) {
@@ -328,8 +487,8 @@ void aim_at_vertices(std::uint32_t trial, bool common_origin, Tally& tally) {
     for (std::uint32_t nudge = random.below(3); nudge > 0; --nudge)
       beams.dx.back() = std::nextafter(beams.dx.back(), random.below(2) ? 2.0f : -2.0f);
   }
-  std::vector<float> inverse(beams.size(), 0.0f);
-  project(edges, beams.fan(common_origin), inverse);
+  if (beams.size() == 0) return;
+  const std::vector<float> inverse = cast(edges, reference, beams, common_origin, false).inverse;
 
   const auto range_max = static_cast<float>(10 * size);
   const double width = std::max(1e-5, 2e-6 * size);

@@ -1,0 +1,87 @@
+#include "partition/surroundings.hpp"
+
+#include "base/math.hpp"
+#include "partition/ranging.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace troupe::partition {
+namespace {
+
+/// visit(low, high) for the up to four rectangles of cells that make [low, high] without [inner_low,
+/// inner_high], which lies within.
+template <class Visit>
+void for_each_rectangle(Cell low, Cell high, Cell inner_low, Cell inner_high, Visit&& visit) {
+  if (low.y < inner_low.y) visit(low, Cell{high.x, inner_low.y - 1});
+  if (low.x < inner_low.x) visit(Cell{low.x, inner_low.y}, Cell{inner_low.x - 1, inner_high.y});
+  if (inner_high.x < high.x) visit(Cell{inner_high.x + 1, inner_low.y}, Cell{high.x, inner_high.y});
+  if (inner_high.y < high.y) visit(Cell{low.x, inner_high.y + 1}, high);
+}
+
+}  // namespace
+
+void Surroundings::begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry,
+                         double reach) {
+  bodies_ = &bodies;
+  fixed_ = &fixed;
+  geometry_ = geometry;
+  reach_ = reach;
+  home_.reset();
+  radii_.clear();
+  // Such that a band of bodies ends at the border of a cell.
+  for (double cells = 2;; cells *= 2) {
+    const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
+    if (radius >= reach) break;
+    radii_.push_back(radius);
+  }
+  radii_.push_back(reach);
+}
+
+void Surroundings::look_from(const Vec2& point) {
+  const Cell block = geometry_.block(geometry_.cell(point));
+  if (home_ == block) return;
+  home_ = block;
+  ends_.clear();
+}
+
+void Surroundings::gather(std::size_t band) {
+  const Box block = geometry_.box_of_block(*home_);
+  std::size_t size = ends_.empty() ? 0 : ends_.back();
+  const auto look = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
+    const auto append = [&](std::span<const BodyCircle> run) {
+      circles_.make_room(size + run.size());
+      for (const BodyCircle& circle : run)
+        circles_.set(size++, {circle.x, circle.y, circle.radius, circle.row | mark});
+    };
+    // A hair less, so that a band that ends at the border of a cell does not touch the next.
+    const auto around = [&](double radius) {
+      const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
+      return std::pair(geometry_.cell(box.min), geometry_.cell(box.max));
+    };
+    const auto [low, high] = around(radii_[band]);
+    if (band == 0) {
+      grid.for_each_run(low, high, append);
+      return;
+    }
+    const auto [inner_low, inner_high] = around(radii_[band - 1]);
+    for_each_rectangle(low, high, inner_low, inner_high,
+                       [&](Cell from, Cell to) { grid.for_each_run(from, to, append); });
+  };
+  const std::size_t begin = size;
+  look(*bodies_, bodies_->largest_small_radius(), 0);
+  look(*fixed_, fixed_->largest_radius(), k_fixed);
+  if (band == 0) {
+    const double side = block.size().x() + 2 * radii_[0];
+    const double density = std::max<double>(1, static_cast<double>(size - begin)) / (side * side);
+    at_hand_ = std::min(radii_[0], sqrt(k_at_hand / (k_pi * density)));
+  }
+  circles_.make_room(size + k_circle_padding);
+  while (size % k_circle_padding != 0)
+    circles_.set(size++, {0, 0, -std::numeric_limits<float>::infinity(), 0});
+  ends_.push_back(size);
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "partition/body_index.hpp"
+#include "partition/fixed_outlines.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::partition {
+
+/// Circles, each number an array, in metres and the world's frame. The arrays only ever grow.
+struct CircleArrays {
+  std::vector<float> x, y, radius;
+  std::vector<std::uint32_t> row;
+
+  void make_room(std::size_t size) {
+    if (size <= x.size()) return;
+    const std::size_t room = 2 * size;
+    x.resize(room);
+    y.resize(room);
+    radius.resize(room);
+    row.resize(room);
+  }
+  void set(std::size_t i, const BodyCircle& circle) {
+    x[i] = circle.x;
+    y[i] = circle.y;
+    radius[i] = circle.radius;
+    row[i] = circle.row;
+  }
+};
+
+/// What sensors in one block of cells may meet: the circles of bodies and of pieces of fixed outlines, in
+/// bands from near to far. A band is looked up when the first sensor asks for it and serves all that follow
+/// from the same block: in a crowd most see no farther than the first.
+class Surroundings {
+ public:
+  /// Circles of bodies carry their row, those of fixed pieces the piece with this bit.
+  static constexpr std::uint32_t k_fixed = 1u << 31;
+
+  /// reach: how far to look at all, m.
+  void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
+  /// Looks from the block of this point from now on.
+  void look_from(const Vec2& point);
+
+  /// Bands 0 .. bands()-1 hold every circle that comes within the reach of any point of the block, and more.
+  std::size_t bands() const { return radii_.size(); }
+  /// Every circle that comes nearer than this to any point of the block lies in this band or one before, m.
+  double radius(std::size_t band) const { return radii_[band]; }
+  /// The band's place in circles(): looked up, if need be. Padded to a multiple of k_circle_padding with
+  /// circles that nothing meets.
+  struct Band {
+    std::size_t begin, end;
+  };
+  Band band(std::size_t band) {
+    while (ends_.size() <= band) gather(ends_.size());
+    return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
+  }
+  const CircleArrays& circles() const { return circles_; }
+  /// A distance within which some k_at_hand circles lie, in the mean, and no more than radius(0).
+  double at_hand() const { return at_hand_; }
+  static constexpr double k_at_hand = 20;
+
+ private:
+  void gather(std::size_t band);
+
+  const BodyIndex* bodies_ = nullptr;
+  const FixedOutlines* fixed_ = nullptr;
+  GridGeometry geometry_;
+  double reach_ = 0;
+  double at_hand_ = 0;
+  std::vector<double> radii_;
+  std::optional<Cell> home_;  // in blocks
+  CircleArrays circles_;
+  std::vector<std::size_t> ends_;  // of the bands looked up so far
+};
+
+}  // namespace troupe::partition

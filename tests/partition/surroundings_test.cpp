@@ -1,0 +1,126 @@
+#include "partition/surroundings.hpp"
+
+#include "base/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace troupe::partition {
+namespace {
+
+double distance(const Vec2& p, const FixedEdge& edge) {
+  const Vec2 along = edge.b - edge.a;
+  const double t = std::clamp((p - edge.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (edge.a + t * along - p).norm();
+}
+
+struct Scene {
+  std::vector<Vec2> positions;
+  std::vector<double> radii;
+  std::vector<FixedEdge> edges;
+};
+
+/// Bodies of all sizes, and outlines of short, long and very long edges.
+Scene any_scene(Random& random) {
+  Scene scene;
+  for (std::uint32_t i = 0, n = random.below(400); i < n; ++i) {
+    scene.positions.emplace_back(random.uniform(-10, 10), random.uniform(-10, 10));
+    scene.radii.push_back(random.below(40) ? random.uniform(0.01, 0.1) : random.uniform(0.1, 4));
+  }
+  for (std::uint32_t solid = 0; solid < 5; ++solid) {
+    Vec2 at(random.uniform(-10, 10), random.uniform(-10, 10));
+    const double step = random.below(2) ? 0.1 : random.below(2) ? 2 : 30;
+    for (std::uint32_t i = 0, n = 1 + random.below(60); i < n; ++i) {
+      const Vec2 next = at + Vec2(random.uniform(-step, step), random.uniform(-step, step));
+      scene.edges.push_back({at, next, solid});
+      at = next;
+    }
+  }
+  return scene;
+}
+
+TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
+  Parallel parallel(1);
+  std::size_t found = 0;
+  for (std::uint32_t trial = 0; trial < 400; ++trial) {
+    Random random(1, 1, 0, trial);
+    const Scene scene = any_scene(random);
+    const GridGeometry grid{random.uniform(0.05, 3), random.below(6)};
+    BodyIndex bodies(grid);
+    bodies.rebuild(scene.positions, scene.radii, parallel);
+    const FixedOutlines fixed(scene.edges, grid);
+    Surroundings surroundings;
+    surroundings.begin(bodies, fixed, grid, random.uniform(0.1, 6));
+    for (int look = 0; look < 5; ++look) {
+      const Vec2 eye(random.uniform(-10, 10), random.uniform(-10, 10));
+      surroundings.look_from(eye);
+      std::set<std::uint32_t> rows;
+      std::vector<bool> edges(scene.edges.size());
+      const std::size_t bands = 1 + random.below(static_cast<std::uint32_t>(surroundings.bands()));
+      for (std::size_t b = 0; b < bands; ++b) {
+        const Surroundings::Band band = surroundings.band(b);
+        ASSERT_EQ((band.end - band.begin) % 16, 0u);
+        for (std::size_t i = band.begin; i < band.end; ++i) {
+          if (surroundings.circles().radius[i] < 0) continue;  // padding
+          const std::uint32_t row = surroundings.circles().row[i];
+          if (row < Surroundings::k_fixed)
+            rows.insert(row);
+          else
+            for (const FixedEdge& e : fixed.edges(row - Surroundings::k_fixed))
+              for (std::size_t k = 0; k < scene.edges.size(); ++k)
+                if (scene.edges[k].a == e.a && scene.edges[k].b == e.b) edges[k] = true;
+        }
+        const double near = surroundings.radius(b);
+        for (std::uint32_t r = 0; r < scene.positions.size(); ++r) {
+          if ((scene.positions[r] - eye).norm() - scene.radii[r] > near) continue;
+          ASSERT_TRUE(rows.contains(r)) << "trial " << trial << ", band " << b << ", row " << r;
+          ++found;
+        }
+        for (std::size_t k = 0; k < scene.edges.size(); ++k) {
+          if (distance(eye, scene.edges[k]) > near) continue;
+          ASSERT_TRUE(edges[k]) << "trial " << trial << ", band " << b << ", edge " << k;
+          ++found;
+        }
+      }
+      EXPECT_LE(surroundings.at_hand(), surroundings.radius(0));
+    }
+  }
+  EXPECT_GT(found, 10000u);
+}
+
+TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
+  for (std::uint32_t trial = 0; trial < 200; ++trial) {
+    Random random(1, 2, 0, trial);
+    const Scene scene = any_scene(random);
+    const GridGeometry grid{random.uniform(0.05, 3), 3};
+    const FixedOutlines fixed(scene.edges, grid);
+    std::vector<BodyCircle> circles;
+    const Cell low = grid.cell({-5000, -5000}), high = grid.cell({5000, 5000});
+    fixed.for_each_run(low, high, [&](std::span<const BodyCircle> run) {
+      circles.insert(circles.end(), run.begin(), run.end());
+    });
+    std::size_t edges = 0;
+    std::set<std::uint32_t> pieces;
+    for (const BodyCircle& c : circles) {
+      EXPECT_LE(c.radius, fixed.largest_radius() * 1.00001 + 1e-4);
+      if (pieces.insert(c.row).second) edges += fixed.edges(c.row).size();
+    }
+    ASSERT_EQ(edges, scene.edges.size()) << "trial " << trial;
+    for (const std::uint32_t piece : pieces) {
+      for (const FixedEdge& e : fixed.edges(piece)) {
+        for (int i = 0; i <= 20; ++i) {
+          const Vec2 p = e.a + i / 20.0 * (e.b - e.a);
+          ASSERT_TRUE(std::ranges::any_of(
+              circles,
+              [&](const BodyCircle& c) { return c.row == piece && (Vec2(c.x, c.y) - p).norm() <= c.radius; }))
+              << "trial " << trial;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace troupe::partition
