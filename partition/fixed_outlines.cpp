@@ -9,8 +9,7 @@
 namespace troupe::partition {
 namespace {
 
-constexpr double k_piece = 0.5;             // radius of a piece at most, over a cell
-constexpr std::uint32_t k_piece_edges = 8;  // at most
+constexpr double k_piece = 0.5;  // radius of a piece at most, over a cell
 
 struct PieceCircle {
   Vec2 center;
@@ -21,17 +20,19 @@ struct PieceCircle {
 }  // namespace
 
 FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, const GridGeometry& geometry)
-    : geometry_(geometry), edges_(edges.begin(), edges.end()) {
+    : geometry_(geometry) {
+  edges_.reserve(edges.size());
+  for (const FixedEdge& edge : edges) edges_.push_back({edge.a, edge.b});
   const double most = k_piece * geometry_.cell_m;
   std::vector<PieceCircle> circles;
   const auto close = [&](const Box& box, std::uint32_t first, std::uint32_t count) {
     const auto piece = static_cast<std::uint32_t>(pieces_.size());
-    pieces_.push_back({first, count});
+    pieces_.push_back({first, count, edges[first].solid});
     if (count > 1 || 0.5 * (edges_[first].b - edges_[first].a).norm() <= most) {
       circles.push_back({box.center(), 0.5 * box.size().norm(), piece});
       return;
     }
-    const FixedEdge& edge = edges_[first];
+    const Ends& edge = edges_[first];
     const double length = (edge.b - edge.a).norm();
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
     // Whether a beam passes an edge is known to float rounding at its ends, so far ends count.
@@ -46,7 +47,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, const GridGeometr
     Box wider = box;
     wider.extend(edges_[i].a);
     wider.extend(edges_[i].b);
-    const bool joins = i > first && edges_[i].solid == edges_[first].solid && i - first < k_piece_edges &&
+    const bool joins = i > first && edges[i].solid == edges[first].solid && i - first < k_most_edges &&
                        0.5 * wider.size().norm() <= most;
     if (!joins) {
       if (i > first) close(box, first, i - first);

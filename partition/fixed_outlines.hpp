@@ -39,10 +39,15 @@ class FixedOutlines {
                             });
   }
 
+  struct Ends {
+    Vec2 a, b;
+  };
   /// The edges of a piece, all of one solid.
-  std::span<const FixedEdge> edges(std::uint32_t piece) const {
+  std::span<const Ends> edges(std::uint32_t piece) const {
     return {&edges_[pieces_[piece].first], pieces_[piece].count};
   }
+  std::uint32_t solid(std::uint32_t piece) const { return pieces_[piece].solid; }
+  static constexpr std::uint32_t k_most_edges = 8;  ///< of a piece
   /// No circle reaches farther than this beyond the cell of its centre, m.
   double largest_radius() const { return largest_radius_; }
 
@@ -50,6 +55,7 @@ class FixedOutlines {
   struct Piece {
     std::uint32_t first;
     std::uint32_t count;
+    std::uint32_t solid;
   };
 
   GridGeometry geometry_;
@@ -58,7 +64,7 @@ class FixedOutlines {
   std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into circles_
   std::vector<BodyCircle> circles_;
   std::vector<Piece> pieces_;
-  std::vector<FixedEdge> edges_;
+  std::vector<Ends> edges_;
 };
 
 }  // namespace troupe::partition

@@ -98,11 +98,11 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;
-  static constexpr std::size_t k_lanes = 64;  ///< no target has wider vectors
 
   void clear() { count_ = 0; }
-  bool full() const { return count_ == k_capacity; }
   std::size_t count() const { return count_; }
+  /// How many more it takes.
+  std::size_t room() const { return k_capacity - count_; }
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
     Eigen::Map<Eigen::Matrix<double, 4, 1>>(&ends_[4 * count_]) << a, b;
     returns_[count_++] = ranger_return;
@@ -129,6 +129,10 @@ struct Scan {
   float step = 0;               ///< between neighbours, rad
 };
 
+/// Turns unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
+void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
+          float* out_y);
+
 /// Raises inverse[i] to the inverse range at which beam i meets one of the edges, where that is larger.
 /// inverse  fan.padded() entries
 /// returns  as many, or null: becomes the ranger_return of the edge that is met; of two at one range, the
@@ -142,6 +146,9 @@ void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, cons
 /// the farthest.
 /// inverse, range_max, limits  fan.padded() entries
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
+
+/// The readings: range_of() of each beam. All arrays but ranges are padded.
+void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
 /// Culls circles: leaves in met.row those of [begin, end) that some beam may meet before its limit and whose
 /// nearest point lies from `low` to `high` away from the reference, and returns their number. Margins are far
@@ -159,7 +166,7 @@ std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t
 /// the beam starts on the edge.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
-/// Ranges from inverse ranges: range_max exactly unless inverse > 1 / range_max.
+/// The range of an inverse range: range_max exactly unless inverse > 1 / range_max.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

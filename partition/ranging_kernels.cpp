@@ -26,6 +26,8 @@ constexpr Full<double> k_d;
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a vector
 using Floats = Vec<Full<float>>;
+using Few = Capped<float, 8>;
+constexpr Few k_few;
 
 constexpr float k_quarter = 1.57079633f;  // of a turn, rad
 
@@ -105,46 +107,49 @@ HWY_INLINE void prepare_common(std::size_t count, Relative& e) {
 }
 
 /// One vector of beams and the nearest that each has met so far.
-template <bool kReturns>
+template <bool kReturns, class Tag>
 struct Met {
-  Floats inverse, returns;
+  static constexpr Tag k_tag{};
+  Vec<Tag> inverse, returns;
 
   HWY_INLINE Met(const float* from_inverse, const float* from_returns)
-      : inverse(LoadU(k_f, from_inverse)), returns(kReturns ? LoadU(k_f, from_returns) : Zero(k_f)) {}
-  HWY_INLINE void raise(const Floats& candidate, float ranger_return) {
+      : inverse(LoadU(k_tag, from_inverse)), returns(kReturns ? LoadU(k_tag, from_returns) : Zero(k_tag)) {}
+  HWY_INLINE void raise(const Vec<Tag>& candidate, float ranger_return) {
     if constexpr (kReturns) {
-      const Floats value = Set(k_f, ranger_return);
+      const auto value = Set(k_tag, ranger_return);
       const auto nearer = Gt(candidate, inverse);
-      const auto level = And(Eq(candidate, inverse), Gt(candidate, Zero(k_f)));
+      const auto level = And(Eq(candidate, inverse), Gt(candidate, Zero(k_tag)));
       returns = IfThenElse(nearer, value, IfThenElse(level, Max(returns, value), returns));
     }
     inverse = Max(inverse, candidate);
   }
   HWY_INLINE void store(float* to_inverse, float* to_returns) const {
-    StoreU(inverse, k_f, to_inverse);
-    if constexpr (kReturns) StoreU(returns, k_f, to_returns);
+    StoreU(inverse, k_tag, to_inverse);
+    if constexpr (kReturns) StoreU(returns, k_tag, to_returns);
   }
 };
 
 /// Edge j on one vector of beams from the reference; true when some beam wants care.
-template <bool kReturns>
-HWY_INLINE bool project_common(const Relative& e, std::size_t j, const Floats& dx, const Floats& dy,
-                               float ranger_return, Met<kReturns>& met) {
+template <bool kReturns, class Tag>
+HWY_INLINE bool project_common(const Relative& e, std::size_t j, const Vec<Tag>& dx, const Vec<Tag>& dy,
+                               float ranger_return, Met<kReturns, Tag>& met) {
+  constexpr Tag k_tag{};
   // Turned so that the area is positive, the edge is met from c_a >= 0 to c_b <= 0 and lies behind otherwise.
-  const Floats ca = Sub(Mul(Set(k_f, e.ax[j]), dy), Mul(Set(k_f, e.ay[j]), dx));
-  const Floats minus_cb = Sub(Mul(Set(k_f, e.by[j]), dx), Mul(Set(k_f, e.bx[j]), dy));
-  const Floats across = Sub(Mul(dx, Set(k_f, e.ey[j])), Mul(dy, Set(k_f, e.ex[j])));
-  const Floats sides = Min(ca, minus_cb);
-  const Floats sharp = Min(sides, Sub(across, Set(k_f, e.grazing[j])));  // >= 0: met, and not grazing
-  const auto met_sharply = Ge(sharp, Zero(k_f));
-  met.raise(IfThenElseZero(met_sharply, Mul(across, Set(k_f, e.per_area[j]))), ranger_return);
-  return !AllFalse(k_f, Xor(Ge(sides, Zero(k_f)), met_sharply));
+  const auto ca = Sub(Mul(Set(k_tag, e.ax[j]), dy), Mul(Set(k_tag, e.ay[j]), dx));
+  const auto minus_cb = Sub(Mul(Set(k_tag, e.by[j]), dx), Mul(Set(k_tag, e.bx[j]), dy));
+  const auto across = Sub(Mul(dx, Set(k_tag, e.ey[j])), Mul(dy, Set(k_tag, e.ex[j])));
+  const auto sides = Min(ca, minus_cb);
+  const auto sharp = Min(sides, Sub(across, Set(k_tag, e.grazing[j])));  // >= 0: met, and not grazing
+  const auto met_sharply = Ge(sharp, Zero(k_tag));
+  met.raise(IfThenElseZero(met_sharply, Mul(across, Set(k_tag, e.per_area[j]))), ranger_return);
+  return !AllFalse(k_tag, Xor(Ge(sides, Zero(k_tag)), met_sharply));
 }
 
 /// The same for beams whose origins lie apart.
 template <bool kReturns>
 HWY_INLINE bool project_apart(const Relative& e, std::size_t j, const Floats& dx, const Floats& dy,
-                              const Floats& ox, const Floats& oy, float ranger_return, Met<kReturns>& met) {
+                              const Floats& ox, const Floats& oy, float ranger_return,
+                              Met<kReturns, Full<float>>& met) {
   const Floats ex = Set(k_f, e.ex[j]);
   const Floats ey = Set(k_f, e.ey[j]);
   const Floats ca = Sub(Mul(Sub(Set(k_f, e.ax[j]), ox), dy), Mul(Sub(Set(k_f, e.ay[j]), oy), dx));
@@ -206,7 +211,7 @@ void project_on_all(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
     const Floats dy = LoadU(k_f, fan.dy + i);
     const Floats ox = LoadU(k_f, fan.ox + i);
     const Floats oy = LoadU(k_f, fan.oy + i);
-    Met<kReturns> met(inverse + i, returns + i);
+    Met<kReturns, Full<float>> met(inverse + i, returns + i);
     for (std::size_t j = 0; j < edges.count(); ++j) {
       const float ranger_return = kReturns ? edges.ranger_return(j) : 0;
       bool care;
@@ -304,16 +309,17 @@ void project_on_spans(const EdgeBlock& edges, const Vec2& reference, const Fan& 
     Store(last_beam, k_f, last + i);
   }
   prepare_common(edges.count(), relative);
-  // A vector may stretch beyond the span, where nothing is met, but not beyond the arrays.
-  const std::size_t highest = fan.padded() - Lanes(k_f);
+  // Most edges span few beams. A vector may stretch beyond the span, where nothing is met, but not beyond the
+  // arrays.
+  const std::size_t highest = fan.padded() - Lanes(k_few);
   for (std::size_t j = 0; j < edges.count(); ++j) {
     if (first[j] > last[j]) continue;
     const float ranger_return = kReturns ? edges.ranger_return(j) : 0;
     const auto end = static_cast<std::size_t>(last[j]) + 1;
-    for (std::size_t i = static_cast<std::size_t>(first[j]); i < end; i += Lanes(k_f)) {
+    for (std::size_t i = static_cast<std::size_t>(first[j]); i < end; i += Lanes(k_few)) {
       const std::size_t at = std::min(i, highest);
-      Met<kReturns> met(inverse + at, returns + at);
-      if (HWY_UNLIKELY(project_common(relative, j, LoadU(k_f, fan.dx + at), LoadU(k_f, fan.dy + at),
+      Met<kReturns, Few> met(inverse + at, returns + at);
+      if (HWY_UNLIKELY(project_common(relative, j, LoadU(k_few, fan.dx + at), LoadU(k_few, fan.dy + at),
                                       ranger_return, met)))
         relative.mark(j);
       met.store(inverse + at, returns + at);
@@ -388,6 +394,33 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, Cir
     kept += CountTrue(k_f, meets);
   }
   return kept;
+}
+
+void turn_beams(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
+                float* out_y) {
+  const auto c = Set(k_d, rotation.cos);
+  const auto s = Set(k_d, rotation.sin);
+  for (std::size_t i = 0; i < padded_beams(count); i += Lanes(k_d)) {
+    const auto bx = LoadU(k_d, x + i);
+    const auto by = LoadU(k_d, y + i);
+    StoreU(DemoteTo(k_half, Sub(Mul(bx, c), Mul(by, s))), k_half, out_x + i);
+    StoreU(DemoteTo(k_half, Add(Mul(bx, s), Mul(by, c))), k_half, out_y + i);
+  }
+}
+
+void ranges_of_fan(const Fan& fan, const float* inverse, const float* range_max, float* ranges) {
+  const auto range = [&](std::size_t i) {
+    const Floats most = LoadU(k_f, range_max + i);
+    const Floats value = LoadU(k_f, inverse + i);
+    const Floats one = Set(k_f, 1.0f);
+    return IfThenElse(Gt(value, Div(one, most)), Min(Div(one, value), most), most);
+  };
+  const std::size_t whole = fan.count / Lanes(k_f) * Lanes(k_f);
+  for (std::size_t i = 0; i < whole; i += Lanes(k_f)) StoreU(range(i), k_f, ranges + i);
+  if (whole == fan.count) return;
+  alignas(64) float rest[k_beam_padding];
+  Store(range(whole), k_f, rest);
+  std::copy_n(rest, fan.count - whole, ranges + whole);
 }
 
 /// Circles whose nearest point lies from low to high away, relative to the reference and with their margins;
@@ -479,7 +512,9 @@ namespace troupe::partition {
 
 HWY_EXPORT(project_fan);
 HWY_EXPORT(project_scan);
+HWY_EXPORT(turn_beams);
 HWY_EXPORT(limits_of);
+HWY_EXPORT(ranges_of_fan);
 HWY_EXPORT(fan_may_meet);
 HWY_EXPORT(scan_may_meet);
 
@@ -490,6 +525,15 @@ void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, floa
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, const Scan& scan, float* inverse,
              float* returns) {
   HWY_DYNAMIC_DISPATCH(project_scan)(edges, reference, fan, scan, inverse, returns);
+}
+
+void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
+          float* out_y) {
+  HWY_DYNAMIC_DISPATCH(turn_beams)(rotation, x, y, count, out_x, out_y);
+}
+
+void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges) {
+  HWY_DYNAMIC_DISPATCH(ranges_of_fan)(fan, inverse, range_max, ranges);
 }
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {

@@ -20,6 +20,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <class T>
 using Full = hn::ScalableTag<T>;
+template <class T, std::size_t N>
+using Capped = hn::CappedTag<T, N>;  // at most N lanes
 using hn::Mask;
 using hn::Rebind;
 using hn::Vec;

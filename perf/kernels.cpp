@@ -38,7 +38,7 @@ struct Scattered {
     for (std::uint32_t i = 0; i < k_circles; ++i) {
       const Vec2 at(random.uniform(-2, 2), random.uniform(-2, 2));
       circles.set(i, partition::enclosing_circle(at, 0.07, i));
-      if (edges.full()) continue;
+      if (edges.room() == 0) continue;
       edges.add(at, at + Vec2(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)), 1);
     }
   }

@@ -1,6 +1,7 @@
 #include "sensors/ranger.hpp"
 
 #include "engine/world.hpp"
+#include "partition/ranging.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"
 
@@ -129,7 +130,9 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
   }
   for (BeamGroup& group : ranger.groups) group.mirrored = mirrored(ranger, group);
 
-  out.beams = ranger.dx.size();
+  out.beams = ranger.count = ranger.dx.size();
+  for (std::vector<double>* array : {&ranger.dx, &ranger.dy, &ranger.ox, &ranger.oy})
+    array->resize(array->size() + partition::k_beam_padding);
   out.reach_m = ranger.reference.norm() + ranger.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);
   out.percepts.push_back(
@@ -145,7 +148,7 @@ std::uint64_t sense(const engine::World& world, const std::any& data, std::span<
                     engine::StateTable& percepts) {
   const RangerBeams& ranger = *std::any_cast<RangerBeams>(&data);
   cast_exact(world, ranger, rows, percepts);
-  return rows.size() * ranger.dx.size();
+  return rows.size() * ranger.count;
 }
 
 }  // namespace

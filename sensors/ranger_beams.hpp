@@ -21,10 +21,11 @@ struct BeamGroup {
 
 /// A ranger's beams, made once from its parameters: what both ray engines cast.
 struct RangerBeams {
-  // One entry a beam, body frame.
+  // One entry a beam, body frame, and room for whole vectors of them after the last.
   std::vector<double> dx, dy;  ///< direction
   std::vector<double> ox, oy;  ///< origin less `reference`, m
   std::vector<float> range_max;
+  std::size_t count = 0;
   std::vector<BeamGroup> groups;
   Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
   bool common_origin = true;      ///< all beams start at the reference

@@ -25,6 +25,8 @@ class Caster {
     for (const BeamGroup& group : ranger.groups) most = std::max(most, partition::padded_beams(group.count));
     for (std::vector<float>* array : {&dx_, &dy_, &ox_, &oy_, &range_max_, &limits_, &inverse_, &returns_})
       array->resize(std::max(array->size(), most));
+    if (ranger.common_origin)
+      for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
     // Culls may keep too much but never too little: their margins are above what rounding can take away.
     surroundings_.begin(world.index(), world.scene().outlines(), world.geometry(),
                         ranger.reach * (1 + partition::k_range_slack) + 1e-6);
@@ -33,8 +35,7 @@ class Caster {
       for (const BeamGroup& group : ranger.groups) {
         cast(group, row);
         const auto ranges = percepts.cell<float>(slot, 0).subspan(group.first, group.count);
-        for (std::size_t i = 0; i < group.count; ++i)
-          ranges[i] = partition::range_of(inverse_[i], range_max_[i]);
+        partition::ranges_of(fan_, inverse_.data(), range_max_.data(), ranges.data());
         if (!ranger.intensity) continue;
         const auto intensities = percepts.cell<float>(slot, 1).subspan(group.first, group.count);
         for (std::size_t i = 0; i < group.count; ++i)
@@ -65,20 +66,19 @@ class Caster {
   /// Turns the group's beams into the world's frame; nothing is met yet.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
+    partition::turn(pose.rotation, &ranger_->dx[group.first], &ranger_->dy[group.first], group.count,
+                    dx_.data(), dy_.data());
+    if (!ranger_->common_origin)
+      partition::turn(pose.rotation, &ranger_->ox[group.first], &ranger_->oy[group.first], group.count,
+                      ox_.data(), oy_.data());
     const std::size_t padded = partition::padded_beams(group.count);
-    for (std::size_t i = 0; i < padded; ++i) {
-      const std::size_t beam = group.first + std::min(i, group.count - 1);
-      const Vec2 direction = pose.rotation * Vec2(ranger_->dx[beam], ranger_->dy[beam]);
-      dx_[i] = static_cast<float>(direction.x());
-      dy_[i] = static_cast<float>(direction.y());
-      range_max_[i] = ranger_->range_max[beam];
-      inverse_[i] = 0;
-      returns_[i] = 0;
-      const Vec2 origin =
-          ranger_->common_origin ? Vec2(0, 0) : pose.rotation * Vec2(ranger_->ox[beam], ranger_->oy[beam]);
-      ox_[i] = static_cast<float>(origin.x());
-      oy_[i] = static_cast<float>(origin.y());
-    }
+    const auto range_max = ranger_->range_max.begin() + static_cast<std::ptrdiff_t>(group.first);
+    std::copy_n(range_max, group.count, range_max_.begin());
+    for (std::vector<float>* array : {&dx_, &dy_, &ox_, &oy_, &range_max_})
+      std::fill(array->begin() + static_cast<std::ptrdiff_t>(group.count),
+                array->begin() + static_cast<std::ptrdiff_t>(padded), (*array)[group.count - 1]);
+    std::fill_n(inverse_.begin(), padded, 0.0f);
+    if (ranger_->intensity) std::fill_n(returns_.begin(), padded, 0.0f);
     fan_ = {dx_.data(),    dy_.data(), ox_.data(), oy_.data(), group.count, ranger_->common_origin,
             group.mirrored};
     is_scan_ = group.scan;
@@ -112,10 +112,11 @@ class Caster {
   }
 
   void add_fixed(std::uint32_t piece) {
-    const std::span<const partition::FixedEdge> edges = world_->scene().outlines().edges(piece);
-    const partition::FixedSolid& solid = world_->scene().solids()[edges.front().solid];
+    const partition::FixedOutlines& outlines = world_->scene().outlines();
+    const partition::FixedSolid& solid = world_->scene().solids()[outlines.solid(piece)];
     if (!solid.solid.z.contains(z_)) return;
-    for (const partition::FixedEdge& edge : edges) add(edge.a, edge.b, solid.ranger_return);
+    if (edges_.room() < partition::FixedOutlines::k_most_edges) project();
+    for (const auto& [a, b] : outlines.edges(piece)) edges_.add(a, b, solid.ranger_return);
   }
 
   void add_body(Row body) {
@@ -123,15 +124,13 @@ class Caster {
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
       if (!outline.z.shifted(base).contains(z_)) continue;
-      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
-      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
-        add(ring[j], ring[i], outline.ranger_return);
+      const Vec2* before = &vertices[outline.first + outline.count - 1];
+      for (const Vec2& vertex : vertices.subspan(outline.first, outline.count)) {
+        if (edges_.room() == 0) project();
+        edges_.add(*before, vertex, outline.ranger_return);
+        before = &vertex;
+      }
     }
-  }
-
-  void add(const Vec2& a, const Vec2& b, float ranger_return) {
-    if (edges_.full()) project();
-    edges_.add(a, b, ranger_return);
   }
 
   void project() {

@@ -70,7 +70,7 @@ Readings cast(std::span<const Edge> edges, const Vec2& reference, const Beams& b
     block.clear();
   };
   for (const Edge& e : edges) {
-    if (block.full()) flush();
+    if (block.room() == 0) flush();
     block.add(e.a, e.b, e.ranger_return);
   }
   flush();

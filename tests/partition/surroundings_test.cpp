@@ -68,7 +68,7 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
           if (row < Surroundings::k_fixed)
             rows.insert(row);
           else
-            for (const FixedEdge& e : fixed.edges(row - Surroundings::k_fixed))
+            for (const FixedOutlines::Ends& e : fixed.edges(row - Surroundings::k_fixed))
               for (std::size_t k = 0; k < scene.edges.size(); ++k)
                 if (scene.edges[k].a == e.a && scene.edges[k].b == e.b) edges[k] = true;
         }
@@ -109,7 +109,7 @@ TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
     }
     ASSERT_EQ(edges, scene.edges.size()) << "trial " << trial;
     for (const std::uint32_t piece : pieces) {
-      for (const FixedEdge& e : fixed.edges(piece)) {
+      for (const FixedOutlines::Ends& e : fixed.edges(piece)) {
         for (int i = 0; i <= 20; ++i) {
           const Vec2 p = e.a + i / 20.0 * (e.b - e.a);
           ASSERT_TRUE(std::ranges::any_of(
