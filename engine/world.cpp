@@ -148,7 +148,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   Where where;
   const auto report = [&](BodyId a, BodyId b) {
     if (pairs++ > 0) return;
-    first = fmt::format("\"{}\" and \"{}\"", spec_.bodies[a.index()].name, spec_.bodies[b.index()].name);
+    first = fmt::format("\"{}\" and \"{}\"", spec_.name(a), spec_.name(b));
     where = spec_.bodies[a.index()].where;
   };
   for (std::uint32_t r = 0; r < rows(); ++r) {
@@ -176,13 +176,14 @@ void World::report_overlaps(Diagnostics& diagnostics) {
 }
 
 BodyId World::find(std::string_view name) const {
-  if (names_.empty()) {
-    names_.reserve(spec_.bodies.size());
-    for (const auto& [alias, body] : spec_.aliases) names_[alias] = body;
-    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_[spec_.bodies[b].name] = BodyId(b);
+  const std::optional<Name> wanted = spec_.names.find(name);
+  if (!wanted) return {};
+  if (names_.size() == 0) {
+    names_.reserve(spec_.bodies.size() + spec_.aliases.size());
+    for (const NamedBody& alias : spec_.aliases) names_.set(alias.name, alias.body);
+    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_.set(spec_.bodies[b].name, BodyId(b));
   }
-  const auto found = names_.find(name);
-  return found == names_.end() ? BodyId() : found->second;
+  return names_.find(*wanted);
 }
 
 Pose World::pose(BodyId body) const {

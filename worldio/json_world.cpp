@@ -164,7 +164,8 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
 
 void WorldReader::read_floorplan(const JsonCursor& at) {
   JsonObject object(at);
-  BodySpec body{.name = read_name(object, "floor plan"), .color = k_floorplan_color, .where = at.where()};
+  const std::string name = read_name(object, "floor plan");
+  BodySpec body{.name = spec_.names.add(name), .color = k_floorplan_color, .where = at.where()};
   const engine::FieldTable table{{
       {.name = "size",
        .type = FieldType::numbers,
@@ -196,7 +197,7 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   }
   object.finish();
   body.type = TypeId(spec_.types.size());
-  engine::TypeSpec type{.name = body.name};
+  engine::TypeSpec type{.name = name};
   type.parts.push_back(std::move(part));
   spec_.types.push_back(std::move(type));
   spec_.bodies.push_back(std::move(body));
@@ -247,7 +248,7 @@ void WorldReader::read_model(const JsonCursor& at) {
   Model model;
   model.pointer = at.pointer();
   model.body.where = at.where();
-  model.body.name = read_name(object, "model");
+  model.body.name = spec_.names.add(read_name(object, "model"));
   model.body.type = read_type_name(object);
   model.body.pose_world_body = read_pose(object);
   model.body.pose_world_body.heading = wrap_angle(model.body.pose_world_body.heading);
@@ -410,7 +411,7 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
   const partition::ObstacleShape& shape = shapes_[body.type.index()];
   const auto overlaps = [&](const BodySpec& other) {
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
-                                               body.name, other.name));
+                                               spec_.names.text(body.name), spec_.names.text(other.name)));
   };
   if (!shape.empty())
     for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
@@ -418,8 +419,8 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
   for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
-    diagnostics_.error(body.where,
-                       fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer, body.name));
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
+                                               spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
 }
 
@@ -441,7 +442,7 @@ void WorldReader::place_population(const Population& population, const partition
   const std::uint32_t colors = stream_id("color", population.name);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
-    body.name = population.name + std::to_string(i);
+    body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
     body.pose_world_body = poses[i];
     body.color = population.color;
@@ -456,18 +457,19 @@ void WorldReader::place_population(const Population& population, const partition
 }
 
 void WorldReader::report_repeated_names() {
-  std::unordered_map<std::string_view, BodyId> taken;
+  engine::NameMap taken;
   taken.reserve(spec_.bodies.size());
   const Where* reported = nullptr;  // one finding a population is enough
   for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
     const BodySpec& body = spec_.bodies[i];
-    const auto [first, fresh] = taken.emplace(body.name, BodyId(i));
-    if (fresh || (reported && reported->file == body.where.file && reported->line == body.where.line))
+    const BodyId first = taken.add(body.name, BodyId(i));
+    if (first == BodyId(i) ||
+        (reported && reported->file == body.where.file && reported->line == body.where.line))
       continue;
-    const Where other = spec_.bodies[first->second.index()].where;
+    const Where other = spec_.bodies[first.index()].where;
     diagnostics_.error(
         body.where,
-        fmt::format("the name \"{}\" is taken{}", body.name,
+        fmt::format("the name \"{}\" is taken{}", spec_.name(BodyId(i)),
                     other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
     reported = &body.where;
   }

@@ -19,7 +19,6 @@
 #include <optional>
 #include <type_traits>
 #include <unordered_map>
-#include <unordered_set>
 
 namespace troupe::worldio {
 namespace {
@@ -132,8 +131,7 @@ class StageWorld {
     spec_ = &spec;
     read_world();
     engine::add_ground(spec);
-    generated_names_["model"] = 1;  // the ground is model:0
-    spec.aliases.insert_or_assign("model:0", BodyId(0));
+    spec.aliases.push_back({generate_name("model"), BodyId(0)});  // the ground is model:0
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
@@ -187,6 +185,7 @@ class StageWorld {
 
   void read_world();
   void add_body(const StageEntity& entity);
+  engine::Name generate_name(std::string_view kind);
   Prototype make_prototype(const StageEntity& entity);
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
@@ -210,10 +209,10 @@ class StageWorld {
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;            // by structure
-  std::vector<std::vector<std::string_view>> type_names_;    // words that lead to each type, outermost first
-  std::map<std::string_view, std::size_t> generated_names_;  // how many top-level models of each kind
-  std::unordered_set<std::string> names_;
+  std::unordered_map<std::string, TypeId> types_;             // by structure
+  std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
+  std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
+  engine::NameMap names_;
 };
 
 void StageWorld::read_world() {
@@ -302,29 +301,38 @@ void StageWorld::add_body(const StageEntity& entity) {
       if (document_.key(property) == k_own_keys[i]) own[i] = &property;
 
   // Even a body that cannot be made takes its number, so that the names in other messages are right.
-  const std::string generated =
-      fmt::format("{}:{}", prototype.kind->name, generated_names_[prototype.kind->name]++);
+  const engine::Name generated = generate_name(prototype.kind->name);
   const BodyId id(spec_->bodies.size());
   engine::BodySpec body{
       .name = generated, .type = prototype.type, .where = document_.token(entity.word).where()};
   if (own[k_name])
     if (auto given = values_.name(*own[k_name])) {
       if (given->starts_with('/')) given->remove_prefix(1);
-      body.name = *given;
+      body.name = spec_->names.add(*given);
     }
   if (own[k_pose])
     if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
   body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
   if (!prototype.usable) return;
 
-  if (body.name != generated) spec_->aliases.insert_or_assign(generated, id);
+  if (body.name != generated) spec_->aliases.push_back({generated, id});
   for (const std::string& part : prototype.global_parts)
     spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
-  if (!names_.insert(body.name).second)
-    values_.warning_once(
-        own[k_name] ? values_.where(*own[k_name]) : body.where,
-        fmt::format("the name \"{}\" is taken already; looking it up finds the last", body.name));
+  if (names_.add(body.name, id) != id)
+    values_.warning_once(own[k_name] ? values_.where(*own[k_name]) : body.where,
+                         fmt::format("the name \"{}\" is taken already; looking it up finds the last",
+                                     spec_->names.text(body.name)));
   spec_->bodies.push_back(std::move(body));
+}
+
+/// model:0, model:1, ... in the order of the file.
+engine::Name StageWorld::generate_name(std::string_view kind) {
+  const auto [last, is_first] = generated_names_.try_emplace(kind);
+  if (is_first)
+    last->second = spec_->names.add(fmt::format("{}:", kind), 0);
+  else
+    ++last->second.number;
+  return last->second;
 }
 
 StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {

@@ -280,7 +280,7 @@ TEST(World, NamesAndAliases) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
   const BodyId a = scene.body("a", type);
-  scene.spec.aliases["position:0"] = a;
+  scene.spec.aliases.push_back({scene.spec.names.add("position:0"), a});
   const World world = scene.world();
   EXPECT_EQ(world.find("a"), a);
   EXPECT_EQ(world.find("position:0"), a);
