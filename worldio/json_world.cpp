@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <unordered_map>
 
 namespace troupe::worldio {
@@ -48,21 +49,33 @@ struct Population {
   std::string pointer;
 };
 
-/// Maps the outlines of a bitmap so that the whole image, margins included, fills the size.
-void fit_image(const Bitmap& bitmap, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
-  int top = 0;  // first row with a solid pixel: says where the contours' y begins
+/// What is left of a bitmap once its outlines are made.
+struct Image {
+  int width = 0;
+  int height = 0;
+  int top = 0;                 ///< first row with a solid pixel: says where the contours' y begins
+  std::vector<Ring> contours;  ///< in pixels
+};
+
+Image measure_image(const Bitmap& bitmap) {
+  Image image{bitmap.width, bitmap.height, 0, bitmap_contours(bitmap)};
   const auto row_is_free = [&](int y) {
     for (int x = 0; x < bitmap.width; ++x)
       if (bitmap.at(x, y)) return false;
     return true;
   };
-  while (top < bitmap.height && row_is_free(top)) ++top;
+  while (image.top < bitmap.height && row_is_free(image.top)) ++image.top;
+  return image;
+}
+
+/// Maps the outlines of an image so that the whole of it, margins included, fills the size.
+void fit_image(const Image& image, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
   Box box;
   for (const Ring& ring : contours) box.extend(bounds(ring));
-  const double lift = (bitmap.height - top) - box.max.y();
+  const double lift = (image.height - image.top) - box.max.y();
   for (Ring& ring : contours)
     for (Vec2& p : ring)
-      p = {(p.x() / bitmap.width - 0.5) * size.x(), ((p.y() + lift) / bitmap.height - 0.5) * size.y()};
+      p = {(p.x() / image.width - 0.5) * size.x(), ((p.y() + lift) / image.height - 0.5) * size.y()};
 }
 
 class WorldReader {
@@ -123,6 +136,7 @@ class WorldReader {
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
+  std::map<std::string, Image> images_;                    // by path, as it is written: plans may share one
   std::vector<Model> models_;
   std::vector<Population> populations_;
   std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
@@ -210,15 +224,19 @@ std::vector<Solid> WorldReader::read_bitmap_solids(JsonObject& object, const Eig
   const JsonCursor at(object.at(), "bitmap", *node);
   const std::string* path = read_text(at, "the path of an image, relative to the world file");
   if (!path) return {};
-  const std::optional<Bitmap> bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
-  if (!bitmap) return {};
-  Solid solid{bitmap_contours(*bitmap), {0, 1}};
+  auto image = images_.find(*path);
+  if (image == images_.end()) {
+    const auto bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
+    if (!bitmap) return {};
+    image = images_.emplace(*path, measure_image(*bitmap)).first;
+  }
+  Solid solid{image->second.contours, {0, 1}};
   if (solid.contours.empty()) {
     at.error(fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
     return {};
   }
   if (keep_margins) {
-    fit_image(*bitmap, size, solid.contours);
+    fit_image(image->second, size, solid.contours);
     solid.z.max = size.z();
     return {std::move(solid)};
   }
