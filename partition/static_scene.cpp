@@ -104,6 +104,11 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
       for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
         strips.edges[next[i]++] = {a, b, s};
     });
+    for (std::size_t i = 0; i < count; ++i)  // from left to right: a search ends where they lie right of it
+      std::sort(strips.edges.begin() + strips.begins[i], strips.edges.begin() + strips.begins[i + 1],
+                [](const FixedEdge& e, const FixedEdge& f) {
+                  return std::min(e.a.x(), e.b.x()) < std::min(f.a.x(), f.b.x());
+                });
   }
   ranger_edges_ = EdgeGrid(seen, geometry);
   obstacle_edges_ = EdgeGrid(hard, geometry);
@@ -118,6 +123,7 @@ bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
   bool odd = false;
   for (std::uint32_t i = strips.begins[strip]; i < strips.begins[strip + 1]; ++i) {
     const FixedEdge& e = strips.edges[i];
+    if (std::min(e.a.x(), e.b.x()) > p.x()) break;
     if ((e.a.y() > p.y()) == (e.b.y() > p.y())) continue;
     const double side = cross(e.b - e.a, p - e.a);
     if ((e.b.y() > e.a.y()) == (side < 0)) odd = !odd;  // the edge lies left of the point

@@ -117,7 +117,7 @@ engine::WorldSpec load(const std::string& world, std::size_t robots, const engin
   Diagnostics diagnostics;
   engine::WorldSpec spec =
       worldio::load_world(std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
-                          {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}}, diagnostics);
+                          {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}, .threads = 1}, diagnostics);
   diagnostics.throw_if_errors();
   return spec;
 }

@@ -129,7 +129,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   impl_->file = file;
   impl_->registry = make_registry();
   Diagnostics diagnostics;
-  worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path};
+  worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
   diagnostics.throw_if_errors();
   impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,

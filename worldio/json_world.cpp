@@ -80,16 +80,17 @@ void fit_image(const Image& image, const Eigen::Vector3d& size, std::vector<Ring
 
 class WorldReader {
  public:
-  WorldReader(const std::filesystem::path& file, const engine::Registry& registry, Diagnostics& diagnostics)
-      : file_(file), registry_(registry), diagnostics_(diagnostics) {}
+  WorldReader(const std::filesystem::path& file, const engine::Registry& registry, const LoadOptions& options,
+              Diagnostics& diagnostics)
+      : file_(file), registry_(registry), options_(options), diagnostics_(diagnostics) {}
 
-  WorldSpec read(const JsonNode& document, std::optional<std::uint64_t> seed) {
+  WorldSpec read(const JsonNode& document) {
     spec_.title = file_.stem().string();
     spec_.files = diagnostics_.files();
     engine::add_ground(spec_);
     const JsonCursor root(document, diagnostics_);
     JsonObject object(root);
-    read_settings(object, seed);
+    read_settings(object);
     each(object, "floorplans", [&](const JsonCursor& at) { read_floorplan(at); });
     read_types(object);
     each(object, "models", [&](const JsonCursor& at) { read_model(at); });
@@ -111,7 +112,7 @@ class WorldReader {
     for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
   }
 
-  void read_settings(JsonObject& object, std::optional<std::uint64_t> seed);
+  void read_settings(JsonObject& object);
   void read_floorplan(const JsonCursor& at);
   std::vector<Solid> read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size, bool keep_margins);
   void read_types(JsonObject& object);
@@ -122,7 +123,7 @@ class WorldReader {
   void place_bodies();
   void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
   void place_population(const Population& population, const partition::StaticScene& scene,
-                        engine::Crowd& crowd);
+                        engine::Crowd& crowd, partition::Parallel& parallel);
   void report_repeated_names();
 
   std::string read_name(JsonObject& object, std::string_view what);
@@ -132,6 +133,7 @@ class WorldReader {
 
   const std::filesystem::path& file_;
   const engine::Registry& registry_;
+  const LoadOptions& options_;
   Diagnostics& diagnostics_;
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
@@ -142,7 +144,7 @@ class WorldReader {
   std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
 };
 
-void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t> seed) {
+void WorldReader::read_settings(JsonObject& object) {
   if (const JsonNode* node =
           object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
     const auto* version = std::get_if<std::int64_t>(&node->value);
@@ -166,7 +168,7 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
     else
       JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
   }
-  if (seed) spec_.seed = *seed;
+  if (options_.seed) spec_.seed = *options_.seed;
 
   const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
   if (tick.given()) spec_.tick_s = tick.number();
@@ -411,7 +413,8 @@ void WorldReader::place_bodies() {
     const BodySpec& body = spec_.bodies[i];
     for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
       for (const Solid& solid : part.solids)
-        if (part.returns.obstacle) walls.push_back({placed(solid, body.pose_world_body), BodyId(i)});
+        if (part.returns.obstacle)  // whether rangers see it, nobody asks here
+          walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
   }
   const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());
@@ -421,7 +424,8 @@ void WorldReader::place_bodies() {
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
   for (Model& model : models_) spec_.bodies.push_back(std::move(model.body));
-  for (const Population& population : populations_) place_population(population, scene, crowd);
+  partition::Parallel parallel(options_.threads);
+  for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
 }
 
 void WorldReader::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
@@ -443,10 +447,10 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
 }
 
 void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
-                                   engine::Crowd& crowd) {
+                                   engine::Crowd& crowd, partition::Parallel& parallel) {
   const std::vector<Pose> poses =
       engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
-                    population.name, spec_.bounds, scene, crowd);
+                    population.name, spec_.bounds, scene, crowd, parallel);
   if (poses.size() < population.count) {
     const bool grid = population.rule.kind == PlacementRule::Kind::grid;
     diagnostics_.error(
@@ -553,7 +557,7 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
   }
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
-  return WorldReader(file, registry, diagnostics).read(*document, options.seed);
+  return WorldReader(file, registry, options, diagnostics).read(*document);
 }
 
 }  // namespace troupe::worldio

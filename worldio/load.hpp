@@ -22,6 +22,8 @@ struct LoadOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched by base name for a world or include that is not where it was said to be.
   std::vector<std::filesystem::path> search_path;
+  /// Threads that load; 0: one for each core. They change no result and no message.
+  unsigned threads = 0;
 };
 
 /// Reads a world: Stage syntax for `.world`, ours for `.json`; another ending is an error that says so.
