@@ -33,7 +33,7 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
 
 /// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative
 /// paths.
-engine::WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+engine::WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                                    const engine::Registry& registry, const LoadOptions& options,
                                    Diagnostics& diagnostics);
 engine::WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,

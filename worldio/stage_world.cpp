@@ -129,6 +129,7 @@ class StageWorld {
 
   void read(WorldSpec& spec) {
     spec_ = &spec;
+    spec.bodies.reserve(document_.items.size() + 1);
     read_world();
     engine::add_ground(spec);
     spec.aliases.push_back({generate_name("model"), BodyId(0)});  // the ground is model:0
@@ -273,16 +274,16 @@ void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string&
     key += '\n';
   };
   add(document_.word(entity));
-  for (const StageProperty& property : entity.properties) {
+  for (const StageProperty& property : document_.properties(entity)) {
     const std::string_view name = document_.key(property);
     if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
     if (is_without_effect(name)) continue;
     add(name);
     if (property.tuple) add("[");
-    for (const StageToken& value : document_.values(property)) add(value.text);
+    for (std::uint32_t i = 0; i < property.count; ++i) add(document_.value(property, i).text);
   }
   add("(");
-  for (const StageEntity& child : entity.children) write_key(child, false, key);
+  for (const StageEntity& child : document_.children(entity)) write_key(child, false, key);
   add(")");
 }
 
@@ -296,7 +297,7 @@ void StageWorld::add_body(const StageEntity& entity) {
   if (!prototype.kind) return;
 
   OwnProperties own = prototype.inherited;
-  for (const StageProperty& property : entity.properties)
+  for (const StageProperty& property : document_.properties(entity))
     for (std::size_t i = 0; i < own.size(); ++i)
       if (document_.key(property) == k_own_keys[i]) own[i] = &property;
 
@@ -386,7 +387,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     values_.error(where, std::move(message));
     draft.broken = true;
   };
-  for (const StageModel::Child& child : model.children()) {
+  for (const StageModel::Child& child : model.children(document_)) {
     if (++draft.entities > k_most_entities) {
       fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
       return {};
@@ -409,7 +410,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     }
     const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
     if (is_piece)
-      for (const StageModel::Child& inner : resolved->children())
+      for (const StageModel::Child& inner : resolved->children(document_))
         fail(document_.token(inner.entity->word).where(),
              fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
                          document_.word(*inner.entity)));
@@ -534,7 +535,7 @@ Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, co
 
 }  // namespace
 
-WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                            const engine::Registry& registry, const LoadOptions& options,
                            Diagnostics& diagnostics) {
   WorldSpec spec;
@@ -545,7 +546,7 @@ WorldSpec load_stage_world(const std::filesystem::path& file, const std::string&
                       "--robots needs a world with populations; a .world file lists its robots one by one");
   if (!options.set.empty())
     diagnostics.error(whole, "--set reaches into JSON worlds; a .world file has no keys to set");
-  const StageDocument document = parse_stage(file, text, options.search_path, diagnostics);
+  const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
   return spec;
 }
