@@ -546,6 +546,31 @@ TEST(JsonWorld, SetAndSeed) {
           "count, name, place, type"));
 }
 
+TEST(JsonWorld, ThreadsChangeNeitherAWorldNorItsFindings) {
+  const auto load = [](unsigned threads, const std::string& place) {
+    LoadOptions options;
+    options.threads = threads;
+    options.set = {{"/populations/0/count", "3000"}, {"/populations/0/place", place}};
+    return Loaded(k_world, options);
+  };
+  const std::string uniform = R"({"rule": "uniform", "region_m": [[0, 0], [25, 25]]})";
+  const std::string grid = R"({"rule": "grid", "region_m": [[0, 0], [25, 25]], "pitch_m": 0.25})";
+  const std::string narrow = R"({"rule": "uniform", "region_m": [[0, 0], [3, 3]]})";  // no room for all
+  for (const std::string& place : {uniform, grid, narrow}) {
+    const Loaded one = load(1, place);
+    EXPECT_EQ(one.found.size(), place == narrow ? 1u : 0u);
+    for (const unsigned threads : {2u, 3u, 8u}) {
+      const Loaded loaded = load(threads, place);
+      EXPECT_EQ(loaded.found, one.found);
+      ASSERT_EQ(loaded.spec.bodies.size(), one.spec.bodies.size());
+      for (std::size_t b = 0; b < one.spec.bodies.size(); ++b) {
+        EXPECT_EQ(loaded.spec.name(BodyId(b)), one.spec.name(BodyId(b)));
+        EXPECT_EQ(loaded.spec.bodies[b].pose_world_body, one.spec.bodies[b].pose_world_body);
+      }
+    }
+  }
+}
+
 TEST(JsonWorld, RobotsSetAPopulation) {
   const std::string two =
       changed("\"pitch_m\": 0.25}}",

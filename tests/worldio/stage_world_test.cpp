@@ -463,6 +463,21 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
           "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms; here is -1"));
 }
 
+TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
+  load(
+      "ranger( sensor( pose [0 0]\n size [0 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
+      "ranger( sensor( pose [1] range [3 2] ) )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
+                          "w.world:2: error: \"size\" must be above 0 in every direction; here is 0",
+                          "w.world:3: error: \"range\" must be at least 0 m; here is -1",
+                          "w.world:3: error: \"range\" must be above 0 m; here is -2",
+                          HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+                          "w.world:5: error: \"samples\" must be at least 1; here is 0",
+                          "w.world:6: error: \"pose\" needs 4 values [x y z heading]; here is 1",
+                          "w.world:6: error: \"range\" needs [min max] with min at most max"));
+}
+
 // Drives.
 
 double drive_param(const engine::WorldSpec& spec, std::size_t body, std::string_view field) {
