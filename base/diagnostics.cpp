@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -22,8 +23,11 @@ std::string_view name_of(Severity severity) {
 }
 
 /// Insertions, deletions, changes of a letter and swaps of neighbours that lead from a to b.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+/// rows: room that many calls share
+std::size_t edit_distance(std::string_view a, std::string_view b,
+                          std::array<std::vector<std::size_t>, 3>& rows) {
+  auto& [before_last, last, row] = rows;
+  for (auto* r : {&before_last, &last, &row}) r->resize(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     row[0] = i;
@@ -112,10 +116,15 @@ void Diagnostics::throw_if_errors() const {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known) {
   const std::string_view* best = nullptr;
   std::size_t best_distance = 0;
+  std::array<std::vector<std::size_t>, 3> rows;
   for (const std::string_view& name : known) {
-    const std::size_t distance = edit_distance(word, name);
+    const auto [shorter, longer] = std::minmax({word.size(), name.size()});
     // A third of the letters may be wrong; of one- and two-letter names, nothing can be guessed.
-    if (distance > std::min(word.size(), name.size()) / 3) continue;
+    const std::size_t most = shorter / 3;
+    // The distance is never less than the difference in length: of a crowd's names most are out at once.
+    if (longer - shorter > most || (best != nullptr && longer - shorter >= best_distance)) continue;
+    const std::size_t distance = edit_distance(word, name, rows);
+    if (distance > most) continue;
     if (best == nullptr || distance < best_distance) {
       best = &name;
       best_distance = distance;

@@ -10,7 +10,8 @@
 namespace troupe::engine {
 namespace {
 
-constexpr int k_finest = -10;  // 2^-10 m: bodies narrower than a millimetre share its cells
+constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
+constexpr int k_finest = -10;        // 2^-10 m: bodies narrower than a millimetre share its cells
 
 /// Two bodies whose circles are apart cannot overlap; the margin covers the rounding of the distance, so that
 /// the cull never changes an answer.
@@ -21,8 +22,6 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
   return dx * dx + dy * dy <= reach * reach;
 }
 
-std::int64_t cell_of(double x, double cell_m) { return static_cast<std::int64_t>(std::floor(x / cell_m)); }
-
 double cells_along(double length, double pitch) {
   return std::floor(length / pitch + 1e-9) +
          1;  // 3 m at a pitch of 0.1 m are 31 cells, whatever rounding says
@@ -32,6 +31,61 @@ double box_cells(const Box& box, double pitch) {
   if (box.empty()) return 0;
   return cells_along(box.size().x(), pitch) * cells_along(box.size().y(), pitch);
 }
+
+/// The poses that a rule tries, one after another.
+class Candidates {
+ public:
+  Candidates(const PlacementRule& rule, std::uint64_t seed, std::uint32_t stream)
+      : rule_(rule), seed_(seed), stream_(stream), is_grid_(rule.kind == PlacementRule::Kind::grid) {
+    if (!is_grid_) return;
+    TROUPE_ASSERT(grid_cells(rule) < 4294967296.0);
+    cells_ = static_cast<std::uint64_t>(grid_cells(rule));
+    region_cells_ = static_cast<std::uint64_t>(box_cells(rule.region, rule.pitch_m));
+  }
+
+  /// Of a grid rule.
+  std::uint64_t cells() const { return cells_; }
+  /// Whether a pose depends on the body and the trial, and not on the cell alone.
+  bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
+
+  /// The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves nobody.
+  Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
+    const bool spilt = is_grid_ && cell >= region_cells_;
+    const Box& box = spilt ? rule_.spill : rule_.region;
+    Pose pose{box.min.x(), box.min.y(), rule_.z, rule_.heading.value_or(0)};
+    if (is_grid_) {
+      const auto rows = static_cast<std::uint64_t>(cells_along(box.size().y(), rule_.pitch_m));
+      if (spilt) cell -= region_cells_;
+      const std::uint64_t column = cell / rows;
+      pose.x += rule_.pitch_m * static_cast<double>(column);
+      pose.y += rule_.pitch_m * static_cast<double>(cell % rows);
+    }
+    if (!draws()) return pose;
+    Random random(seed_, stream_, body, trial);
+    const double u = random.uniform();
+    const double v = random.uniform();
+    const Vec2 size = rule_.region.size();
+    pose.x += is_grid_ ? (2 * u - 1) * rule_.jitter_m : u * size.x();
+    pose.y += is_grid_ ? (2 * v - 1) * rule_.jitter_m : v * size.y();
+    if (!rule_.heading) pose.heading = random.uniform(-k_pi, k_pi);
+    return pose;
+  }
+
+ private:
+  const PlacementRule& rule_;
+  std::uint64_t seed_;
+  std::uint32_t stream_;
+  bool is_grid_;
+  std::uint64_t cells_ = 0;
+  std::uint64_t region_cells_ = 0;
+};
+
+/// A candidate that was looked at before its turn.
+struct Ahead {
+  Pose pose;
+  std::uint32_t trial = 0;
+  bool is_open = false;  ///< within the bounds, and free of the static scene
+};
 
 }  // namespace
 
@@ -45,17 +99,6 @@ partition::ObstacleShape obstacle_shape(const TypeSpec& type) {
   return partition::make_obstacle_shape(pieces);
 }
 
-std::size_t Crowd::slot_of(const std::vector<Slot>& slots, std::int64_t x, std::int64_t y) {
-  const std::size_t mask = slots.size() - 1;
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
-                    static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
-  h ^= h >> 29;
-  h *= 0xbf58476d1ce4e5b9u;
-  std::size_t i = static_cast<std::size_t>(h ^ (h >> 32)) & mask;
-  while (slots[i].first != k_none && (slots[i].x != x || slots[i].y != y)) i = (i + 1) & mask;
-  return i;
-}
-
 void Crowd::add(const partition::ObstacleShape& shape, const Pose& pose) {
   const auto number = static_cast<std::uint32_t>(bodies_.size());
   bodies_.push_back({pose, &shape, k_none});
@@ -66,44 +109,32 @@ void Crowd::add(const partition::ObstacleShape& shape, const Pose& pose) {
   exponent = std::max(exponent, k_finest);
   auto level = std::ranges::find(levels_, exponent, &Level::exponent);
   if (level == levels_.end()) {
-    levels_.push_back(
-        {.exponent = exponent, .cell_m = std::ldexp(1.0, exponent), .slots = std::vector<Slot>(64)});
+    levels_.push_back({.exponent = exponent, .grid = {std::ldexp(1.0, exponent), k_tile_bits}});
     level = levels_.end() - 1;
   }
-
-  if (2 * (level->used + 1) > level->slots.size()) {
-    std::vector<Slot> wider(2 * level->slots.size());
-    for (const Slot& s : level->slots)
-      if (s.first != k_none) wider[slot_of(wider, s.x, s.y)] = s;
-    level->slots = std::move(wider);
-  }
-  const std::int64_t x = cell_of(pose.x, level->cell_m);
-  const std::int64_t y = cell_of(pose.y, level->cell_m);
-  Slot& s = level->slots[slot_of(level->slots, x, y)];
-  level->used += s.first == k_none;
-  bodies_[number].next = s.first;
-  s = {x, y, number};
-  level->bodies.push_back(number);
+  const partition::Cell cell = level->grid.cell(pose.position());
+  const std::size_t slot = level->tiles.insert(level->grid.tile(cell));
+  const std::size_t cells = level->grid.cells_per_tile();
+  if (level->first.size() < (slot + 1) * cells) level->first.resize((slot + 1) * cells, k_none);
+  std::uint32_t& first = level->first[slot * cells + level->grid.in_tile(cell)];
+  bodies_[number].next = first;
+  first = number;
 }
 
 template <class Visit>
 bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
+  bool goes_on = true;
   for (const Level& level : levels_) {
     const double reach =
-        radius + 0.5 * level.cell_m + 1e-6;  // margin as in circles_meet, for metres up to 100 km
-    const std::int64_t x0 = cell_of(pose.x - reach, level.cell_m), x1 = cell_of(pose.x + reach, level.cell_m);
-    const std::int64_t y0 = cell_of(pose.y - reach, level.cell_m), y1 = cell_of(pose.y + reach, level.cell_m);
-    const double cells = static_cast<double>(x1 - x0 + 1) * static_cast<double>(y1 - y0 + 1);
-    if (cells > static_cast<double>(level.bodies.size())) {  // a wide body among few small ones
-      for (const std::uint32_t body : level.bodies)
-        if (!visit(body)) return false;
-      continue;
-    }
-    for (std::int64_t x = x0; x <= x1; ++x)
-      for (std::int64_t y = y0; y <= y1; ++y)
-        for (std::uint32_t body = level.slots[slot_of(level.slots, x, y)].first; body != k_none;
-             body = bodies_[body].next)
-          if (!visit(body)) return false;
+        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin as in circles_meet, for metres up to 100 km
+    const auto visit_run = [&](std::uint32_t slot, std::size_t begin, std::size_t end, partition::Cell) {
+      const std::uint32_t* first = &level.first[slot * level.grid.cells_per_tile()];
+      for (std::size_t cell = begin; goes_on && cell < end; ++cell)
+        for (std::uint32_t body = first[cell]; goes_on && body != k_none; body = bodies_[body].next)
+          goes_on = visit(body);
+    };
+    partition::for_each_run(level.grid, level.tiles, Box::around(pose.position(), reach), visit_run);
+    if (!goes_on) return false;
   }
   return true;
 }
@@ -137,53 +168,70 @@ double grid_cells(const PlacementRule& rule) {
 
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
-                        const partition::StaticScene& scene, Crowd& crowd) {
-  const std::uint32_t stream = stream_id("place", population);
-  const bool grid = rule.kind == PlacementRule::Kind::grid;
-  TROUPE_ASSERT(!grid || grid_cells(rule) < 4294967296.0);
-  const auto cells = grid ? static_cast<std::uint64_t>(grid_cells(rule)) : 0;
-  const auto region_cells = grid ? static_cast<std::uint64_t>(box_cells(rule.region, rule.pitch_m)) : 0;
-  const bool draws = !grid || rule.jitter_m > 0 || !rule.heading;
-
-  // The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves nobody.
-  const auto candidate = [&](std::uint64_t cell, std::uint32_t body, std::uint32_t trial) {
-    const bool spilt = grid && cell >= region_cells;
-    const Box& box = spilt ? rule.spill : rule.region;
-    Pose pose{box.min.x(), box.min.y(), rule.z, rule.heading.value_or(0)};
-    if (grid) {
-      const auto rows = static_cast<std::uint64_t>(cells_along(box.size().y(), rule.pitch_m));
-      if (spilt) cell -= region_cells;
-      const std::uint64_t column = cell / rows;
-      pose.x += rule.pitch_m * static_cast<double>(column);
-      pose.y += rule.pitch_m * static_cast<double>(cell % rows);
-    }
-    if (!draws) return pose;
-    Random random(seed, stream, body, trial);
-    const double u = random.uniform();
-    const double v = random.uniform();
-    const Vec2 size = rule.region.size();
-    pose.x += grid ? (2 * u - 1) * rule.jitter_m : u * size.x();
-    pose.y += grid ? (2 * v - 1) * rule.jitter_m : v * size.y();
-    if (!rule.heading) pose.heading = random.uniform(-k_pi, k_pi);
-    return pose;
+                        const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel) {
+  const Candidates candidates(rule, seed, stream_id("place", population));
+  const auto is_open = [&](const Pose& pose) {
+    return (!bounds || bounds->contains(pose.position())) && !scene.blocked(shape, pose);
   };
-  const auto is_free = [&](const Pose& pose) {
-    return (!bounds || bounds->contains(pose.position())) &&
-           (shape.empty() || (!scene.blocked(shape, pose) && crowd.free(shape, pose)));
-  };
-
   std::vector<Pose> poses;
-  std::uint64_t cell = 0;
-  while (poses.size() < count) {
-    const auto body = static_cast<std::uint32_t>(poses.size());
-    std::optional<Pose> found;
-    for (std::uint32_t trial = 0; !found && (grid ? cell < cells : trial < rule.trials); ++trial) {
-      const Pose pose = candidate(grid ? cell++ : 0, body, trial);
-      if (is_free(pose)) found = pose;
+  const auto add = [&](const Pose& pose) {
+    crowd.add(shape, pose);
+    poses.push_back(pose);
+  };
+
+  // What the scene leaves open is found ahead, for many candidates in parallel; who else stands there is then
+  // asked one by one, in their order.
+  std::vector<Ahead> ahead;
+  const auto look_ahead = [&](std::size_t size, auto&& look) {
+    constexpr std::size_t k_batch = 128;
+    ahead.resize(size);
+    parallel.for_each((size + k_batch - 1) / k_batch, [&](std::size_t b) {
+      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead[i] = look(i);
+    });
+  };
+  constexpr std::size_t k_most_ahead = 16384;
+
+  if (rule.kind == PlacementRule::Kind::uniform) {
+    const auto next_open = [&](std::uint32_t body, std::uint32_t trial) {
+      for (; trial < rule.trials; ++trial)
+        if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
+      return Ahead{{}, trial, false};
+    };
+    std::size_t size = 64;  // twice as many each time: where there is no room at all, little is tried in vain
+    for (std::size_t i = 0; poses.size() < count; ++i) {
+      const auto body = static_cast<std::uint32_t>(poses.size());
+      if (i == ahead.size()) {
+        size = std::min(2 * size, k_most_ahead);
+        look_ahead(std::min(size, count - poses.size()),
+                   [&](std::size_t k) { return next_open(body + static_cast<std::uint32_t>(k), 0); });
+        i = 0;
+      }
+      Ahead found = ahead[i];
+      while (found.is_open && !crowd.free(shape, found.pose)) found = next_open(body, found.trial + 1);
+      if (!found.is_open) break;
+      add(found.pose);
     }
-    if (!found) break;
-    crowd.add(shape, *found);
-    poses.push_back(*found);
+    return poses;
+  }
+
+  std::uint32_t trial = 0;
+  std::size_t i = 0;
+  for (std::uint64_t cell = 0; cell < candidates.cells() && poses.size() < count; ++cell, ++i) {
+    const auto body = static_cast<std::uint32_t>(poses.size());
+    if (i == ahead.size()) {
+      // Where nothing is drawn, a cell's pose does not depend on the body that will take it. At least so many
+      // cells as there are bodies left will be asked for.
+      const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
+      look_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
+        const Pose pose = candidates.pose(cell + k, body, trial);
+        return Ahead{pose, trial, is_open(pose)};
+      });
+      i = 0;
+    }
+    ++trial;
+    if (!ahead[i].is_open || !crowd.free(shape, ahead[i].pose)) continue;
+    add(ahead[i].pose);
+    trial = 0;
   }
   return poses;
 }

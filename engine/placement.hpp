@@ -3,6 +3,8 @@
 #include "base/geometry.hpp"
 #include "engine/world_spec.hpp"
 #include "partition/overlap.hpp"
+#include "partition/parallel.hpp"
+#include "partition/sparse_grid.hpp"
 #include "partition/static_scene.hpp"
 
 #include <cstdint>
@@ -40,22 +42,14 @@ class Crowd {
     const partition::ObstacleShape* shape;
     std::uint32_t next;  // in the same cell
   };
-  struct Slot {
-    std::int64_t x = 0;
-    std::int64_t y = 0;
-    std::uint32_t first = k_none;
-  };
-  /// All bodies of about one width: an open-addressed hash of its cells that hold any.
+  /// All bodies of about one width.
   struct Level {
     int exponent = 0;  // cells are 2^exponent m wide: at least as wide as the bodies
-    double cell_m = 1;
-    std::vector<std::uint32_t> bodies;
-    std::vector<Slot> slots;
-    std::size_t used = 0;
+    partition::GridGeometry grid;
+    partition::TileDirectory tiles;
+    std::vector<std::uint32_t> first;  // per tile and cell: of the bodies there
   };
 
-  /// Position of the slot that holds a cell, or of the free one where it belongs.
-  static std::size_t slot_of(const std::vector<Slot>& slots, std::int64_t x, std::int64_t y);
   template <class Visit>  // bool visit(body): false ends the search
   bool each_near(double radius, const Pose& pose, Visit visit) const;
 
@@ -90,6 +84,6 @@ double grid_cells(const PlacementRule& rule);
 /// The caller keeps grid_cells() below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
-                        const partition::StaticScene& scene, Crowd& crowd);
+                        const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);
 
 }  // namespace troupe::engine

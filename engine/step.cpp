@@ -114,7 +114,7 @@ void World::drive() {
   });
   if (const Row row(faulty.load()); row.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
-                                tick_, spec_.bodies[body(row).index()].name));
+                                tick_, spec_.name(body(row))));
   }
 }
 

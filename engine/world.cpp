@@ -55,6 +55,11 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
 
 void World::build_rows() {
   body_rows_.resize(spec_.bodies.size());
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      spec_.bodies, [&](const BodySpec& body) { return types_[body.type.index()].runs(); }));
+  const auto reserve = [count](auto&... columns) { (columns.reserve(count), ...); };
+  reserve(row_bodies_, row_ids_, row_types_, row_slots_, row_radii_, row_subscribed_, row_shapes_,
+          outline_begins_);
   std::vector<std::uint32_t> slots(types_.size(), 0);
   std::size_t vertices = 0;
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
@@ -145,46 +150,67 @@ void World::build_tables() {
 }
 
 void World::report_overlaps(Diagnostics& diagnostics) {
-  std::size_t pairs = 0;
-  std::string first;
-  Where where;
-  const auto report = [&](BodyId a, BodyId b) {
-    if (pairs++ > 0) return;
-    first = fmt::format("\"{}\" and \"{}\"", spec_.bodies[a.index()].name, spec_.bodies[b.index()].name);
-    where = spec_.bodies[a.index()].where;
+  constexpr std::size_t k_rows = 256;
+  struct Found {  // by one task
+    std::size_t pairs = 0;
+    BodyId first, second;  // of the first pair
+    std::vector<BodyId> below_floor;
   };
-  for (std::uint32_t r = 0; r < rows(); ++r) {
-    const partition::ObstacleShape& shape = *row_shapes_[r];
-    if (shape.empty()) continue;
-    if (shape.z.min + poses()[r].z < 0) {
-      diagnostics.warning_once(spec_.bodies[row_bodies_[r].index()].where,
-                               "a body reaches below the floor, which holds nothing here");
+  std::vector<Found> tasks((rows() + k_rows - 1) / k_rows);
+  parallel_.for_each(tasks.size(), [&](std::size_t t) {
+    Found& found = tasks[t];
+    for (std::size_t r = t * k_rows; r < std::min(rows(), (t + 1) * k_rows); ++r) {
+      const partition::ObstacleShape& shape = *row_shapes_[r];
+      if (shape.empty()) continue;
+      if (shape.z.min + poses()[r].z < 0) found.below_floor.push_back(row_bodies_[r]);
+      // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not
+      // show.
+      std::vector<BodyId> fixed;
+      if (scene_.has_obstacles()) fixed = scene_.overlapping(shape, poses()[r]);
+      std::size_t others = 0;
+      BodyId lowest;
+      index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyCircle& other) {
+        if (other.row > r && !row_shapes_[other.row]->empty() &&
+            overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row])) {
+          ++others;
+          lowest = std::min(lowest, row_bodies_[other.row]);
+        }
+      });
+      if (fixed.empty() && others == 0) continue;
+      if (found.pairs == 0) {
+        found.first = row_bodies_[r];
+        found.second = fixed.empty() ? lowest : fixed.front();
+      }
+      found.pairs += fixed.size() + others;
     }
-    for (const BodyId fixed :
-         scene_.has_obstacles() ? scene_.overlapping(shape, poses()[r]) : std::vector<BodyId>{})
-      report(row_bodies_[r], fixed);
-    index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyCircle& other) {
-      if (other.row > r && !row_shapes_[other.row]->empty() &&
-          overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row]))
-        report(row_bodies_[r], row_bodies_[other.row]);
-    });
+  });
+
+  std::size_t pairs = 0;
+  for (const Found& found : tasks) {
+    pairs += found.pairs;
+    for (const BodyId body : found.below_floor)
+      diagnostics.warning_once(spec_.bodies[body.index()].where,
+                               "a body reaches below the floor, which holds nothing here");
   }
-  if (pairs > 0) {
-    diagnostics.warning(where,
-                        fmt::format("{} pair{} of bodies overlap{} at the start, first {}; they may move "
-                                    "apart, but not closer",
-                                    pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", first));
-  }
+  if (pairs == 0) return;
+  const Found& first = *std::ranges::find_if(tasks, [](const Found& found) { return found.pairs > 0; });
+  diagnostics.warning(
+      spec_.bodies[first.first.index()].where,
+      fmt::format("{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
+                  "but not closer",
+                  pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first.first),
+                  spec_.name(first.second)));
 }
 
 BodyId World::find(std::string_view name) const {
-  if (names_.empty()) {
-    names_.reserve(spec_.bodies.size());
-    for (const auto& [alias, body] : spec_.aliases) names_[alias] = body;
-    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_[spec_.bodies[b].name] = BodyId(b);
+  const std::optional<Name> wanted = spec_.names.find(name);
+  if (!wanted) return {};
+  if (names_.size() == 0) {
+    names_.reserve(spec_.bodies.size() + spec_.aliases.size());
+    for (const NamedBody& alias : spec_.aliases) names_.set(alias.name, alias.body);
+    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_.set(spec_.bodies[b].name, BodyId(b));
   }
-  const auto found = names_.find(name);
-  return found == names_.end() ? BodyId() : found->second;
+  return names_.find(*wanted);
 }
 
 Pose World::pose(BodyId body) const {

@@ -19,7 +19,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 namespace troupe::engine {
@@ -156,7 +155,7 @@ class World {
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
   partition::BodyIndex index_;
-  mutable std::unordered_map<std::string_view, BodyId> names_;  // into spec_; made at the first find()
+  mutable NameMap names_;  // made at the first find()
 
   std::vector<BodyId> row_bodies_;
   std::vector<Row> body_rows_;

@@ -8,7 +8,7 @@ void add_ground(WorldSpec& spec) {
   type.parts.push_back(
       {.name = "", .kind = "model", .size = {0, 0, 0}, .returns = {.obstacle = false, .ranger = -1}});
   spec.types.push_back(std::move(type));
-  spec.bodies.push_back({.name = "_ground_model", .type = TypeId(spec.types.size() - 1)});
+  spec.bodies.push_back({.name = spec.names.add("_ground_model"), .type = TypeId(spec.types.size() - 1)});
 }
 
 }  // namespace troupe::engine

@@ -5,6 +5,7 @@
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
 #include "engine/fields.hpp"
+#include "engine/names.hpp"
 
 #include <optional>
 #include <string>
@@ -69,7 +70,7 @@ struct TypeSpec {
 };
 
 struct BodySpec {
-  std::string name;
+  Name name;  ///< of WorldSpec::names
   TypeId type;
   Pose pose_world_body;
   Color color;
@@ -94,12 +95,15 @@ struct WorldSpec {
   /// Where robots may go; one that would leave is held. Not given: +-100 km.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;
+  Names names;
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
-  /// Other names of bodies (Stage keeps generated names as aliases): name -> body.
-  std::unordered_map<std::string, BodyId> aliases;
+  /// Other names of bodies (Stage keeps generated names as aliases), each once.
+  std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).
   std::unordered_map<std::string, PartName> part_aliases;
+
+  std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
 };
 
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.

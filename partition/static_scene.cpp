@@ -5,6 +5,8 @@
 namespace troupe::partition {
 namespace {
 
+constexpr double k_least_cover_m = 0.25;  // finer cells would tell of few points more
+
 /// Cells that an edge may cross: those of its box, less those that lie on one side of its line by more than
 /// the cell's half diagonal. A few too many do no harm.
 template <class Visit>
@@ -61,8 +63,42 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
   }
 }
 
+/// Which cells of a solid's box lie wholly in or out of it: all points of a cell that no edge crosses are
+/// alike, and alike with those of such a cell beside it.
+void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
+  constexpr double k_most_cells = 1 << 20;
+  const Cell low = cover_grid_.cell(strips.box.min);
+  const Cell high = cover_grid_.cell(strips.box.max);
+  const double columns = 1.0 + high.x - low.x;
+  const double rows = 1.0 + high.y - low.y;
+  if (columns * rows > k_most_cells) return;
+  strips.low = low;
+  strips.width = static_cast<std::size_t>(columns);
+  strips.covers.assign(strips.width * static_cast<std::size_t>(rows), Strips::outside);
+  for_each_edge(solid, [&](const Vec2& a, const Vec2& b) {
+    for_each_cell(cover_grid_, {a, b, 0}, [&](Cell c) {
+      strips.covers[static_cast<std::size_t>(c.y - low.y) * strips.width +
+                    static_cast<std::size_t>(c.x - low.x)] = Strips::unknown;
+    });
+  });
+  for (std::size_t i = 0; i < strips.covers.size(); ++i) {
+    Strips::Cover& cover = strips.covers[i];
+    if (cover == Strips::unknown) continue;
+    const std::size_t column = i % strips.width;
+    const std::size_t row = i / strips.width;
+    if (column > 0 && strips.covers[i - 1] != Strips::unknown) {
+      cover = strips.covers[i - 1];
+    } else {
+      const Vec2 middle((static_cast<double>(low.x) + static_cast<double>(column) + 0.5) * cover_grid_.cell_m,
+                        (static_cast<double>(low.y) + static_cast<double>(row) + 0.5) * cover_grid_.cell_m);
+      cover = count_crossings(strips, middle) ? Strips::inside : Strips::outside;
+    }
+  }
+}
+
 StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids_(std::move(solids)) {
   const GridGeometry geometry{cell_m, 3};
+  cover_grid_ = {std::max(cell_m, k_least_cover_m), 0};
   std::vector<FixedEdge> seen;
   std::vector<FixedEdge> hard;
   strips_.resize(solids_.size());
@@ -104,6 +140,12 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
       for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
         strips.edges[next[i]++] = {a, b, s};
     });
+    for (std::size_t i = 0; i < count; ++i)  // from left to right: a search ends where they lie right of it
+      std::sort(strips.edges.begin() + strips.begins[i], strips.edges.begin() + strips.begins[i + 1],
+                [](const FixedEdge& e, const FixedEdge& f) {
+                  return std::min(e.a.x(), e.b.x()) < std::min(f.a.x(), f.b.x());
+                });
+    cover_cells(fixed.solid, strips);
   }
   outlines_ = FixedOutlines(seen, geometry);
   obstacle_edges_ = EdgeGrid(hard, geometry);
@@ -112,12 +154,23 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
 bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
   const Strips& strips = strips_[solid];
   if (strips.edges.empty() || !strips.box.contains(p)) return false;
+  if (!strips.covers.empty()) {
+    const Cell c = cover_grid_.cell(p);
+    const Strips::Cover cover = strips.covers[static_cast<std::size_t>(c.y - strips.low.y) * strips.width +
+                                              static_cast<std::size_t>(c.x - strips.low.x)];
+    if (cover != Strips::unknown) return cover == Strips::inside;
+  }
+  return count_crossings(strips, p);
+}
+
+bool StaticScene::count_crossings(const Strips& strips, const Vec2& p) const {
   const std::size_t count = strips.begins.size() - 1;
   const auto strip = static_cast<std::size_t>(
       std::clamp((p.y() - strips.y0) / strips.height, 0.0, static_cast<double>(count - 1)));
   bool odd = false;
   for (std::uint32_t i = strips.begins[strip]; i < strips.begins[strip + 1]; ++i) {
     const FixedEdge& e = strips.edges[i];
+    if (std::min(e.a.x(), e.b.x()) > p.x()) break;
     if ((e.a.y() > p.y()) == (e.b.y() > p.y())) continue;
     const double side = cross(e.b - e.a, p - e.a);
     if ((e.b.y() > e.a.y()) == (side < 0)) odd = !odd;  // the edge lies left of the point

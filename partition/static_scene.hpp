@@ -76,15 +76,23 @@ class StaticScene {
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// Edges of one solid by horizontal strips, for counting crossings of a ray towards -x.
+  /// Edges of one solid by horizontal strips, for counting crossings of a ray towards -x; and what is known
+  /// of the cells of its box beforehand, so that few points have their crossings counted.
   struct Strips {
+    enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
+
     Box box;
+    Cell low;                   // of the cells
+    std::size_t width = 0;      // cells a row
+    std::vector<Cover> covers;  // of the cells, row by row; none where they would be too many
     double y0 = 0;
     double height = 1;
     std::vector<std::uint32_t> begins;
     std::vector<FixedEdge> edges;
   };
   bool inside(std::size_t solid, const Vec2& point) const;
+  bool count_crossings(const Strips& strips, const Vec2& point) const;
+  void cover_cells(const Solid& solid, Strips& strips) const;
   /// Whether one of the pieces lies wholly inside the solid, where no edge of the solid crosses the shape.
   bool swallows(std::size_t solid, const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// visit(edge) -> stop? for obstacle edges that cross the shape.
@@ -97,6 +105,7 @@ class StaticScene {
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;
   FixedOutlines outlines_;
+  GridGeometry cover_grid_;
   EdgeGrid obstacle_edges_;
 };
 

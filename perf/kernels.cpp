@@ -10,6 +10,7 @@
 #include "worldio/load.hpp"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -154,23 +155,82 @@ BENCHMARK(settle_conflicts)->Arg(1000)->Arg(100000)->Name("move/settle a dense c
 
 engine::WorldSpec load(const std::string& world, std::size_t robots, const engine::Registry& registry) {
   Diagnostics diagnostics;
-  engine::WorldSpec spec =
-      worldio::load_world(std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
-                          {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}}, diagnostics);
+  engine::WorldSpec spec = worldio::load_world(
+      std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
+      {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}, .threads = 1}, diagnostics);
   diagnostics.throw_if_errors();
   return spec;
 }
 
+/// A population that fills a plan that is large enough for a million.
 void load_population(benchmark::State& state) {
   const engine::Registry registry = make_registry();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry));
+  worldio::LoadOptions options;
+  options.threads = static_cast<unsigned>(state.range(1));
+  options.robots = {{"", static_cast<std::size_t>(state.range(0))}};
+  options.set = {{"/floorplans/0/size_m", "[560, 240, 0.5]"},
+                 {"/populations/0/place/region_m", "[[-278, -118], [278, 118]]"}};
+  for (auto _ : state) {
+    Diagnostics diagnostics;
+    benchmark::DoNotOptimize(
+        worldio::load_world(TROUPE_SOURCE_DIR "/worlds/hospital-10cm.json", registry, options, diagnostics));
+    diagnostics.throw_if_errors();
+  }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(load_population)
-    ->Arg(10000)
+    ->ArgNames({"robots", "threads"})
+    ->ArgsProduct({{10000, 1000000}, {1, 2}})
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond)
     ->Name("load/population (items: robots)");
+
+/// Stage's syntax, an entry a robot, as in Stage's hospital.world.
+void load_text(benchmark::State& state) {
+  const std::int64_t robots = state.range(0);
+  std::string text =
+      "define ir sensor( range [0 2] fov 30 samples 1 )\n"
+      "define swarmbot position( size [0.1 0.1 0.1] color \"random\" ctrl \"expand_swarm\" ranger( pose [0 0 "
+      "-0.05 0]";
+  for (int k = 0; k < 12; ++k) text += fmt::format(" ir( pose [0 0 0 {}] )", 30 * k);
+  text += " ) )\n";
+  const auto side = static_cast<std::int64_t>(std::sqrt(static_cast<double>(robots)));
+  for (std::int64_t r = 0; r < robots; ++r)
+    text += fmt::format("swarmbot( name \"r{}\" pose [ {:.3f} {:.3f} 0 0 ] )\n", r,
+                        0.25 * static_cast<double>(r / side), 0.25 * static_cast<double>(r % side));
+  const engine::Registry registry = make_registry();
+  for (auto _ : state) {
+    Diagnostics diagnostics;
+    benchmark::DoNotOptimize(worldio::load_stage_world("crowd.world", text, registry, {}, diagnostics));
+    diagnostics.throw_if_errors();
+  }
+  state.SetItemsProcessed(state.iterations() * robots);
+}
+BENCHMARK(load_text)
+    ->Arg(1000)
+    ->Arg(100000)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("load/.world text (items: robots)");
+
+/// What is left to do when a world's text is understood.
+void build_world(benchmark::State& state) {
+  const engine::Registry registry = make_registry();
+  const engine::WorldSpec spec =
+      load("hospital-10cm.json", static_cast<std::size_t>(state.range(0)), registry);
+  for (auto _ : state) {
+    Diagnostics diagnostics;
+    const engine::World world(spec, registry, {.threads = static_cast<unsigned>(state.range(1))},
+                              diagnostics);
+    benchmark::DoNotOptimize(&world);
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(build_world)
+    ->ArgNames({"robots", "threads"})
+    ->ArgsProduct({{1, 100000}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Name("load/world from its spec (items: robots)");
 
 void hash_state(benchmark::State& state) {
   const engine::Registry registry = make_registry();

@@ -129,7 +129,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   impl_->file = file;
   impl_->registry = make_registry();
   Diagnostics diagnostics;
-  worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path};
+  worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
   diagnostics.throw_if_errors();
   impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,
@@ -207,7 +207,7 @@ Model Simulation::find(std::string_view name) {
       known.push_back(fmt::format("{}.{}", name.substr(0, dot), parts[p].name));
     }
   }
-  for (const engine::BodySpec& body : spec.bodies) known.push_back(body.name);
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) known.push_back(spec.name(BodyId(b)));
   const std::vector<std::string_view> names(known.begin(), known.end());
   throw std::out_of_range(
       fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
@@ -217,7 +217,7 @@ std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;
   for (std::size_t r = 0; r < impl_->world->rows(); ++r)
     if (impl_->world->type(Row(r)).drive)
-      names.push_back(impl_->world->spec().bodies[impl_->world->body(Row(r)).index()].name);
+      names.push_back(impl_->world->spec().name(impl_->world->body(Row(r))));
   return names;
 }
 

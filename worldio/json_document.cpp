@@ -93,7 +93,10 @@ class TreeBuilder {
       const std::size_t before = std::min(position > 0 ? position - 1 : 0, text_.size());
       where.line = 1 + static_cast<std::uint32_t>(std::count(text_.begin(), text_.begin() + before, '\n'));
     }
-    diagnostics_.error(where, std::string(message));
+    constexpr int k_out_of_range = 406;  // a number that no double holds: a value, which has a pointer
+    const bool has_pointer = fault.id == k_out_of_range && !open_.empty();
+    diagnostics_.error(where,
+                       has_pointer ? fmt::format("{}: {}", next_pointer(), message) : std::string(message));
     return false;
   }
 
@@ -105,6 +108,19 @@ class TreeBuilder {
     if (fixed_place_) return start_;
     const bool passed = read_ahead && progress_.last == '\n';
     return {start_.file, progress_.line - (passed ? 1 : 0)};
+  }
+
+  /// The pointer of the value that comes next.
+  std::string next_pointer() const {
+    std::string pointer;
+    for (const JsonNode* node : open_) {
+      pointer += '/';
+      if (const auto* list = node->list())
+        pointer += std::to_string(node == open_.back() ? list->size() : list->size() - 1);
+      else
+        pointer += escape_pointer_token(node->object()->back().key);
+    }
+    return pointer;
   }
 
   template <class T>

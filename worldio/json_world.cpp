@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <unordered_map>
 
 namespace troupe::worldio {
@@ -48,35 +49,48 @@ struct Population {
   std::string pointer;
 };
 
-/// Maps the outlines of a bitmap so that the whole image, margins included, fills the size.
-void fit_image(const Bitmap& bitmap, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
-  int top = 0;  // first row with a solid pixel: says where the contours' y begins
+/// What is left of a bitmap once its outlines are made.
+struct Image {
+  int width = 0;
+  int height = 0;
+  int top = 0;                 ///< first row with a solid pixel: says where the contours' y begins
+  std::vector<Ring> contours;  ///< in pixels
+};
+
+Image measure_image(const Bitmap& bitmap) {
+  Image image{bitmap.width, bitmap.height, 0, bitmap_contours(bitmap)};
   const auto row_is_free = [&](int y) {
     for (int x = 0; x < bitmap.width; ++x)
       if (bitmap.at(x, y)) return false;
     return true;
   };
-  while (top < bitmap.height && row_is_free(top)) ++top;
+  while (image.top < bitmap.height && row_is_free(image.top)) ++image.top;
+  return image;
+}
+
+/// Maps the outlines of an image so that the whole of it, margins included, fills the size.
+void fit_image(const Image& image, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
   Box box;
   for (const Ring& ring : contours) box.extend(bounds(ring));
-  const double lift = (bitmap.height - top) - box.max.y();
+  const double lift = (image.height - image.top) - box.max.y();
   for (Ring& ring : contours)
     for (Vec2& p : ring)
-      p = {(p.x() / bitmap.width - 0.5) * size.x(), ((p.y() + lift) / bitmap.height - 0.5) * size.y()};
+      p = {(p.x() / image.width - 0.5) * size.x(), ((p.y() + lift) / image.height - 0.5) * size.y()};
 }
 
 class WorldReader {
  public:
-  WorldReader(const std::filesystem::path& file, const engine::Registry& registry, Diagnostics& diagnostics)
-      : file_(file), registry_(registry), diagnostics_(diagnostics) {}
+  WorldReader(const std::filesystem::path& file, const engine::Registry& registry, const LoadOptions& options,
+              Diagnostics& diagnostics)
+      : file_(file), registry_(registry), options_(options), diagnostics_(diagnostics) {}
 
-  WorldSpec read(const JsonNode& document, std::optional<std::uint64_t> seed) {
+  WorldSpec read(const JsonNode& document) {
     spec_.title = file_.stem().string();
     spec_.files = diagnostics_.files();
     engine::add_ground(spec_);
     const JsonCursor root(document, diagnostics_);
     JsonObject object(root);
-    read_settings(object, seed);
+    read_settings(object);
     each(object, "floorplans", [&](const JsonCursor& at) { read_floorplan(at); });
     read_types(object);
     each(object, "models", [&](const JsonCursor& at) { read_model(at); });
@@ -98,7 +112,7 @@ class WorldReader {
     for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
   }
 
-  void read_settings(JsonObject& object, std::optional<std::uint64_t> seed);
+  void read_settings(JsonObject& object);
   void read_floorplan(const JsonCursor& at);
   std::vector<Solid> read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size, bool keep_margins);
   void read_types(JsonObject& object);
@@ -109,7 +123,7 @@ class WorldReader {
   void place_bodies();
   void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
   void place_population(const Population& population, const partition::StaticScene& scene,
-                        engine::Crowd& crowd);
+                        engine::Crowd& crowd, partition::Parallel& parallel);
   void report_repeated_names();
 
   std::string read_name(JsonObject& object, std::string_view what);
@@ -119,16 +133,18 @@ class WorldReader {
 
   const std::filesystem::path& file_;
   const engine::Registry& registry_;
+  const LoadOptions& options_;
   Diagnostics& diagnostics_;
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
+  std::map<std::string, Image> images_;                    // by path, as it is written: plans may share one
   std::vector<Model> models_;
   std::vector<Population> populations_;
   std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
 };
 
-void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t> seed) {
+void WorldReader::read_settings(JsonObject& object) {
   if (const JsonNode* node =
           object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
     const auto* version = std::get_if<std::int64_t>(&node->value);
@@ -152,7 +168,7 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
     else
       JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
   }
-  if (seed) spec_.seed = *seed;
+  if (options_.seed) spec_.seed = *options_.seed;
 
   const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
   if (tick.given()) spec_.tick_s = tick.number();
@@ -164,7 +180,8 @@ void WorldReader::read_settings(JsonObject& object, std::optional<std::uint64_t>
 
 void WorldReader::read_floorplan(const JsonCursor& at) {
   JsonObject object(at);
-  BodySpec body{.name = read_name(object, "floor plan"), .color = k_floorplan_color, .where = at.where()};
+  const std::string name = read_name(object, "floor plan");
+  BodySpec body{.name = spec_.names.add(name), .color = k_floorplan_color, .where = at.where()};
   const engine::FieldTable table{{
       {.name = "size",
        .type = FieldType::numbers,
@@ -196,7 +213,7 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   }
   object.finish();
   body.type = TypeId(spec_.types.size());
-  engine::TypeSpec type{.name = body.name};
+  engine::TypeSpec type{.name = name};
   type.parts.push_back(std::move(part));
   spec_.types.push_back(std::move(type));
   spec_.bodies.push_back(std::move(body));
@@ -209,15 +226,19 @@ std::vector<Solid> WorldReader::read_bitmap_solids(JsonObject& object, const Eig
   const JsonCursor at(object.at(), "bitmap", *node);
   const std::string* path = read_text(at, "the path of an image, relative to the world file");
   if (!path) return {};
-  const std::optional<Bitmap> bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
-  if (!bitmap) return {};
-  Solid solid{bitmap_contours(*bitmap), {0, 1}};
+  auto image = images_.find(*path);
+  if (image == images_.end()) {
+    const auto bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
+    if (!bitmap) return {};
+    image = images_.emplace(*path, measure_image(*bitmap)).first;
+  }
+  Solid solid{image->second.contours, {0, 1}};
   if (solid.contours.empty()) {
     at.error(fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
     return {};
   }
   if (keep_margins) {
-    fit_image(*bitmap, size, solid.contours);
+    fit_image(image->second, size, solid.contours);
     solid.z.max = size.z();
     return {std::move(solid)};
   }
@@ -247,7 +268,7 @@ void WorldReader::read_model(const JsonCursor& at) {
   Model model;
   model.pointer = at.pointer();
   model.body.where = at.where();
-  model.body.name = read_name(object, "model");
+  model.body.name = spec_.names.add(read_name(object, "model"));
   model.body.type = read_type_name(object);
   model.body.pose_world_body = read_pose(object);
   model.body.pose_world_body.heading = wrap_angle(model.body.pose_world_body.heading);
@@ -392,7 +413,8 @@ void WorldReader::place_bodies() {
     const BodySpec& body = spec_.bodies[i];
     for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
       for (const Solid& solid : part.solids)
-        if (part.returns.obstacle) walls.push_back({placed(solid, body.pose_world_body), BodyId(i)});
+        if (part.returns.obstacle)  // whether rangers see it, nobody asks here
+          walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
   }
   const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());
@@ -402,7 +424,8 @@ void WorldReader::place_bodies() {
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
   for (Model& model : models_) spec_.bodies.push_back(std::move(model.body));
-  for (const Population& population : populations_) place_population(population, scene, crowd);
+  partition::Parallel parallel(options_.threads);
+  for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
 }
 
 void WorldReader::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
@@ -410,7 +433,7 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
   const partition::ObstacleShape& shape = shapes_[body.type.index()];
   const auto overlaps = [&](const BodySpec& other) {
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
-                                               body.name, other.name));
+                                               spec_.names.text(body.name), spec_.names.text(other.name)));
   };
   if (!shape.empty())
     for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
@@ -418,16 +441,16 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
   for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
-    diagnostics_.error(body.where,
-                       fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer, body.name));
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
+                                               spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
 }
 
 void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
-                                   engine::Crowd& crowd) {
+                                   engine::Crowd& crowd, partition::Parallel& parallel) {
   const std::vector<Pose> poses =
       engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
-                    population.name, spec_.bounds, scene, crowd);
+                    population.name, spec_.bounds, scene, crowd, parallel);
   if (poses.size() < population.count) {
     const bool grid = population.rule.kind == PlacementRule::Kind::grid;
     diagnostics_.error(
@@ -441,7 +464,7 @@ void WorldReader::place_population(const Population& population, const partition
   const std::uint32_t colors = stream_id("color", population.name);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
-    body.name = population.name + std::to_string(i);
+    body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
     body.pose_world_body = poses[i];
     body.color = population.color;
@@ -456,18 +479,19 @@ void WorldReader::place_population(const Population& population, const partition
 }
 
 void WorldReader::report_repeated_names() {
-  std::unordered_map<std::string_view, BodyId> taken;
+  engine::NameMap taken;
   taken.reserve(spec_.bodies.size());
   const Where* reported = nullptr;  // one finding a population is enough
   for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
     const BodySpec& body = spec_.bodies[i];
-    const auto [first, fresh] = taken.emplace(body.name, BodyId(i));
-    if (fresh || (reported && reported->file == body.where.file && reported->line == body.where.line))
+    const BodyId first = taken.add(body.name, BodyId(i));
+    if (first == BodyId(i) ||
+        (reported && reported->file == body.where.file && reported->line == body.where.line))
       continue;
-    const Where other = spec_.bodies[first->second.index()].where;
+    const Where other = spec_.bodies[first.index()].where;
     diagnostics_.error(
         body.where,
-        fmt::format("the name \"{}\" is taken{}", body.name,
+        fmt::format("the name \"{}\" is taken{}", spec_.name(BodyId(i)),
                     other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
     reported = &body.where;
   }
@@ -533,7 +557,7 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
   }
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
-  return WorldReader(file, registry, diagnostics).read(*document, options.seed);
+  return WorldReader(file, registry, options, diagnostics).read(*document);
 }
 
 }  // namespace troupe::worldio

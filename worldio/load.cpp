@@ -21,9 +21,9 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
   const auto found = find_stage_file(file, options.search_path);
   if (!found)
     return fail(std::filesystem::exists(file) ? "this is no file that can be read" : "there is no such file");
-  const auto text = read_file(*found);
+  auto text = read_file(*found);
   if (!text) return fail("the file cannot be read");
-  return ending == ".world" ? load_stage_world(*found, *text, registry, options, diagnostics)
+  return ending == ".world" ? load_stage_world(*found, std::move(*text), registry, options, diagnostics)
                             : load_json_world(*found, *text, registry, options, diagnostics);
 }
 

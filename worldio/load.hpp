@@ -22,6 +22,8 @@ struct LoadOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched by base name for a world or include that is not where it was said to be.
   std::vector<std::filesystem::path> search_path;
+  /// Threads that load; 0: one for each core. They change no result and no message.
+  unsigned threads = 0;
 };
 
 /// Reads a world: Stage syntax for `.world`, ours for `.json`; another ending is an error that says so.
@@ -31,7 +33,7 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
 
 /// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative
 /// paths.
-engine::WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+engine::WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                                    const engine::Registry& registry, const LoadOptions& options,
                                    Diagnostics& diagnostics);
 engine::WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,

@@ -123,7 +123,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
   for (const StageEntity* layer : block.layers)
-    for (const StageProperty& property : layer->properties) {
+    for (const StageProperty& property : document_.properties(*layer)) {
       const auto number = point_number(document_.key(property));
       if (!number) continue;
       if (*number < *count)

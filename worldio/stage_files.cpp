@@ -1,7 +1,7 @@
 #include "worldio/stage_files.hpp"
 
+#include <array>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 
 namespace troupe::worldio {
@@ -25,8 +25,12 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
 std::optional<std::string> read_file(const std::filesystem::path& path) {
   if (!is_file(path)) return {};
   std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (!in) return {};
+  std::string text;
+  std::array<char, 1 << 16> chunk;
+  while (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)
+    text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) return {};
   return text;
 }
 

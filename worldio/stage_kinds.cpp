@@ -73,28 +73,61 @@ double StageKinds::period_s(const StageModel& model) {
 
 std::optional<Record> StageKinds::transducer(const StageModel& sensor, const FieldTable& table) {
   Record record = table.defaults();
-  // What is set here is checked against the field's limits, under the name it has in the file.
+  bool is_right = true;  // all properties are read, so that all that is wrong is reported
+  // A value is checked against the field's limits, under the name it has in the file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
     const int at = table.find(field_name);
     const std::string broken = at < 0 ? "" : limit_broken(table.fields[static_cast<std::size_t>(at)], value);
-    if (!broken.empty())
-      values_.error(values_.where(property),
-                    fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, value));
-    return broken.empty();
+    if (broken.empty()) return true;
+    values_.error(values_.where(property),
+                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, value));
+    return false;
+  };
+  // read(property) -> whether it is right
+  const auto read = [&](std::string_view key, auto&& read_property) {
+    const StageProperty* property = sensor.find(document_, key);
+    if (property && !read_property(*property)) is_right = false;
   };
 
   Pose pose_sensor_transducer;
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  if (const StageProperty* property = sensor.find(document_, "pose")) {
-    const auto pose = values_.pose(*property);
-    if (!pose) return {};
-    pose_sensor_transducer = *pose;
-  }
-  if (const StageProperty* property = sensor.find(document_, "size")) {
-    const auto given = values_.size(*property, size.z());
-    if (!given) return {};
-    size = *given;
-  }
+  double range_min = 0;
+  double range_max = 5;
+  double fov = 0.1;
+  std::int64_t samples = 1;
+  read("pose", [&](const StageProperty& property) {
+    const auto given = values_.pose(property);
+    pose_sensor_transducer = given.value_or(pose_sensor_transducer);
+    return given.has_value();
+  });
+  read("size", [&](const StageProperty& property) {
+    const auto given = values_.size(property, size.z());
+    size = given.value_or(size);
+    return given.has_value();
+  });
+  read("range", [&](const StageProperty& property) {
+    const auto given = values_.tuple(property, 2, 2, "[min max]");
+    if (!given) return false;
+    range_min = (*given)[0] * values_.length_unit();
+    range_max = (*given)[1] * values_.length_unit();
+    const bool min_is_right = check("range_min", range_min, property);
+    const bool max_is_right = check("range_max", range_max, property);
+    if (!min_is_right || !max_is_right || range_min <= range_max) return min_is_right && max_is_right;
+    values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
+    return false;
+  });
+  read("fov", [&](const StageProperty& property) {
+    const auto given = values_.number(property);
+    fov = given ? *given * values_.angle_unit() : fov;
+    return given && check("fov", fov, property);
+  });
+  read("samples", [&](const StageProperty& property) {
+    const auto given = values_.integer(property);
+    samples = given.value_or(samples);
+    return given && check("samples", static_cast<double>(samples), property);
+  });
+  if (!is_right) return {};
+
   pose_sensor_transducer.z += size.z() / 2;  // beams leave from the middle of the transducer's height
   Record pose = engine::pose_fields().defaults();
   set(engine::pose_fields(), pose, "x", pose_sensor_transducer.x);
@@ -102,38 +135,9 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   set(engine::pose_fields(), pose, "z", pose_sensor_transducer.z);
   set(engine::pose_fields(), pose, "heading", pose_sensor_transducer.heading);
   set(table, record, "pose", std::vector<Record>{std::move(pose)});
-
-  double range_min = 0;
-  double range_max = 5;
-  if (const StageProperty* property = sensor.find(document_, "range")) {
-    const auto v = values_.tuple(*property, 2, 2, "[min max]");
-    if (!v) return {};
-    range_min = (*v)[0] * values_.length_unit();
-    range_max = (*v)[1] * values_.length_unit();
-    if (!check("range_min", range_min, *property) || !check("range_max", range_max, *property)) return {};
-    if (range_min > range_max) {
-      values_.error(values_.where(*property), "\"range\" needs [min max] with min at most max");
-      return {};
-    }
-  }
   set(table, record, "range_min", range_min);
   set(table, record, "range_max", range_max);
-
-  double fov = 0.1;
-  if (const StageProperty* property = sensor.find(document_, "fov")) {
-    const auto given = values_.number(*property);
-    if (!given) return {};
-    fov = *given * values_.angle_unit();
-    if (!check("fov", fov, *property)) return {};
-  }
   set(table, record, "fov", fov);
-
-  std::int64_t samples = 1;
-  if (const StageProperty* property = sensor.find(document_, "samples")) {
-    const auto given = values_.integer(*property);
-    if (!given || !check("samples", static_cast<double>(*given), *property)) return {};
-    samples = *given;
-  }
   set(table, record, "samples", samples);
   return record;
 }

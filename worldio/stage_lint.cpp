@@ -41,7 +41,7 @@ void StageLint::check_world() {
 }
 
 void StageLint::check(const StageEntity& entity, std::size_t depth) {
-  if (depth > k_deepest || !seen_.insert(&entity).second) return;
+  if (depth > k_deepest) return;
   const auto model = macros_.resolve(entity);
   if (!model) return;
   if (model->type == "window") window_only_.add(model->where, "window");
@@ -49,9 +49,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
     values_.warning_once(model->where, fmt::format("not supported yet: what {} does; it is only a body here",
                                                    with_article(model->type)));
   for (const StageEntity* layer : model->layers) {
-    if (layer != &entity && !seen_.insert(layer).second) continue;
-    for (const StageProperty& property : layer->properties) check_property(property, model->type);
-    for (const StageEntity& child : layer->children) check(child, depth + 1);
+    if (layer != &entity && !macros_seen_.insert(layer).second) continue;
+    for (const StageProperty& property : document_.properties(*layer)) check_property(property, model->type);
+    for (const StageEntity& child : document_.children(*layer)) check(child, depth + 1);
   }
 }
 

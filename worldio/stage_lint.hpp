@@ -19,7 +19,7 @@ class StageLint {
       : document_(document), macros_(macros), values_(values) {}
 
   void check_world();
-  /// An entity with its macros and all that it holds; each body is looked at once.
+  /// An entity with its macros and all that it holds; the body of a macro is looked at once.
   void check(const StageEntity& entity) { check(entity, 0); }
   /// Writes the warnings that sum up.
   void finish();
@@ -37,7 +37,7 @@ class StageLint {
   const StageDocument& document_;
   const StageMacros& macros_;
   StageValues& values_;
-  std::unordered_set<const StageEntity*> seen_;
+  std::unordered_set<const StageEntity*> macros_seen_;
   Summary no_effect_;
   Summary window_only_;
   Summary obsolete_;

@@ -9,17 +9,17 @@ namespace troupe::worldio {
 
 const StageProperty* StageModel::find(const StageDocument& document, std::string_view key) const {
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
-    const std::vector<StageProperty>& properties = (*layer)->properties;
+    const std::span<const StageProperty> properties = document.properties(**layer);
     for (auto property = properties.rbegin(); property != properties.rend(); ++property)
       if (document.key(*property) == key) return &*property;
   }
   return nullptr;
 }
 
-std::vector<StageModel::Child> StageModel::children() const {
+std::vector<StageModel::Child> StageModel::children(const StageDocument& document) const {
   std::vector<Child> out;
   for (const StageEntity* layer : layers)
-    for (const StageEntity& child : layer->children) out.push_back({&child, layer});
+    for (const StageEntity& child : document.children(*layer)) out.push_back({&child, layer});
   return out;
 }
 
@@ -27,7 +27,7 @@ StageMacros::StageMacros(const StageDocument& document, const engine::Registry& 
     : document_(document), registry_(registry), values_(values) {}
 
 void StageMacros::define(const StageItem& item) {
-  const StageToken& name = document_.token(item.entity.word);
+  const StageToken name = document_.token(item.entity.word);
   const auto [first, is_new] =
       macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
   if (!is_new)

@@ -26,7 +26,7 @@ struct StageModel {
 
   /// The last property of this name; null when there is none.
   const StageProperty* find(const StageDocument& document, std::string_view key) const;
-  std::vector<Child> children() const;
+  std::vector<Child> children(const StageDocument& document) const;
 };
 
 /// The macros of a file, as far as it has been read.

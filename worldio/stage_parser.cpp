@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <system_error>
 
@@ -70,9 +71,15 @@ class Lexer {
       : document_(document), search_path_(search_path), diagnostics_(diagnostics), errors_(errors) {}
 
   void read(const fs::path& file, std::string text) {
-    document_.sources.push_back(std::move(text));
+    const std::uint32_t name = diagnostics_.files()->add(file.string());
+    if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
+      errors_.add({name, 0}, "the file is larger than 4 GB");
+      throw GiveUp{};
+    }
+    document_.sources.push_back({std::move(text), name});
     open_files_.push_back(identity(file));
-    Source source{document_.sources.back(), diagnostics_.files()->add(file.string())};
+    Source source{document_.sources.back().text, name,
+                  static_cast<std::uint16_t>(document_.sources.size() - 1)};
     if (source.text.starts_with("\xef\xbb\xbf")) source.at = 3;  // the byte-order mark of some editors
     while (source.at < source.text.size()) next(source);
     open_files_.pop_back();
@@ -82,6 +89,7 @@ class Lexer {
   struct Source {
     std::string_view text;
     std::uint32_t file;
+    std::uint16_t number;  // of the document's, of which there are some thousand at most
     std::size_t at = 0;
     std::uint32_t line = 1;
 
@@ -108,7 +116,9 @@ class Lexer {
   }
 
   void add(const Source& source, Kind kind, std::string_view text) {
-    document_.tokens.push_back({kind, source.file, source.line, text});
+    document_.tokens.push_back({source.number, kind, source.line,
+                                static_cast<std::uint32_t>(text.data() - source.text.data()),
+                                static_cast<std::uint32_t>(text.size())});
   }
 
   void next(Source& source) {
@@ -244,7 +254,7 @@ class Parser {
 
   void read() {
     while (peek().kind != Kind::end) {
-      const StageToken& token = peek();
+      const StageToken token = peek();
       if (token.kind == Kind::close) {
         document_.well_nested = false;
         errors_.add(token.where(), "this ) closes nothing");
@@ -252,23 +262,35 @@ class Parser {
       } else if (token.kind == Kind::word && token.text == "define") {
         define(true);
       } else if (StageEntity entity; item(document_.world, entity, 1)) {
-        document_.items.push_back({.entity = std::move(entity)});
+        document_.items.push_back({.entity = entity});
       }
     }
   }
 
  private:
-  const StageToken& peek(std::size_t ahead = 0) const {
-    const std::vector<StageToken>& tokens = document_.tokens;
-    return tokens[std::min(at_ + ahead, tokens.size() - 1)];
+  StageToken peek(std::size_t ahead = 0) const {
+    return document_.token(static_cast<std::uint32_t>(std::min(at_ + ahead, document_.tokens.size() - 1)));
   }
   std::uint32_t position() const { return static_cast<std::uint32_t>(at_); }
   static bool same_line(const StageToken& a, const StageToken& b) {
     return a.file == b.file && a.line == b.line;
   }
 
+  /// What came since the list had this size leaves it and becomes a run of `all`.
+  template <class T>
+  static StageEntity::Run close(std::vector<T>& open, std::size_t since, std::vector<T>& all) {
+    const StageEntity::Run run{static_cast<std::uint32_t>(all.size()),
+                               static_cast<std::uint32_t>(open.size() - since)};
+    const auto begin = open.begin() + static_cast<std::ptrdiff_t>(since);
+    all.insert(all.end(), begin, open.end());
+    open.erase(begin, open.end());
+    return run;
+  }
+
   /// Everything up to the ) that closes `entity`; its ( has been taken.
   void body(StageEntity& entity, std::size_t depth) {
+    const std::size_t properties = open_properties_.size();
+    const std::size_t children = open_children_.size();
     if (depth > k_deepest_nesting) {
       document_.well_nested = false;
       errors_.add(document_.token(entity.word).where(),
@@ -287,15 +309,16 @@ class Parser {
         define(false);
         continue;
       }
-      if (StageEntity child; item(entity.properties, child, depth + 1))
-        entity.children.push_back(std::move(child));
+      if (StageEntity child; item(open_properties_, child, depth + 1)) open_children_.push_back(child);
     }
     ++at_;
+    entity.properties = close(open_properties_, properties, document_.all_properties);
+    entity.children = close(open_children_, children, document_.all_children);
   }
 
   /// One property, which joins `properties`, or one entity: then true.
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
-    const StageToken& token = peek();
+    const StageToken token = peek();
     switch (token.kind) {
       case Kind::word: break;
       case Kind::open: {
@@ -308,7 +331,7 @@ class Parser {
       }
       case Kind::tuple_open:
         errors_.add(token.where(), "this tuple belongs to no property");
-        tuple();
+        static_cast<void>(tuple());
         return false;
       case Kind::tuple_close:
         errors_.add(token.where(), "this ] closes nothing");
@@ -320,7 +343,7 @@ class Parser {
         return false;
     }
 
-    const StageToken& next = peek(1);
+    const StageToken next = peek(1);
     if (next.kind == Kind::open) {
       entity.word = position();
       at_ += 2;
@@ -329,13 +352,12 @@ class Parser {
     }
     const bool has_value = next.kind != Kind::end && same_line(token, next);
     if (has_value && (next.kind == Kind::number || next.kind == Kind::string)) {
-      properties.push_back({position(), position() + 1, 1, false});
+      properties.push_back({position(), 1, false});
       at_ += 2;
     } else if (has_value && next.kind == Kind::tuple_open) {
       const std::uint32_t key = position();
       ++at_;
-      const auto [first, count] = tuple();
-      properties.push_back({key, first, count, true});
+      properties.push_back({key, tuple(), true});
     } else if (has_value && next.kind == Kind::word && peek(2).kind != Kind::open) {
       errors_.add(
           token.where(),
@@ -351,26 +373,22 @@ class Parser {
     return false;
   }
 
-  struct Values {
-    std::uint32_t first, count;
-  };
-
-  /// From [ to ], which must lie on one line.
-  Values tuple() {
+  /// From [ to ], which must lie on one line: how many values stand behind the [.
+  std::uint32_t tuple() {
     const StageToken open = peek();
     ++at_;
-    Values values{position(), 0};
+    std::uint32_t count = 0;
     bool clean = true;
     for (;; ++at_) {
-      const StageToken& token = peek();
+      const StageToken token = peek();
       if (token.kind == Kind::tuple_close && same_line(open, token)) break;
       if (token.kind == Kind::end || !same_line(open, token) || token.kind == Kind::open ||
           token.kind == Kind::close) {
         errors_.add(open.where(), "a tuple must end with ] on the line on which it begins");
-        return values;
+        return count;
       }
       if (token.kind == Kind::number || token.kind == Kind::string) {
-        values.count += clean;
+        count += clean;
         continue;
       }
       clean = false;
@@ -379,7 +397,7 @@ class Parser {
                                      : std::string("a tuple cannot hold a tuple"));
     }
     ++at_;
-    return values;
+    return count;
   }
 
   /// `define NAME BASE body`; not kept where it must not stand.
@@ -407,7 +425,7 @@ class Parser {
     }
     ++at_;
     body(item.entity, 1);
-    if (usable && keep) document_.items.push_back(std::move(item));
+    if (usable && keep) document_.items.push_back(item);
   }
 
   static std::string shown(const StageToken& token) {
@@ -416,6 +434,8 @@ class Parser {
 
   StageDocument& document_;
   SyntaxErrors& errors_;
+  std::vector<StageProperty> open_properties_;  // of the entities around the present place
+  std::vector<StageEntity> open_children_;
   std::size_t at_ = 0;
 };
 
@@ -428,7 +448,7 @@ StageDocument parse_stage(const fs::path& file, std::string text, std::span<cons
   SyntaxErrors errors(diagnostics);
   try {
     Lexer(document, search_path, diagnostics, errors).read(file, std::move(text));
-    document.tokens.push_back({});
+    document.tokens.push_back({.kind = Kind::end});
     Parser(document, errors).read();
   } catch (const GiveUp&) {
     document.well_nested = false;

@@ -20,24 +20,29 @@ struct StageToken {
   Kind kind = Kind::end;
   std::uint32_t file = Where::k_no_file;
   std::uint32_t line = 0;
-  std::string_view text;  ///< into the document's sources; a string's without its quotes
+  std::string_view text;  ///< into a source of the document; a string's without its quotes
 
   Where where() const { return {file, line}; }
 };
 
-/// `key value` or `key [value ...]`; positions in StageDocument::tokens.
+/// `key value` or `key [value ...]`.
 struct StageProperty {
-  std::uint32_t key = 0;
-  std::uint32_t first = 0;  ///< of the values
-  std::uint32_t count = 0;
+  std::uint32_t key = 0;    ///< position in StageDocument::tokens
+  std::uint32_t count = 0;  ///< of the values
   bool tuple = false;
+
+  std::uint32_t first() const { return key + (tuple ? 2 : 1); }  ///< of the values; position as of the key
 };
 
 /// `word ( properties and entities )`.
 struct StageEntity {
+  struct Run {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
   std::uint32_t word = 0;  ///< the type or the macro's name; position in StageDocument::tokens
-  std::vector<StageProperty> properties;
-  std::vector<StageEntity> children;
+  Run properties;          ///< of StageDocument::all_properties
+  Run children;            ///< of StageDocument::all_children
 };
 
 /// One thing at the top level of a file: `define word base body`, or the entity itself.
@@ -47,9 +52,25 @@ struct StageItem {
   StageEntity entity;
 };
 
+/// A file has a dozen tokens a robot, so they are kept small, and what belongs to entities lies in runs of
+/// common lists.
 struct StageDocument {
-  std::deque<std::string> sources;  ///< the text of every file, where the tokens point into
-  std::vector<StageToken> tokens;
+  struct Source {
+    std::string text;
+    std::uint32_t file;
+  };
+  struct PackedToken {
+    std::uint16_t source;
+    StageToken::Kind kind;
+    std::uint32_t line;
+    std::uint32_t begin;  // in the source's text
+    std::uint32_t length;
+  };
+
+  std::deque<Source> sources;  ///< every file, each time it is read
+  std::vector<PackedToken> tokens;
+  std::vector<StageProperty> all_properties;
+  std::vector<StageEntity> all_children;
   std::vector<StageProperty> world;  ///< properties at top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
   /// What relative paths are relative to: the world file's folder, or that of the last file found through the
@@ -58,11 +79,22 @@ struct StageDocument {
   /// False when parentheses do not match, so that nothing can be said about what belongs to what.
   bool well_nested = true;
 
-  const StageToken& token(std::uint32_t position) const { return tokens[position]; }
-  std::string_view word(const StageEntity& entity) const { return tokens[entity.word].text; }
-  std::string_view key(const StageProperty& property) const { return tokens[property.key].text; }
-  std::span<const StageToken> values(const StageProperty& property) const {
-    return std::span(tokens).subspan(property.first, property.count);
+  StageToken token(std::uint32_t position) const {
+    const PackedToken& t = tokens[position];
+    if (t.kind == StageToken::Kind::end) return {};
+    const Source& source = sources[t.source];
+    return {t.kind, source.file, t.line, std::string_view(source.text).substr(t.begin, t.length)};
+  }
+  std::string_view word(const StageEntity& entity) const { return token(entity.word).text; }
+  std::string_view key(const StageProperty& property) const { return token(property.key).text; }
+  StageToken value(const StageProperty& property, std::uint32_t i) const {
+    return token(property.first() + i);
+  }
+  std::span<const StageProperty> properties(const StageEntity& entity) const {
+    return std::span(all_properties).subspan(entity.properties.first, entity.properties.count);
+  }
+  std::span<const StageEntity> children(const StageEntity& entity) const {
+    return std::span(all_children).subspan(entity.children.first, entity.children.count);
   }
 };
 

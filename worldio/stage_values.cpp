@@ -39,7 +39,7 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
     error(where(property), fmt::format("\"{}\" needs one value, not a tuple", key(property)));
     return {};
   }
-  return document_.values(property)[0].text;
+  return document_.value(property, 0).text;
 }
 
 std::optional<std::string_view> StageValues::name(const StageProperty& property) {
@@ -51,7 +51,7 @@ std::optional<std::string_view> StageValues::name(const StageProperty& property)
 
 std::vector<std::string_view> StageValues::texts(const StageProperty& property) {
   std::vector<std::string_view> out;
-  for (const StageToken& token : document_.values(property)) out.push_back(token.text);
+  for (std::uint32_t i = 0; i < property.count; ++i) out.push_back(document_.value(property, i).text);
   return out;
 }
 
@@ -73,7 +73,7 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
 
 std::optional<double> StageValues::number(const StageProperty& property) {
   if (!text(property)) return {};
-  return number(property, document_.values(property)[0]);
+  return number(property, document_.value(property, 0));
 }
 
 std::optional<std::int64_t> StageValues::integer(const StageProperty& property) {
@@ -105,9 +105,8 @@ std::optional<std::vector<double>> StageValues::tuple(const StageProperty& prope
     warning(where(property),
             fmt::format("\"{}\" takes {} values {}; the rest is ignored", key(property), most, layout));
   std::vector<double> out;
-  for (const StageToken& token :
-       document_.values(property).first(std::min<std::size_t>(property.count, most))) {
-    const std::optional<double> value = number(property, token);
+  for (std::uint32_t i = 0; i < std::min<std::size_t>(property.count, most); ++i) {
+    const std::optional<double> value = number(property, document_.value(property, i));
     if (!value) return {};
     out.push_back(*value);
   }

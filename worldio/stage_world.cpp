@@ -19,7 +19,6 @@
 #include <optional>
 #include <type_traits>
 #include <unordered_map>
-#include <unordered_set>
 
 namespace troupe::worldio {
 namespace {
@@ -130,10 +129,10 @@ class StageWorld {
 
   void read(WorldSpec& spec) {
     spec_ = &spec;
+    spec.bodies.reserve(document_.items.size() + 1);
     read_world();
     engine::add_ground(spec);
-    generated_names_["model"] = 1;  // the ground is model:0
-    spec.aliases.insert_or_assign("model:0", BodyId(0));
+    spec.aliases.push_back({generate_name("model"), BodyId(0)});  // the ground is model:0
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
@@ -187,6 +186,7 @@ class StageWorld {
 
   void read_world();
   void add_body(const StageEntity& entity);
+  engine::Name generate_name(std::string_view kind);
   Prototype make_prototype(const StageEntity& entity);
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
@@ -210,10 +210,10 @@ class StageWorld {
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;            // by structure
-  std::vector<std::vector<std::string_view>> type_names_;    // words that lead to each type, outermost first
-  std::map<std::string_view, std::size_t> generated_names_;  // how many top-level models of each kind
-  std::unordered_set<std::string> names_;
+  std::unordered_map<std::string, TypeId> types_;             // by structure
+  std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
+  std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
+  engine::NameMap names_;
 };
 
 void StageWorld::read_world() {
@@ -274,16 +274,16 @@ void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string&
     key += '\n';
   };
   add(document_.word(entity));
-  for (const StageProperty& property : entity.properties) {
+  for (const StageProperty& property : document_.properties(entity)) {
     const std::string_view name = document_.key(property);
     if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
     if (is_without_effect(name)) continue;
     add(name);
     if (property.tuple) add("[");
-    for (const StageToken& value : document_.values(property)) add(value.text);
+    for (std::uint32_t i = 0; i < property.count; ++i) add(document_.value(property, i).text);
   }
   add("(");
-  for (const StageEntity& child : entity.children) write_key(child, false, key);
+  for (const StageEntity& child : document_.children(entity)) write_key(child, false, key);
   add(")");
 }
 
@@ -297,34 +297,43 @@ void StageWorld::add_body(const StageEntity& entity) {
   if (!prototype.kind) return;
 
   OwnProperties own = prototype.inherited;
-  for (const StageProperty& property : entity.properties)
+  for (const StageProperty& property : document_.properties(entity))
     for (std::size_t i = 0; i < own.size(); ++i)
       if (document_.key(property) == k_own_keys[i]) own[i] = &property;
 
   // Even a body that cannot be made takes its number, so that the names in other messages are right.
-  const std::string generated =
-      fmt::format("{}:{}", prototype.kind->name, generated_names_[prototype.kind->name]++);
+  const engine::Name generated = generate_name(prototype.kind->name);
   const BodyId id(spec_->bodies.size());
   engine::BodySpec body{
       .name = generated, .type = prototype.type, .where = document_.token(entity.word).where()};
   if (own[k_name])
     if (auto given = values_.name(*own[k_name])) {
       if (given->starts_with('/')) given->remove_prefix(1);
-      body.name = *given;
+      body.name = spec_->names.add(*given);
     }
   if (own[k_pose])
     if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
   body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
   if (!prototype.usable) return;
 
-  if (body.name != generated) spec_->aliases.insert_or_assign(generated, id);
+  if (body.name != generated) spec_->aliases.push_back({generated, id});
   for (const std::string& part : prototype.global_parts)
     spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
-  if (!names_.insert(body.name).second)
-    values_.warning_once(
-        own[k_name] ? values_.where(*own[k_name]) : body.where,
-        fmt::format("the name \"{}\" is taken already; looking it up finds the last", body.name));
+  if (names_.add(body.name, id) != id)
+    values_.warning_once(own[k_name] ? values_.where(*own[k_name]) : body.where,
+                         fmt::format("the name \"{}\" is taken already; looking it up finds the last",
+                                     spec_->names.text(body.name)));
   spec_->bodies.push_back(std::move(body));
+}
+
+/// model:0, model:1, ... in the order of the file.
+engine::Name StageWorld::generate_name(std::string_view kind) {
+  const auto [last, is_first] = generated_names_.try_emplace(kind);
+  if (is_first)
+    last->second = spec_->names.add(fmt::format("{}:", kind), 0);
+  else
+    ++last->second.number;
+  return last->second;
 }
 
 StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
@@ -378,7 +387,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     values_.error(where, std::move(message));
     draft.broken = true;
   };
-  for (const StageModel::Child& child : model.children()) {
+  for (const StageModel::Child& child : model.children(document_)) {
     if (++draft.entities > k_most_entities) {
       fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
       return {};
@@ -401,7 +410,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     }
     const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
     if (is_piece)
-      for (const StageModel::Child& inner : resolved->children())
+      for (const StageModel::Child& inner : resolved->children(document_))
         fail(document_.token(inner.entity->word).where(),
              fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
                          document_.word(*inner.entity)));
@@ -526,7 +535,7 @@ Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, co
 
 }  // namespace
 
-WorldSpec load_stage_world(const std::filesystem::path& file, const std::string& text,
+WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                            const engine::Registry& registry, const LoadOptions& options,
                            Diagnostics& diagnostics) {
   WorldSpec spec;
@@ -537,7 +546,7 @@ WorldSpec load_stage_world(const std::filesystem::path& file, const std::string&
                       "--robots needs a world with populations; a .world file lists its robots one by one");
   if (!options.set.empty())
     diagnostics.error(whole, "--set reaches into JSON worlds; a .world file has no keys to set");
-  const StageDocument document = parse_stage(file, text, options.search_path, diagnostics);
+  const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
   return spec;
 }

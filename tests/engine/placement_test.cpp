@@ -1,6 +1,7 @@
 #include "engine/placement.hpp"
 
 #include "base/math.hpp"
+#include "base/random.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +16,11 @@ namespace {
 using testing::ElementsAre;
 
 using Size = Eigen::Vector2d;
+
+partition::Parallel& one_thread() {
+  static partition::Parallel parallel(1);
+  return parallel;
+}
 
 Solid box(const Vec2& center, const Size& size, ZInterval z = {0, 1}) {
   const Vec2 h = 0.5 * size;
@@ -84,7 +90,7 @@ struct Setting {
   }
   std::vector<Pose> placed(std::size_t count, double cell_m = 0.5) const {
     Crowd crowd;
-    return place(rule, box_shape(size), count, seed, "p", std::nullopt, scene(cell_m), crowd);
+    return place(rule, box_shape(size), count, seed, "p", std::nullopt, scene(cell_m), crowd, one_thread());
   }
 };
 
@@ -109,7 +115,7 @@ TEST(Placement, GridFillsColumnByColumn) {
   const PlacementRule rule{.region = region(1, 2, 1.3, 2.2), .pitch_m = 0.1, .heading = 0.5, .z = 3};
   EXPECT_EQ(grid_cells(rule), 4 * 3);
   Crowd crowd;
-  const auto poses = place(rule, box_shape({0.01, 0.01}), 5, 1, "p", std::nullopt, {}, crowd);
+  const auto poses = place(rule, box_shape({0.01, 0.01}), 5, 1, "p", std::nullopt, {}, crowd, one_thread());
   EXPECT_THAT(poses, ElementsAre(Pose{1, 2, 3, 0.5}, Pose{1, 2.1, 3, 0.5}, Pose{1, 2 + 0.1 * 2, 3, 0.5},
                                  Pose{1.1, 2, 3, 0.5}, Pose{1.1, 2.1, 3, 0.5}));
   EXPECT_EQ(crowd.size(), 5u);
@@ -122,7 +128,7 @@ TEST(Placement, GridSkipsWhatIsTaken) {
   Crowd crowd;
   crowd.add(shape, {0.2, 0, 0, 0});
   const PlacementRule rule{.region = region(0, 0, 0, 5), .pitch_m = 1, .heading = 0};
-  const auto poses = place(rule, shape, 10, 1, "p", region(-9, -9, 9, 4.5), scene, crowd);
+  const auto poses = place(rule, shape, 10, 1, "p", region(-9, -9, 9, 4.5), scene, crowd, one_thread());
   // (0, 0) holds the other body, (0, 1) a wall, (0, 3) a wall above head height; (0, 5) is out of bounds.
   EXPECT_THAT(poses, ElementsAre(Pose{0, 2, 0, 0}, Pose{0, 3, 0, 0}, Pose{0, 4, 0, 0}));
 }
@@ -132,7 +138,7 @@ TEST(Placement, AFullGridSpills) {
       .region = region(0, 0, 0, 1), .spill = region(-1, 0, 0, 1), .pitch_m = 1, .heading = 0};
   EXPECT_EQ(grid_cells(rule), 2 + 4);
   Crowd crowd;
-  const auto poses = place(rule, box_shape({0.5, 0.5}), 9, 1, "p", std::nullopt, {}, crowd);
+  const auto poses = place(rule, box_shape({0.5, 0.5}), 9, 1, "p", std::nullopt, {}, crowd, one_thread());
   // The spill covers the region: what is taken there is passed over.
   EXPECT_THAT(poses, ElementsAre(Pose{0, 0, 0, 0}, Pose{0, 1, 0, 0}, Pose{-1, 0, 0, 0}, Pose{-1, 1, 0, 0}));
 }
@@ -140,7 +146,8 @@ TEST(Placement, AFullGridSpills) {
 TEST(Placement, TouchingIsNotTaken) {
   Crowd crowd;
   const PlacementRule rule{.region = region(0, 0, 1, 1), .pitch_m = 0.5, .heading = 0};
-  EXPECT_EQ(place(rule, box_shape({0.5, 0.5}), 100, 1, "p", std::nullopt, {}, crowd).size(), 9u);
+  EXPECT_EQ(place(rule, box_shape({0.5, 0.5}), 100, 1, "p", std::nullopt, {}, crowd, one_thread()).size(),
+            9u);
 }
 
 TEST(Placement, WhatIsNoObstacleIsNowhereInTheWay) {
@@ -151,7 +158,7 @@ TEST(Placement, WhatIsNoObstacleIsNowhereInTheWay) {
   const partition::StaticScene scene({{box({0, 0}, {9, 9}), BodyId(1)}}, 1);
   Crowd crowd;
   const PlacementRule rule{.region = region(0, 0, 0.1, 0.1), .pitch_m = 0.1, .heading = 0};
-  EXPECT_EQ(place(rule, none, 4, 1, "p", std::nullopt, scene, crowd).size(), 4u);
+  EXPECT_EQ(place(rule, none, 4, 1, "p", std::nullopt, scene, crowd, one_thread()).size(), 4u);
   EXPECT_TRUE(crowd.free(box_shape({1, 1}), {}));
 }
 
@@ -159,7 +166,7 @@ TEST(Placement, DrawsAreNamedBySeedAndPopulation) {
   const PlacementRule rule{.kind = PlacementRule::Kind::uniform, .region = region(0, 0, 100, 100)};
   const auto first = [&](std::uint64_t seed, std::string_view name) {
     Crowd crowd;
-    return place(rule, box_shape({0.1, 0.1}), 1, seed, name, std::nullopt, {}, crowd)[0];
+    return place(rule, box_shape({0.1, 0.1}), 1, seed, name, std::nullopt, {}, crowd, one_thread())[0];
   };
   EXPECT_EQ(first(1, "p"), first(1, "p"));
   EXPECT_NE(first(1, "p"), first(2, "p"));
@@ -170,10 +177,51 @@ TEST(Placement, DrawsAreNamedBySeedAndPopulation) {
 TEST(Placement, AFixedHeadingMovesNobody) {
   PlacementRule rule{.region = region(0, 0, 9, 9), .pitch_m = 1, .jitter_m = 0.2};
   Crowd crowd_a, crowd_b;
-  const auto a = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_a);
+  const auto a = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_a, one_thread());
   rule.heading = 1;
-  const auto b = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_b);
+  const auto b = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_b, one_thread());
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(a[i].position(), b[i].position());
+}
+
+/// Enough bodies, walls and refusals that several blocks of candidates are looked at ahead.
+TEST(Placement, ThreadsChangeNobodysPlace) {
+  std::vector<partition::FixedSolid> walls;
+  Random random(1, 2, 3, 4);
+  for (std::size_t i = 1; i <= 40; ++i)
+    walls.push_back({box({random.uniform(0, 20), random.uniform(0, 20)}, {0.3, 4}), BodyId(i)});
+  const partition::StaticScene scene(walls, 0.5);
+  const partition::ObstacleShape shape = box_shape({0.1, 0.1});
+  const PlacementRule uniform{.kind = PlacementRule::Kind::uniform, .region = region(0, 0, 20, 20)};
+  const PlacementRule grid{.region = region(0, 0, 20, 20), .pitch_m = 0.12, .heading = 0.1};
+  const PlacementRule drawn{.region = region(0, 0, 20, 20), .pitch_m = 0.12, .jitter_m = 0.05};
+  constexpr std::size_t k_bodies = 12000;
+
+  std::vector<Pose> one_by_one;  // the rule of `uniform`, as it is defined
+  Crowd crowd;
+  for (std::uint32_t body = 0; body < k_bodies; ++body)
+    for (std::uint32_t trial = 0; trial < uniform.trials; ++trial) {
+      Random draws(1, stream_id("place", "p"), body, trial);
+      Pose pose{draws.uniform() * 20, draws.uniform() * 20, 0, 0};
+      pose.heading = draws.uniform(-k_pi, k_pi);
+      if (scene.blocked(shape, pose) || !crowd.free(shape, pose)) continue;
+      crowd.add(shape, pose);
+      one_by_one.push_back(pose);
+      break;
+    }
+  ASSERT_EQ(one_by_one.size(), k_bodies);
+
+  for (const PlacementRule& rule : {uniform, grid, drawn}) {
+    std::vector<Pose> expected = one_by_one;
+    for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+      partition::Parallel parallel(threads);
+      Crowd others;
+      const auto poses = place(rule, shape, k_bodies, 1, "p", std::nullopt, scene, others, parallel);
+      if (threads == 1 && rule.kind == PlacementRule::Kind::grid) expected = poses;
+      EXPECT_EQ(poses, expected) << threads << " threads";
+      EXPECT_EQ(others.size(), poses.size());
+      EXPECT_GT(poses.size(), 5000u);
+    }
+  }
 }
 
 RC_GTEST_PROP(PlacementProperty, NobodyOverlaps, ()) {

@@ -4,6 +4,7 @@
 #include "engine/ticks.hpp"
 #include "tests/support/scene.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -234,6 +235,29 @@ TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
                            "move apart, but not closer"));
 }
 
+TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  for (int i = 0; i < 700; ++i) scene.body("free", type, {i * 0.5, 9, 0, 0});
+  for (int i = 700; i > 0; --i)  // each overlaps the next two before it, and the first six a wall
+    scene.body(fmt::format("r{}", i), type, {i * 0.15, 0, i % 2 == 0 ? -0.1 : 0.0, 0});
+  scene.wall(0, -1, 1, 1);
+  const std::string floor =
+      "warning: a body reaches below the floor, which holds nothing here (and 349 more)";
+  const std::string pairs = fmt::format(
+      "warning: {} pairs of bodies overlap at the start, first \"r700\" and \"r699\"; they may move apart, "
+      "but "
+      "not closer",
+      699 + 698 + 7);
+  for (const unsigned threads : {1u, 2u, 3u, 8u})
+    for (const double tile_m : {0.0, 1.0, 100.0}) {
+      Diagnostics diagnostics;
+      const World world(scene.spec, test::registry(), {.threads = threads, .tile_size_m = tile_m},
+                        diagnostics);
+      EXPECT_THAT(diagnostics.warnings(), testing::ElementsAre(floor, pairs));
+    }
+}
+
 TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
@@ -280,7 +304,7 @@ TEST(World, NamesAndAliases) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
   const BodyId a = scene.body("a", type);
-  scene.spec.aliases["position:0"] = a;
+  scene.spec.aliases.push_back({scene.spec.names.add("position:0"), a});
   const World world = scene.world();
   EXPECT_EQ(world.find("a"), a);
   EXPECT_EQ(world.find("position:0"), a);

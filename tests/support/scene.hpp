@@ -97,8 +97,8 @@ class SceneBuilder {
   }
   engine::TypeSpec& operator[](TypeId id) { return spec.types[id.index()]; }
 
-  BodyId body(std::string name, TypeId type, Pose pose = {}) {
-    spec.bodies.push_back({.name = std::move(name), .type = type, .pose_world_body = pose});
+  BodyId body(std::string_view name, TypeId type, Pose pose = {}) {
+    spec.bodies.push_back({.name = spec.names.add(name), .type = type, .pose_world_body = pose});
     return BodyId(spec.bodies.size() - 1);
   }
   BodyId wall(double x0, double y0, double x1, double y1, engine::Returns returns = {}) {

@@ -82,7 +82,10 @@ TEST(JsonDocument, SyntaxErrorsNameTheLine) {
             "maze.json:2: error: syntax error while parsing value - invalid string: control character U+000A "
             "(LF) must "
             "be escaped to \\u000A or \\n; last read: '\"b<U+000A>'");
-  EXPECT_EQ(error("{\n\"a\": 1e999\n}"), "maze.json:2: error: number overflow parsing '1e999'");
+  EXPECT_EQ(error("{\n\"a\": 1e999\n}"), "maze.json:2: error: /a: number overflow parsing '1e999'");
+  EXPECT_EQ(error("{\"a\": [1, {\"b/c\": [[2], [3],\n1e999]}]}"),
+            "maze.json:2: error: /a/1/b~1c/2: number overflow parsing '1e999'");
+  EXPECT_EQ(error("1e999"), "maze.json:1: error: number overflow parsing '1e999'");
   EXPECT_EQ(error(""),
             "maze.json:1: error: syntax error while parsing value - unexpected end of input; expected '[', "
             "'{', or a literal");

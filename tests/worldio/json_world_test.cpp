@@ -106,14 +106,14 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_FALSE(spec.types[2].drive);
 
   ASSERT_EQ(spec.bodies.size(), 6u);
-  EXPECT_EQ(spec.bodies[0].name, "_ground_model");
-  EXPECT_EQ(spec.bodies[1].name, "c0");
+  EXPECT_EQ(spec.name(BodyId(0)), "_ground_model");
+  EXPECT_EQ(spec.name(BodyId(1)), "c0");
   EXPECT_EQ(spec.bodies[1].type, TypeId(2));
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{5, 5, 0, 0}));
   EXPECT_EQ(spec.bodies[1].where.line, 14u);
   const double y[] = {0, 0.25, 0.5, 0.75};
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(spec.bodies[2 + i].name, fmt::format("r{}", i));
+    EXPECT_EQ(spec.name(BodyId(2 + i)), fmt::format("r{}", i));
     EXPECT_EQ(spec.bodies[2 + i].type, TypeId(1));
     EXPECT_EQ(spec.bodies[2 + i].pose_world_body, (Pose{0, y[i], 0, 0}));
     EXPECT_EQ(spec.bodies[2 + i].color, (Color{1, 0, 0, 1}));
@@ -183,7 +183,7 @@ TEST(JsonWorld, FloorPlans) {
   ASSERT_THAT(loaded.found, IsEmpty());
   const WorldSpec& spec = loaded.spec;
   ASSERT_EQ(spec.bodies.size(), 3u);
-  EXPECT_EQ(spec.bodies[1].name, "a");
+  EXPECT_EQ(spec.name(BodyId(1)), "a");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{10, 0, 0, radians(90)}));
 
   const engine::PartSpec& trimmed = spec.types[spec.bodies[1].type.index()].parts[0];
@@ -544,6 +544,31 @@ TEST(JsonWorld, SetAndSeed) {
           "\"many\"",
           "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
           "count, name, place, type"));
+}
+
+TEST(JsonWorld, ThreadsChangeNeitherAWorldNorItsFindings) {
+  const auto load = [](unsigned threads, const std::string& place) {
+    LoadOptions options;
+    options.threads = threads;
+    options.set = {{"/populations/0/count", "3000"}, {"/populations/0/place", place}};
+    return Loaded(k_world, options);
+  };
+  const std::string uniform = R"({"rule": "uniform", "region_m": [[0, 0], [25, 25]]})";
+  const std::string grid = R"({"rule": "grid", "region_m": [[0, 0], [25, 25]], "pitch_m": 0.25})";
+  const std::string narrow = R"({"rule": "uniform", "region_m": [[0, 0], [3, 3]]})";  // no room for all
+  for (const std::string& place : {uniform, grid, narrow}) {
+    const Loaded one = load(1, place);
+    EXPECT_EQ(one.found.size(), place == narrow ? 1u : 0u);
+    for (const unsigned threads : {2u, 3u, 8u}) {
+      const Loaded loaded = load(threads, place);
+      EXPECT_EQ(loaded.found, one.found);
+      ASSERT_EQ(loaded.spec.bodies.size(), one.spec.bodies.size());
+      for (std::size_t b = 0; b < one.spec.bodies.size(); ++b) {
+        EXPECT_EQ(loaded.spec.name(BodyId(b)), one.spec.name(BodyId(b)));
+        EXPECT_EQ(loaded.spec.bodies[b].pose_world_body, one.spec.bodies[b].pose_world_body);
+      }
+    }
+  }
 }
 
 TEST(JsonWorld, RobotsSetAPopulation) {

@@ -98,9 +98,20 @@ inline const engine::TypeSpec& type_of(const engine::WorldSpec& spec, std::size_
   return spec.types[spec.bodies[body].type.index()];
 }
 
+inline std::string name_of(const engine::WorldSpec& spec, std::size_t body) {
+  return spec.name(BodyId(body));
+}
+
+/// The body that a generated name stands for beside its own; not valid when there is none.
+inline BodyId alias(const engine::WorldSpec& spec, std::string_view name) {
+  for (const engine::NamedBody& alias : spec.aliases)
+    if (spec.names.text(alias.name) == name) return alias.body;
+  return {};
+}
+
 inline std::vector<std::string> body_names(const engine::WorldSpec& spec) {
   std::vector<std::string> names;
-  for (const engine::BodySpec& body : spec.bodies) names.push_back(body.name);
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) names.push_back(spec.name(BodyId(b)));
   return names;
 }
 

@@ -44,7 +44,7 @@ TEST_F(StageParser, ConformanceVector14EntityWithoutParentheses) {
 TEST_F(StageParser, AByteOrderMarkIsNoText) {
   const auto spec = load("\xef\xbb\xbfmodel( name \"x\" )");
   EXPECT_THAT(messages(), IsEmpty());
-  EXPECT_EQ(spec.bodies[1].name, "x");
+  EXPECT_EQ(name_of(spec, 1), "x");
 }
 
 TEST_F(StageParser, ConformanceVector14UnquotedString) {
@@ -52,7 +52,7 @@ TEST_F(StageParser, ConformanceVector14UnquotedString) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: the value of \"color\" must be a number, a string or a "
                           "tuple; a string needs quotes: color \"red\""));
-  EXPECT_EQ(spec.bodies[1].name, "x");  // reading goes on behind the error
+  EXPECT_EQ(name_of(spec, 1), "x");  // reading goes on behind the error
 }
 
 TEST_F(StageParser, ConformanceVector14DefineWithoutBase) {
@@ -157,16 +157,16 @@ TEST_F(StageParser, ConformanceVector14FirstDefineWins) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: warning: \"a\" is defined already, at line 1; the first definition "
                           "holds"));
-  EXPECT_EQ(spec.bodies[1].name, "first");
+  EXPECT_EQ(name_of(spec, 1), "first");
 }
 
 TEST_F(StageParser, ConformanceVector14LastPropertyWins) {
-  EXPECT_EQ(load("model( name \"a\" size [1 1 1] name \"b\" )").bodies[1].name, "b");
+  EXPECT_EQ(name_of(load("model( name \"a\" size [1 1 1] name \"b\" )"), 1), "b");
 }
 
 TEST_F(StageParser, ConformanceVector14IncludeInABody) {
   write("name.inc", "name \"inside\"\n");
-  EXPECT_EQ(load("model(\n include \"name.inc\"\n size [1 1 1]\n)").bodies[1].name, "inside");
+  EXPECT_EQ(name_of(load("model(\n include \"name.inc\"\n size [1 1 1]\n)"), 1), "inside");
 }
 
 TEST_F(StageParser, ConformanceVector14CommentBeforeTheBody) {
@@ -184,7 +184,7 @@ TEST_F(StageParser, ParsesWhatStageParses) {
               ElementsAre("w.world:3: warning: a model has no property \"pose[0]\"; it is ignored",
                           "w.world:4: error: \"size[1\": a blank must stand before the ["));
   ASSERT_THAT(spec.bodies, SizeIs(4));
-  EXPECT_EQ(spec.bodies[1].name, "top");
+  EXPECT_EQ(name_of(spec, 1), "top");
   EXPECT_FLOAT_EQ(spec.bodies[1].color.b, 128 / 255.0f);
   EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "model:0", "model:1", "model:2", "model:2.deep"));
 }
@@ -236,14 +236,14 @@ TEST_F(StageParser, NumbersAreReadWhole) {
           "w.world:6: error: \"noblocks\" needs a whole number; 0.5 is none"));
   const auto spec = load("model( pose [+1 -.5 2. \"90\"] name 5 )");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 2, k_pi / 2}));
-  EXPECT_EQ(spec.bodies[1].name, "5");
+  EXPECT_EQ(name_of(spec, 1), "5");
 }
 
 TEST_F(StageParser, DefineInABodyIsAnError) {
   const auto spec = load("model(\n define x model( size [1 1 1] )\n name \"y\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: define belongs at the top level of a file, not into a model"));
-  EXPECT_EQ(spec.bodies[1].name, "y");
+  EXPECT_EQ(name_of(spec, 1), "y");
 }
 
 TEST_F(StageParser, IncompleteDefines) {
@@ -260,7 +260,7 @@ TEST_F(StageParser, IncompleteDefines) {
 TEST_F(StageParser, IncludesAreRelativeToTheWorldFile) {
   write("inc/a.inc", "include \"inc/b.inc\"\n");
   write("inc/b.inc", "define rob model( name \"b\" )\n");
-  EXPECT_EQ(load("include \"inc/a.inc\"  # the rest may be a comment\nrob()").bodies[1].name, "b");
+  EXPECT_EQ(name_of(load("include \"inc/a.inc\"  # the rest may be a comment\nrob()"), 1), "b");
 }
 
 TEST_F(StageParser, AnIncludeMayEndTheFile) {
@@ -301,7 +301,7 @@ TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
   LoadOptions options;
   options.search_path = {folder() / "nowhere", folder() / "elsewhere"};
   // The file found there moves the base of later paths: b.inc lies beside it.
-  EXPECT_EQ(load("include \"inc/a.inc\"\n", options).bodies[1].name, "b");
+  EXPECT_EQ(name_of(load("include \"inc/a.inc\"\n", options), 1), "b");
   load("include \"c.inc\"\n", options);
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: cannot read the included file c.inc, nor one of that name on "
@@ -311,7 +311,7 @@ TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
 // Macros.
 
 TEST_F(StageParser, ABaseMayBeDefinedLater) {
-  EXPECT_EQ(load("define a b( name \"x\" )\ndefine b model( name \"y\" )\na()").bodies[1].name, "x");
+  EXPECT_EQ(name_of(load("define a b( name \"x\" )\ndefine b model( name \"y\" )\na()"), 1), "x");
 }
 
 TEST_F(StageParser, AMacroMustStandBeforeItsUse) {
@@ -357,7 +357,7 @@ TEST_F(StageParser, DeepNestingIsReported) {
 TEST_F(StageParser, LongChainsOfBasesAreFine) {
   std::string text = "define a0 model( name \"x\" )\n";
   for (int i = 1; i < 20000; ++i) text += fmt::format("define a{} a{}()\n", i, i - 1);
-  EXPECT_EQ(load(text + "a19999()").bodies[1].name, "x");
+  EXPECT_EQ(name_of(load(text + "a19999()"), 1), "x");
 }
 
 TEST_F(StageParser, GivesUpOnGarbage) {

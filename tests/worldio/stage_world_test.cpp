@@ -139,10 +139,10 @@ TEST_F(StageWorld, ConformanceVector7Names) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:5: warning: a ranger without a sensor( ... ) measures nothing"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "model:1", "position:0", "box", "g", "r0"));
-  EXPECT_EQ(spec.aliases.at("model:0"), BodyId(0));
-  EXPECT_EQ(spec.aliases.at("model:2"), BodyId(3));
-  EXPECT_EQ(spec.aliases.at("position:1"), BodyId(5));
-  EXPECT_FALSE(spec.aliases.contains("model:1"));  // it is the body's name
+  EXPECT_EQ(alias(spec, "model:0"), BodyId(0));
+  EXPECT_EQ(alias(spec, "model:2"), BodyId(3));
+  EXPECT_EQ(alias(spec, "position:1"), BodyId(5));
+  EXPECT_FALSE(alias(spec, "model:1").valid());  // it is the body's name
   const engine::TypeSpec& r0 = type_of(spec, 5);
   EXPECT_THAT(part_names(r0),
               ElementsAre("", "ranger:0", "eye", "eye.model:0", "ranger:2", "gkid", "gkid.model:0"));
@@ -172,7 +172,7 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
               ElementsAre("w.world:2: warning: the name \"x\" is taken already; looking it up finds the last",
                           "w.world:3: warning: an empty name; the generated one stays (and 1 more)",
                           "w.world:5: error: \"name\" needs one value, not a tuple"));
-  EXPECT_EQ(spec.bodies[3].name, "model:3");
+  EXPECT_EQ(name_of(spec, 3), "model:3");
 }
 
 // Bodies.
@@ -461,6 +461,21 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
           "w.world:5: error: \"range\" needs a tuple [min max]",
           "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms; here is -1"));
+}
+
+TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
+  load(
+      "ranger( sensor( pose [0 0]\n size [0 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
+      "ranger( sensor( pose [1] range [3 2] ) )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
+                          "w.world:2: error: \"size\" must be above 0 in every direction; here is 0",
+                          "w.world:3: error: \"range\" must be at least 0 m; here is -1",
+                          "w.world:3: error: \"range\" must be above 0 m; here is -2",
+                          HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+                          "w.world:5: error: \"samples\" must be at least 1; here is 0",
+                          "w.world:6: error: \"pose\" needs 4 values [x y z heading]; here is 1",
+                          "w.world:6: error: \"range\" needs [min max] with min at most max"));
 }
 
 // Drives.
@@ -762,8 +777,8 @@ TEST_F(StageOwnWorld, Cave) {
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
-  EXPECT_EQ(spec.bodies[2].name, "position:0");
-  EXPECT_EQ(spec.bodies[101].name, "position:99");
+  EXPECT_EQ(name_of(spec, 2), "position:0");
+  EXPECT_EQ(name_of(spec, 101), "position:99");
   for (std::size_t b = 2; b < 102; ++b) EXPECT_EQ(spec.bodies[b].type, TypeId(2));
   EXPECT_NE(spec.bodies[2].color, spec.bodies[12].color);
   const engine::TypeSpec& robot = spec.types[2];
@@ -786,11 +801,11 @@ TEST_F(StageOwnWorld, Hospital) {
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
-  EXPECT_EQ(spec.bodies[1].name, "model:1");
+  EXPECT_EQ(name_of(spec, 1), "model:1");
   EXPECT_EQ(spec.quit_time_s, 60);
   for (std::size_t i = 0; i < 1000; ++i) {
     const engine::BodySpec& body = spec.bodies[i + 2];
-    EXPECT_EQ(body.name, fmt::format("r{}", i));
+    EXPECT_EQ(name_of(spec, i + 2), fmt::format("r{}", i));
     EXPECT_NEAR(body.pose_world_body.x, -59 + 0.25 * static_cast<double>(i / 5), 1e-9);
     EXPECT_NEAR(body.pose_world_body.y, -15 + 0.25 * static_cast<double>(i % 5), 1e-9);
   }

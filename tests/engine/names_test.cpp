@@ -1,0 +1,96 @@
+#include "engine/names.hpp"
+
+#include "base/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+TEST(Names, EqualTextsAreEqualNamesAndComeBackWhole) {
+  const std::vector<std::string> texts{"",
+                                       "r",
+                                       "r0",
+                                       "r00",
+                                       "r07",
+                                       "r7",
+                                       "r17",
+                                       "r1000",
+                                       "r01000",
+                                       "r999999999",
+                                       "0",
+                                       "00",
+                                       "7",
+                                       "007",
+                                       "position:3",
+                                       "4294967295",
+                                       "r4294967295",
+                                       "r99999999999999999999",
+                                       "r1x",
+                                       "r1x2",
+                                       "-1",
+                                       "r 1",
+                                       "\xc3\xa9"
+                                       "5",
+                                       "r10000000000"};
+  Names names;
+  std::vector<Name> made;
+  for (const std::string& text : texts) made.push_back(names.add(text));
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    EXPECT_EQ(names.text(made[i]), texts[i]);
+    EXPECT_EQ(names.find(texts[i]), made[i]) << texts[i];
+    EXPECT_EQ(names.add(texts[i]), made[i]) << texts[i];
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(made[i], made[j]) << texts[i] << " and " << texts[j];
+  }
+  EXPECT_EQ(names.add(""), Name());
+}
+
+TEST(Names, ACrowdSharesItsWord) {
+  Names names;
+  EXPECT_EQ(names.add("r17").word, names.add("r", 5).word);
+  EXPECT_EQ(names.add("r17").number, 17u);
+}
+
+TEST(Names, ANumberBehindATextIsTheTextWithTheNumber) {
+  Names names;
+  for (const std::string text : {"r", "", "r1", "r0", "7", "position:"})
+    for (const std::uint32_t number : {0u, 7u, 10u, 999999999u, 1000000000u, 4294967295u})
+      EXPECT_EQ(names.add(text, number), names.add(text + std::to_string(number))) << text << ' ' << number;
+}
+
+TEST(Names, AWordThatWasNeverAddedIsFoundInNoName) {
+  Names names;
+  names.add("r1");
+  EXPECT_FALSE(names.find("s1").has_value());
+  EXPECT_TRUE(names.find("r2").has_value());  // it may be a name: whether a body has it, a NameMap tells
+}
+
+TEST(NameMap, FindsWhatAStandardMapFinds) {
+  NameMap map;
+  EXPECT_FALSE(map.find({1, 2}).valid());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, BodyId> oracle;
+  Random random(1, 2, 3, 4);
+  for (std::size_t i = 0; i < 20000; ++i) {
+    const Name name{random.below(5), random.below(10) == 0 ? Name::k_no_number : random.below(4000)};
+    const BodyId body(i);
+    if (random.below(2) == 0) {
+      map.set(name, body);
+      oracle[{name.word, name.number}] = body;
+    } else {
+      EXPECT_EQ(map.add(name, body), oracle.emplace(std::pair(name.word, name.number), body).first->second);
+    }
+  }
+  EXPECT_EQ(map.size(), oracle.size());
+  for (std::uint32_t word = 0; word < 6; ++word)
+    for (std::uint32_t number = 0; number < 4100; ++number) {
+      const auto found = oracle.find({word, number});
+      EXPECT_EQ(map.find({word, number}), found == oracle.end() ? BodyId() : found->second);
+    }
+}
+
+}  // namespace
+}  // namespace troupe::engine
