@@ -42,6 +42,7 @@ struct Transform {
 
   Transform() = default;
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
+  Transform(const Vec2& p, const Rotation& r) : position(p), rotation(r) {}
   Vec2 operator*(const Vec2& point) const { return position + rotation * point; }
 };
 

@@ -7,17 +7,6 @@
 #include <string>
 
 namespace troupe {
-namespace {
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection in which every bit of the
-/// result depends on every bit of x.
-std::uint64_t scramble(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-}  // namespace
 
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key) {
@@ -89,10 +78,5 @@ double Random::normal() {
 }
 
 double Random::exponential() { return -log(1.0 - uniform()); }
-
-std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
-  constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment
-  return scramble(scramble(scramble(seed + k_step) + tick + k_step) + id + k_step);
-}
 
 }  // namespace troupe

@@ -49,7 +49,24 @@ class Random {
   unsigned left_ = 0;
 };
 
+/// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection in which every bit of the
+/// result depends on every bit of x.
+inline std::uint64_t scramble(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+/// Takes one more value into a mixture.
+inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
+  constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment
+  return scramble(mixture + value + k_step);
+}
+
 /// A 64-bit mixture of its arguments, for priorities: every bit depends on every input bit.
-std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id);
+inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
+inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
+  return mix_in(mix(seed, tick), id);
+}
 
 }  // namespace troupe

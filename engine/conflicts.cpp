@@ -1,11 +1,14 @@
 #include "engine/conflicts.hpp"
 
 #include "base/random.hpp"
+#include "partition/placed_shape.hpp"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace troupe::engine {
@@ -13,100 +16,32 @@ namespace {
 
 using partition::BodyCircle;
 using partition::ObstacleShape;
+using partition::PlacedShape;
 
-constexpr std::size_t k_batch = 64;  // rows a task
+constexpr std::size_t k_batch = 128;  // rows a task
+constexpr std::size_t k_listed =
+    64;  // others that a row may list; with more it looks at all again each round
+constexpr std::uint32_t k_unlisted = ~0u;
 
 // A motion that is longer than this is far. A few bodies with far motions are looked at one by one, so that
 // they do not widen everybody's search.
 constexpr double k_far_m = 0.5;
-constexpr std::size_t k_few_far = 64;
 
-// A row's state while motions settle. A round reads only what earlier rounds settled, so that the number of
-// rounds, too, is the same on any number of threads.
-constexpr std::uint32_t k_open = 0;
-constexpr std::uint32_t k_stays = 1;
-constexpr std::uint32_t k_moves = 2;
-constexpr std::uint32_t k_state = 3;
+std::atomic_ref<std::uint32_t> atomic(std::uint32_t& value) { return std::atomic_ref(value); }
 
-double length2(const Motion& m) { return (m.to.position() - m.from.position()).squaredNorm(); }
-
-bool is_far(const Motion& m) { return m.moves && length2(m) > k_far_m * k_far_m; }
-
-Box swept(const Motion& m, double radius) {
-  Box box = Box::around(m.from.position(), radius);
-  if (m.moves) box.extend(Box::around(m.to.position(), radius));
-  return box;
+/// Raises a maximum of non-negative numbers, whose bits are ordered as they are.
+void raise(std::atomic<std::uint64_t>& most, double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  std::uint64_t known = most.load(std::memory_order_relaxed);
+  while (known < bits && !most.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
+  }
+}
+double value_of(const std::atomic<std::uint64_t>& most) {
+  return std::bit_cast<double>(most.load(std::memory_order_relaxed));
 }
 
-/// The samples of a motion at which its origin may lie within `reach` of a point, and some to either side;
-/// none: first > last. For slow motions that is all of them; a fast one takes thousands.
-std::pair<std::size_t, std::size_t> samples_near(const Motion& m, std::size_t n, const Vec2& point,
-                                                 double reach) {
-  constexpr std::size_t k_few = 8;
-  const Vec2 along = m.to.position() - m.from.position();
-  const double length2 = along.squaredNorm();
-  if (n <= k_few || length2 == 0) return {1, n};
-  const double samples = static_cast<double>(n);
-  const double middle = along.dot(point - m.from.position()) / length2 * samples;
-  const double half = (reach + partition::k_rounding_m) / sqrt(length2) * samples + 2;
-  const double first = std::clamp(middle - half, 1.0, samples);
-  const double last = std::clamp(middle + half, 0.0, samples);
-  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
-}
-
-class Rule {
- public:
-  Rule(const Conflicts::Crowd& crowd, const partition::StaticScene& scene) : crowd_(crowd), scene_(scene) {}
-
-  bool leaves_world(const Motion& m) const { return !crowd_.bounds.contains(m.to.position()); }
-
-  bool scene_refuses(std::size_t row) const {
-    if (!scene_.has_obstacles()) return false;
-    const Motion& m = crowd_.motions[row];
-    const ObstacleShape& shape = *crowd_.shapes[row];
-    const std::size_t n = motion_samples(m, shape);
-    // A body in a floor plan crosses many of its edges: one answer for all of them.
-    std::uint32_t known = ~0u;
-    const auto already_in = [&](std::uint32_t solid) {
-      if (solid == known) return true;
-      if (!scene_.overlaps_solid(solid, shape, m.from)) return false;
-      known = solid;
-      return true;
-    };
-    for (std::size_t k = 1; k <= n; ++k)
-      if (scene_.crossed(shape, motion_pose(m, k, n), already_in) >= 0) return true;
-    return false;
-  }
-
-  /// Does `other`, standing at this pose, refuse the row's motion?
-  bool body_refuses(std::size_t row, std::size_t other, const Pose& other_pose) const {
-    const Motion& m = crowd_.motions[row];
-    const std::size_t n = motion_samples(m, *crowd_.shapes[row]);
-    const auto [first, last] =
-        samples_near(m, n, other_pose.position(), crowd_.shapes[row]->radius + crowd_.shapes[other]->radius);
-    for (std::size_t k = first; k <= last; ++k) {
-      if (!meet(row, motion_pose(m, k, n), other, other_pose)) continue;
-      const Vec2 there = other_pose.position();
-      const bool apart = (m.to.position() - there).squaredNorm() > (m.from.position() - there).squaredNorm();
-      return !(apart && meet(row, m.from, other, other_pose));
-    }
-    return false;
-  }
-
- private:
-  bool meet(std::size_t a, const Pose& pose_a, std::size_t b, const Pose& pose_b) const {
-    return crowd_.ids[a] < crowd_.ids[b] ? overlap(*crowd_.shapes[a], pose_a, *crowd_.shapes[b], pose_b)
-                                         : overlap(*crowd_.shapes[b], pose_b, *crowd_.shapes[a], pose_a);
-  }
-
-  const Conflicts::Crowd& crowd_;
-  const partition::StaticScene& scene_;
-};
-
-}  // namespace
-
-std::size_t motion_samples(const Motion& m, const ObstacleShape& shape) {
-  const double displacement = (m.to.position() - m.from.position()).norm() + shape.radius * std::abs(m.turn);
+std::size_t motion_samples(double length, double turn, const ObstacleShape& shape) {
+  const double displacement = length + shape.radius * std::abs(turn);
   const double samples = displacement / (0.25 * shape.thinnest);
   constexpr double k_most = 1e6;  // a needle at absurd speed must not hang the step
   const double n = samples < k_most ? samples : k_most;
@@ -114,143 +49,354 @@ std::size_t motion_samples(const Motion& m, const ObstacleShape& shape) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-Pose motion_pose(const Motion& m, std::size_t k, std::size_t n) {
-  if (k == n) return m.to;
-  const double t = static_cast<double>(k) / static_cast<double>(n);
-  return {m.from.x + t * (m.to.x - m.from.x), m.from.y + t * (m.to.y - m.from.y),
-          m.from.z + t * (m.to.z - m.from.z), m.from.heading + t * m.turn};
+/// A row that proposes a motion. What only some need is worked out when it is first asked for.
+class Mover {
+ public:
+  Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
+      : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
+
+  double length() const { return (motion.to.position() - from.position()).norm(); }
+
+  std::size_t samples() {
+    if (samples_ == 0) samples_ = motion_samples(length(), motion.turn, shape);
+    return samples_;
+  }
+  /// Pose k of n, 1 .. n - 1.
+  Pose between(std::size_t k) {
+    const double t = static_cast<double>(k) / static_cast<double>(samples());
+    const Pose& to = motion.to;
+    return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
+            from.heading + t * motion.turn};
+  }
+  const PlacedShape& here() { return here_ ? *here_ : here_.emplace(shape, crowd_.transforms[row], from.z); }
+  const PlacedShape& there() { return there_ ? *there_ : there_.emplace(shape, motion.there(), motion.to.z); }
+
+  const std::uint32_t row;
+  const Pose& from;
+  const Motion& motion;
+  const ObstacleShape& shape;
+
+ private:
+  const Conflicts::Crowd& crowd_;
+  std::size_t samples_ = 0;
+  std::optional<PlacedShape> here_;
+  std::optional<PlacedShape> there_;
+};
+
+/// The samples of a motion at which its origin may lie within `reach` of a point, and some to either side;
+/// none: first > last. For slow motions that is all of them; a fast one takes thousands.
+std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
+  constexpr std::size_t k_few = 8;
+  const std::size_t n = mover.samples();
+  const Vec2 along = mover.motion.to.position() - mover.from.position();
+  const double length2 = along.squaredNorm();
+  if (n <= k_few || length2 == 0) return {1, n};
+  const double samples = static_cast<double>(n);
+  const double middle = along.dot(point - mover.from.position()) / length2 * samples;
+  const double half = (reach + partition::k_rounding_m) / sqrt(length2) * samples + 2;
+  const double first = std::clamp(middle - half, 1.0, samples);
+  const double last = std::clamp(middle + half, 0.0, samples);
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
+}
+
+}  // namespace
+
+/// One tick's settling, as all threads see it.
+class Conflicts::Settling {
+ public:
+  Settling(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
+           const partition::BodyIndex& index)
+      : conflicts_(conflicts),
+        crowd_(crowd),
+        scene_(scene),
+        index_(index),
+        round_(conflicts.base_ + 1),
+        mixture_(mix(crowd.seed, crowd.tick)) {}
+
+  /// Before the first round: how far out to look for those who may come near.
+  void measure(std::size_t first, std::size_t last) {
+    double longest2 = 0;
+    for (std::size_t row = first; row < last; ++row) {
+      const Motion& motion = crowd_.motions[row];
+      if (!motion.moves || crowd_.shapes[row]->empty() || leaves_world(motion)) continue;
+      const double length2 = length2_of(row);
+      if (length2 <= k_far_m * k_far_m) {
+        longest2 = std::max(longest2, length2);
+        continue;
+      }
+      raise(longest_far2_, length2);
+      const std::size_t i = far_count_.fetch_add(1, std::memory_order_relaxed);
+      if (i < k_few_far) conflicts_.far_[i] = static_cast<std::uint32_t>(row);
+    }
+    raise(longest2_, longest2);
+  }
+  void measured() {
+    const bool few = far_count_.load() <= k_few_far;
+    far_ = std::span(conflicts_.far_).first(few ? far_count_.load() : 0);
+    const double longest2 = std::max(value_of(longest2_), few ? 0.0 : value_of(longest_far2_));
+    longest_ = sqrt(longest2) + partition::k_rounding_m;
+  }
+
+  /// First round: the static scene, and all who are sure to stand where they are when this body's turn comes.
+  void first_look(std::uint32_t row) {
+    const Motion& motion = crowd_.motions[row];
+    if (!motion.moves) return;
+    if (leaves_world(motion)) return settle(row, Outcome::held);
+    if (crowd_.shapes[row]->empty()) return settle(row, Outcome::moved);
+    Mover mover(crowd_, row);
+    if (scene_refuses(mover)) return settle(row, Outcome::refused);
+
+    std::array<std::uint32_t, k_listed> others;
+    std::uint32_t count = 0;
+    const bool refused = refused_by_others(mover, [&](std::uint32_t other, bool refuses_moved) {
+      if (count < k_listed) others[count] = 2 * other + refuses_moved;
+      ++count;
+      return false;
+    });
+    if (refused) return settle(row, Outcome::refused);
+    if (count == 0) return settle(row, Outcome::moved);
+    Waiting waiting{row, 0, k_unlisted};
+    if (count <= k_listed) {
+      const std::uint32_t first = others_count_.fetch_add(count, std::memory_order_relaxed);
+      if (first + std::size_t{count} <= 2 * conflicts_.reserved_) {
+        std::copy_n(others.begin(), count, conflicts_.others_.get() + first);
+        waiting = {row, first, count};
+      }
+    }
+    wait(conflicts_.waiting_.get(), waiting);
+  }
+
+  /// Further rounds: whoever waits only for bodies that earlier rounds settled is settled now, and so is who
+  /// is refused whatever the others do. The body of highest priority among those who wait always is, so this
+  /// ends. A round reads only what earlier rounds settled, so that the number of rounds, too, is the same on
+  /// any number of threads.
+  void look_again(const Waiting& waiting) {
+    bool open = false;
+    const auto refuses = [&](std::uint32_t other, bool refuses_moved) {
+      const std::uint32_t s = atomic(conflicts_.settled_[other]).load(std::memory_order_acquire);
+      const bool settled = s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
+      open = open || !settled;
+      return settled && (static_cast<Outcome>(s % k_outcomes) == Outcome::moved) == refuses_moved;
+    };
+    bool refused = false;
+    if (waiting.count == k_unlisted) {
+      Mover mover(crowd_, waiting.row);
+      refused = refused_by_others(mover, refuses);
+    } else {
+      for (std::uint32_t i = 0; i < waiting.count && !refused; ++i) {
+        const std::uint32_t other = conflicts_.others_[waiting.first + i];
+        refused = refuses(other / 2, other % 2 != 0);
+      }
+    }
+    if (refused || !open)
+      settle(waiting.row, refused ? Outcome::refused : Outcome::moved);
+    else
+      wait(conflicts_.still_waiting_.get(), waiting);
+  }
+  /// How many wait, and on to the next round.
+  std::size_t next_round() {
+    ++round_;
+    return waiting_count_.exchange(0, std::memory_order_relaxed);
+  }
+  std::uint32_t round() const { return round_; }
+
+ private:
+  double length2_of(std::size_t row) const {
+    return (crowd_.motions[row].to.position() - crowd_.poses[row].position()).squaredNorm();
+  }
+  bool leaves_world(const Motion& motion) const { return !crowd_.bounds.contains(motion.to.position()); }
+  bool goes_before(std::uint32_t a, std::uint32_t b) const {
+    const std::uint64_t pa = mix_in(mixture_, crowd_.ids[a]);
+    const std::uint64_t pb = mix_in(mixture_, crowd_.ids[b]);
+    return pa != pb ? pa < pb : crowd_.ids[a] < crowd_.ids[b];
+  }
+  Box swept(std::size_t row, double radius) const {
+    Box box = Box::around(crowd_.poses[row].position(), radius);
+    if (crowd_.motions[row].moves) box.extend(Box::around(crowd_.motions[row].to.position(), radius));
+    return box;
+  }
+
+  void settle(std::uint32_t row, Outcome outcome) {
+    atomic(conflicts_.settled_[row])
+        .store(round_ * k_outcomes + static_cast<std::uint32_t>(outcome), std::memory_order_release);
+  }
+  void wait(Waiting* list, const Waiting& waiting) {
+    list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
+  }
+
+  /// True where the row's free circle holds the whole motion. The circle is made anew when that may help.
+  bool clear_of_scene(Mover& mover) const {
+    FreeCircle& free = crowd_.free[mover.row];
+    const auto holds = [&](const Vec2& p) {
+      const double reach = free.radius - mover.shape.radius - partition::k_rounding_m;
+      return reach > 0 && (p - Vec2(free.x, free.y)).squaredNorm() <= reach * reach;
+    };
+    const Vec2 from = mover.from.position();
+    const Vec2 to = mover.motion.to.position();
+    if (holds(from) && holds(to)) return true;
+    // From the circle's centre to here the scene came nearer or went farther by no more than the way between.
+    const double needed = mover.shape.radius + mover.length();
+    const double gone = (from - Vec2(free.x, free.y)).norm();
+    if (free.radius > 0 && free.radius + gone < needed) return false;
+    constexpr double k_ticks = 32;  // so long the new circle shall last: a longer one costs more to make
+    const double clearance = scene_.clearance(from, 2 * mover.shape.radius + k_ticks * mover.length());
+    const double rounding = 0x1p-23 * (std::abs(from.x()) + std::abs(from.y()) + clearance) + 1e-9;
+    free = {static_cast<float>(from.x()), static_cast<float>(from.y()),
+            static_cast<float>(std::max(clearance - rounding, 0x1p-120))};
+    return holds(from) && holds(to);
+  }
+
+  bool scene_refuses(Mover& mover) const {
+    if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
+    // A body in a floor plan crosses many of its edges: one answer for all of them.
+    std::uint32_t known = ~0u;
+    const auto already_in = [&](std::uint32_t solid) {
+      if (solid == known) return true;
+      if (!scene_.overlaps_solid(solid, mover.here())) return false;
+      known = solid;
+      return true;
+    };
+    const std::size_t n = mover.samples();
+    for (std::size_t k = 1; k < n; ++k)
+      if (scene_.crossed(PlacedShape(mover.shape, mover.between(k)), already_in) >= 0) return true;
+    return scene_.crossed(mover.there(), already_in) >= 0;
+  }
+
+  /// visit(row) for all whose motions may come near that of the mover, and some more, perhaps more than once.
+  template <class Visit>
+  void for_each_near(const Mover& mover, Visit&& visit) const {
+    const Vec2 from = mover.from.position();
+    const Vec2 to = mover.motion.to.position();
+    const Vec2 middle = 0.5 * (from + to);
+    // A circle about the whole motion, widened by the longest of theirs and by what rounding may take.
+    const double around = 0.5 * (to - from).norm() + mover.shape.radius + longest_;
+    const double rounding = 0x1p-23 * (std::abs(middle.x()) + std::abs(middle.y()));
+    const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
+    const auto x = static_cast<float>(middle.x());
+    const auto y = static_cast<float>(middle.y());
+    index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
+      // Sifted without branches, which nobody could predict; hardly any come through.
+      std::array<std::uint32_t, 64> near;
+      while (!run.empty()) {
+        const std::size_t some = std::min(run.size(), near.size());
+        std::size_t count = 0;
+        for (const BodyCircle& circle : run.first(some)) {
+          const float dx = circle.x - x;
+          const float dy = circle.y - y;
+          const float touching = circle.radius + reach;
+          near[count] = circle.row;
+          count += dx * dx + dy * dy <= touching * touching;
+        }
+        run = run.subspan(some);
+        for (std::size_t i = 0; i < count; ++i)
+          if (far_.empty() || !goes_far(near[i])) visit(near[i]);
+      }
+    });
+    for (const std::uint32_t row : far_) visit(row);
+  }
+  bool goes_far(std::uint32_t row) const {
+    const Motion& motion = crowd_.motions[row];
+    return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
+  }
+
+  /// Whether the row must stay for a body that surely refuses it, or one of which depends(row, refuses once
+  /// it has moved?) says so. That is asked of bodies of higher priority that move, and refuse at one of their
+  /// poses only.
+  template <class Depends>
+  bool refused_by_others(Mover& mover, Depends&& depends) const {
+    const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
+    bool refused = false;
+    for_each_near(mover, [&](std::uint32_t other) {
+      if (refused || other == mover.row || crowd_.shapes[other]->empty()) return;
+      const Motion& theirs = crowd_.motions[other];
+      if (!mine.touches(swept(other, crowd_.shapes[other]->radius))) return;
+      const bool if_it_stays = refuses(mover, other, crowd_.poses[other].z, crowd_.transforms[other]);
+      if (!theirs.moves || leaves_world(theirs) || !goes_before(other, mover.row)) {
+        refused = if_it_stays;
+        return;
+      }
+      const bool if_it_moved = refuses(mover, other, theirs.to.z, theirs.there());
+      refused = if_it_stays && if_it_moved;
+      if (if_it_stays != if_it_moved) refused = depends(other, if_it_moved);
+    });
+    return refused;
+  }
+
+  /// Does `other`, standing there, refuse the motion?
+  bool refuses(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
+    const ObstacleShape& shape = *crowd_.shapes[other];
+    const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
+    std::optional<PlacedShape> theirs;
+    const auto meet = [&](const PlacedShape& mine) {
+      if (!theirs) theirs.emplace(shape, at, z);
+      return first ? overlap(mine, *theirs) : overlap(*theirs, mine);
+    };
+    const std::size_t n = mover.samples();
+    const auto [first_k, last_k] = samples_near(mover, at.position, mover.shape.radius + shape.radius);
+    for (std::size_t k = first_k; k <= last_k; ++k) {
+      const Pose between = k < n ? mover.between(k) : mover.motion.to;
+      if (!partition::in_reach(between.position(), mover.shape.radius, at.position, shape.radius)) continue;
+      if (!(k < n ? meet(PlacedShape(mover.shape, between)) : meet(mover.there()))) continue;
+      const bool apart = (mover.motion.to.position() - at.position).squaredNorm() >
+                         (mover.from.position() - at.position).squaredNorm();
+      return !(apart && meet(mover.here()));
+    }
+    return false;
+  }
+
+  Conflicts& conflicts_;
+  const Crowd& crowd_;
+  const partition::StaticScene& scene_;
+  const partition::BodyIndex& index_;
+  std::uint32_t round_;
+  std::uint64_t mixture_;
+  std::atomic<std::uint64_t> longest2_ = 0;  // bits of squares, m^2: of the motions that are not far
+  std::atomic<std::uint64_t> longest_far2_ = 0;
+  std::atomic<std::size_t> far_count_ = 0;
+  std::span<const std::uint32_t> far_;  // rows that are looked at one by one
+  double longest_ = 0;                  // m, of those found through the index
+  std::atomic<std::size_t> waiting_count_ = 0;
+  std::atomic<std::uint32_t> others_count_ = 0;
+};
+
+void Conflicts::reserve(std::size_t rows) {
+  settled_.resize(rows, 0);
+  if (rows <= reserved_) return;
+  reserved_ = rows;
+  waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
+  still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
+  others_ = std::make_unique_for_overwrite<std::uint32_t[]>(2 * rows);
 }
 
 void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
-                       const partition::BodyIndex& index, partition::Parallel& parallel,
-                       std::span<Outcome> outcomes) {
+                       const partition::BodyIndex& index, partition::Parallel& parallel) {
   const std::size_t rows = crowd.motions.size();
-  const std::size_t batches = (rows + k_batch - 1) / k_batch;
-  const Rule rule(crowd, scene);
-  work_.resize(batches);
-  priority_.resize(rows);
-  settled_.resize(rows);
-  const auto before = [&](std::size_t a, std::size_t b) {
-    return priority_[a] != priority_[b] ? priority_[a] < priority_[b] : crowd.ids[a] < crowd.ids[b];
+  reserve(rows);
+  constexpr std::uint32_t k_last_round = 1u << 29;  // after some years
+  if (base_ + rounds_ > k_last_round) {
+    std::ranges::fill(settled_, 0);
+    base_ = 0;
+    rounds_ = 0;
+  }
+  base_ += static_cast<std::uint32_t>(rounds_);
+  Settling settling(*this, crowd, scene, index);
+  const auto for_each = [&](std::size_t count, std::size_t batch, auto&& work) {
+    parallel.for_each((count + batch - 1) / batch,
+                      [&](std::size_t b) { work(b * batch, std::min(count, (b + 1) * batch)); });
   };
-  const auto state_of = [&](std::size_t row) { return std::atomic_ref(settled_[row]); };
-
-  // Nobody's motion is longer than this: how far out to look for those who may come near.
-  parallel.for_each(batches, [&](std::size_t b) {
-    Work& work = work_[b];
-    work.longest = 0;
-    work.far.clear();
-    for (std::size_t r = b * k_batch; r < std::min(rows, (b + 1) * k_batch); ++r) {
-      const Motion& m = crowd.motions[r];
-      settled_[r] = k_open;
-      if (!m.moves) continue;
-      priority_[r] = mix(crowd.seed, crowd.tick, crowd.ids[r]);
-      if (crowd.shapes[r]->empty() || rule.leaves_world(m)) continue;
-      if (is_far(m))
-        work.far.push_back(static_cast<std::uint32_t>(r));
-      else
-        work.longest = std::max(work.longest, length2(m));
-    }
-  });
-  double longest = 0;
-  far_.clear();
-  for (const Work& work : work_) {
-    longest = std::max(longest, work.longest);
-    far_.insert(far_.end(), work.far.begin(), work.far.end());
-  }
-  const bool few_far = far_.size() <= k_few_far;
-  if (!few_far)
-    for (const std::uint32_t row : far_) longest = std::max(longest, length2(crowd.motions[row]));
-  longest = sqrt(longest) + partition::k_rounding_m;
-
-  // First round: the static scene, and all who are sure to stand where they are when this body's turn comes.
-  // What is left are bodies of higher priority that move too.
+  for_each(rows, 16 * k_batch, [&](std::size_t first, std::size_t last) { settling.measure(first, last); });
+  settling.measured();
   const std::span<const std::uint32_t> order = index.order();
-  parallel.for_each(batches, [&](std::size_t b) {
-    Work& work = work_[b];
-    work.waiting.clear();
-    work.others.clear();
-    for (std::size_t i = b * k_batch; i < std::min(rows, (b + 1) * k_batch); ++i) {
-      const std::uint32_t row = order[i];
-      const Motion& m = crowd.motions[row];
-      const auto settle = [&](Outcome outcome) {
-        outcomes[row] = outcome;
-        state_of(row).store(4 + (outcome == Outcome::moved ? k_moves : k_stays), std::memory_order_release);
-      };
-      if (!m.moves) {
-        settle(Outcome::stands);
-        continue;
-      }
-      if (rule.leaves_world(m)) {
-        settle(Outcome::held);
-        continue;
-      }
-      const ObstacleShape& shape = *crowd.shapes[row];
-      if (shape.empty()) {
-        settle(Outcome::moved);
-        continue;
-      }
-      if (rule.scene_refuses(row)) {
-        settle(Outcome::refused);
-        continue;
-      }
-      const auto first = static_cast<std::uint32_t>(work.others.size());
-      const Box mine = swept(m, shape.radius + partition::k_rounding_m);
-      bool refused = false;
-      const auto consider = [&](std::uint32_t other) {
-        if (refused || other == row || crowd.shapes[other]->empty()) return;
-        const Motion& theirs = crowd.motions[other];
-        if (!mine.touches(swept(theirs, crowd.shapes[other]->radius))) return;
-        if (theirs.moves && before(other, row))
-          work.others.push_back(other);
-        else
-          refused = rule.body_refuses(row, other, theirs.from);
-      };
-      index.for_each_near(mine.expanded(longest), [&](const BodyCircle& circle) {
-        const Motion& theirs = crowd.motions[circle.row];
-        const bool one_by_one = few_far && is_far(theirs) && !rule.leaves_world(theirs);
-        if (!one_by_one) consider(circle.row);
-      });
-      if (few_far)
-        for (const std::uint32_t other : far_) consider(other);
-      if (refused) {
-        settle(Outcome::refused);
-        work.others.resize(first);
-      } else if (work.others.size() == first) {
-        settle(Outcome::moved);
-      } else {
-        work.waiting.push_back({row, first, static_cast<std::uint32_t>(work.others.size()) - first});
-      }
-    }
+  for_each(rows, k_batch, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) settling.first_look(order[i]);
   });
-
-  // Further rounds: whoever waits only for bodies that earlier rounds settled is settled now. The body of
-  // highest priority among those who wait always is, so this ends.
-  rounds_ = 1;
-  for (bool anyone_waits = true; anyone_waits;) {
-    anyone_waits = std::ranges::any_of(work_, [](const Work& work) { return !work.waiting.empty(); });
-    if (!anyone_waits) break;
-    const auto round = static_cast<std::uint32_t>(++rounds_);
-    parallel.for_each(batches, [&](std::size_t b) {
-      Work& work = work_[b];
-      std::erase_if(work.waiting, [&](const Waiting& waiting) {
-        const std::span<const std::uint32_t> others(&work.others[waiting.first], waiting.count);
-        const auto settled_before = [&](std::uint32_t other) {
-          const std::uint32_t s = state_of(other).load(std::memory_order_acquire);
-          return s != k_open && s / 4 < round;
-        };
-        if (!std::ranges::all_of(others, settled_before)) return false;
-        const bool refused = std::ranges::any_of(others, [&](std::uint32_t other) {
-          const bool moved = (state_of(other).load(std::memory_order_relaxed) & k_state) == k_moves;
-          return rule.body_refuses(waiting.row, other,
-                                   moved ? crowd.motions[other].to : crowd.motions[other].from);
-        });
-        outcomes[waiting.row] = refused ? Outcome::refused : Outcome::moved;
-        state_of(waiting.row).store(round * 4 + (refused ? k_stays : k_moves), std::memory_order_release);
-        return true;
-      });
+  while (const std::size_t waiting = settling.next_round()) {
+    for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) settling.look_again(waiting_[i]);
     });
+    std::swap(waiting_, still_waiting_);
   }
+  rounds_ = settling.round() - base_ - 1;
 }
 
 }  // namespace troupe::engine

@@ -5,27 +5,30 @@
 #include "partition/parallel.hpp"
 #include "partition/static_scene.hpp"
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace troupe::engine {
 
-/// A motion that a body proposes for one tick.
+/// A motion that a body proposes for one tick. The rest means nothing where it does not move.
 struct Motion {
-  Pose from;        ///< where it stands, world frame
-  Pose to;          ///< where it would go
-  double turn = 0;  ///< rad, from one to the other; not wrapped
+  Pose to;            ///< where it would go, world frame
+  Rotation rotation;  ///< of `to`
+  double turn = 0;    ///< rad, from where it stands; not wrapped
   bool moves = false;
+
+  Transform there() const { return {to.position(), rotation}; }
 };
 
-/// Poses at which a motion is tested: n = ceil(displacement / (thinnest part / 4)), equally spaced, the last
-/// being `to` itself, and at most a million. The displacement is |translation| + radius * |turn|, which no
-/// vertex exceeds: from one pose to the next a body moves less than its parts are thick, so nothing of any
-/// thickness passes through it whole. Something thin may pass a corner of a part, by less than a quarter of
-/// the part's width.
-std::size_t motion_samples(const Motion& motion, const partition::ObstacleShape& shape);
-Pose motion_pose(const Motion& motion, std::size_t k, std::size_t n);
+/// A circle that no edge of a static obstacle meets, m, world frame.
+struct FreeCircle {
+  float x = 0;
+  float y = 0;
+  float radius = 0;
+};
 
 /// Who may move this tick.
 ///
@@ -34,17 +37,29 @@ Pose motion_pose(const Motion& motion, std::size_t k, std::size_t n);
 ///         else at its old one. Otherwise it stays where it was. Priority is mix(seed, tick, id), ties by id.
 ///         Touching is free. A pair that overlaps at the mover's old pose never refuses a motion that takes
 ///         their origins apart, and a static solid that the body already overlaps does not refuse.
+/// tested  at n = ceil(displacement / (thinnest part / 4)) poses, equally spaced, the last being `to` itself,
+///         and at most a million. The displacement is |translation| + radius * |turn|, which no vertex
+///         exceeds: from one pose to the next a body moves less than its parts are thick, so nothing of any
+///         thickness passes through it whole. Something thin may pass a corner of a part, by less than a
+///         quarter of the part's width.
 /// result  that of the sequential rule, body for body, on any number of threads
 /// source  deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
-///         algorithms can be fast, PPoPP 2012. A body depends only on bodies of higher priority that its
-///         motion may meet; nearly all have none and settle at once, the rest in a few rounds.
+///         algorithms can be fast, PPoPP 2012. Of the bodies of higher priority that move too, a body depends
+///         on those that would refuse it at one of their two poses and not at the other. Nearly all have none
+///         and settle at once, the rest in a few rounds, which need no geometry any more.
+/// memory  grows with the rows alone: settling allocates when there are more of them than ever before
 class Conflicts {
  public:
   /// One entry a row in each span.
   struct Crowd {
+    std::span<const Pose> poses;            ///< where they stand
+    std::span<const Transform> transforms;  ///< of the poses
     std::span<const Motion> motions;
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< ascending with the rows
+    /// What is known of the static scene around each: kept by the caller from tick to tick while the scene is
+    /// the same, and changed here. It is no state: starting again with empty circles gives the same outcomes.
+    std::span<FreeCircle> free;
     std::uint64_t seed = 1;
     std::uint64_t tick = 0;
     Box bounds;  ///< motions that end outside are refused
@@ -52,32 +67,43 @@ class Conflicts {
 
   enum class Outcome : std::uint8_t { stands, moved, refused, held };  ///< held: at the bounds of the world
 
-  /// The index holds every row at its motion's `from`.
+  /// The index holds every row at its pose.
   void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
-              partition::Parallel& parallel, std::span<Outcome> outcomes);
+              partition::Parallel& parallel);
 
+  /// Of the last settling.
+  Outcome outcome(std::size_t row) const {
+    return settled_[row] / k_outcomes > base_ ? static_cast<Outcome>(settled_[row] % k_outcomes)
+                                              : Outcome::stands;
+  }
   /// Rounds of the last settling: 1 where nobody had to wait.
   std::uint64_t rounds() const { return rounds_; }
 
  private:
+  class Settling;
+  /// A row that waits for others, which are listed at [first, first + count) of others_.
   struct Waiting {
     std::uint32_t row;
-    std::uint32_t first;  // into Work::others
+    std::uint32_t first;
     std::uint32_t count;
   };
-  struct alignas(64) Work {  // of one batch, on cache lines of its own; kept between ticks so that a warm
-                             // step allocates nothing
-    std::vector<Waiting> waiting;
-    std::vector<std::uint32_t> others;
-    double longest = 0;              // squared, of the motions that are not far
-    std::vector<std::uint32_t> far;  // rows whose motions are
-  };
+  static constexpr std::uint32_t k_outcomes = 4;
+  static constexpr std::size_t k_few_far = 64;
 
-  std::vector<Work> work_;
-  std::vector<std::uint32_t> far_;
-  std::vector<std::uint64_t> priority_;
-  std::vector<std::uint32_t> settled_;  // round * 4 + state, read and written atomically
+  void reserve(std::size_t rows);
+
+  // round * k_outcomes + outcome, read and written atomically. Rounds are counted through all ticks, so that
+  // what an earlier tick left needs no wiping: it is not above base_.
+  std::vector<std::uint32_t> settled_;
+  std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
+
+  // Lists that threads append to, in any order: no outcome depends on it. Not touched where nobody waits.
+  std::size_t reserved_ = 0;
+  std::unique_ptr<Waiting[]> waiting_;
+  std::unique_ptr<Waiting[]> still_waiting_;
+  std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 where it refuses once it has moved
+  std::array<std::uint32_t, k_few_far> far_;
 };
 
 }  // namespace troupe::engine

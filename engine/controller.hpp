@@ -136,13 +136,20 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
     std::vector<std::size_t> chosen = controller.choose(sensors, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
-  kind.decide = [](const std::any& data, const Percept& percept, std::byte* memory, Random& random,
-                   Actions& actions) {
+  kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);
-    if constexpr (std::is_same_v<Memory, detail::NoMemory>)
-      controller(percept, random, actions);
-    else
-      controller(*reinterpret_cast<Memory*>(memory), percept, random, actions);
+    std::array<std::span<const float>, k_most_sensors_read> ranges;
+    Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}};
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      percept.body = batch.body(i);
+      for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
+      Random random = batch.random(i);
+      Actions actions{batch.command(i)};
+      if constexpr (std::is_same_v<Memory, detail::NoMemory>)
+        controller(percept, random, actions);
+      else
+        controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
+    }
   };
   return kind;
 }

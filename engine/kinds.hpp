@@ -7,6 +7,7 @@
 #include "engine/state_table.hpp"
 
 #include <any>
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -99,6 +100,40 @@ struct Actions {
   Command& command;
 };
 
+/// Robots of one type whose controller decides in a tick: where all that concerns robot i of the batch lies.
+struct DecideBatch {
+  std::uint64_t tick = 0;
+  double time_s = 0;
+  double tick_s = 0;
+  std::uint64_t seed = 0;
+  std::uint32_t stream = 0;     ///< of the controller's random numbers
+  std::span<const Row> rows;    ///< of the batch
+  std::span<const BodyId> ids;  ///< a row each, as are:
+  std::span<const std::uint32_t> slots;
+  std::span<Command> commands;
+
+  /// A row of a table each slot, `stride` apart.
+  template <class T>
+  struct Column {
+    T* first = nullptr;
+    std::size_t stride = 0;
+    std::size_t count = 0;
+  };
+  std::array<Column<const float>, k_most_sensors_read> ranges;
+  std::size_t sensors = 0;
+  Column<std::byte> memories;
+
+  std::size_t size() const { return rows.size(); }
+  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
+  Command& command(std::size_t i) const { return commands[rows[i].index()]; }
+  Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
+  std::byte* memory(std::size_t i) const { return memories.first + slots[rows[i].index()] * memories.stride; }
+  std::span<const float> readings(std::size_t sensor, std::size_t i) const {
+    const Column<const float>& column = ranges[sensor];
+    return {column.first + slots[rows[i].index()] * column.stride, column.count};
+  }
+};
+
 /// A sensor of a type, as a controller that looks for its inputs sees it.
 struct SensorInfo {
   std::string_view name;
@@ -125,8 +160,8 @@ struct ControllerKind {
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
                       std::string& fault);
-  void (*decide)(const std::any& data, const Percept& percept, std::byte* memory, Random& random,
-                 Actions& actions);
+  /// For all robots of the batch. make_controller_kind makes it from what decides for one.
+  void (*decide)(const std::any& data, const DecideBatch& batch);
 };
 
 /// Everything a world can be made of. Passed in, never global; assembled in troupe/registry.cpp.

@@ -91,7 +91,10 @@ class StateTable {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field] + row * strides_[field]),
             fields_[field].columns};
   }
+  /// From one row of a field to the next, bytes.
+  std::size_t stride(std::size_t field) const { return strides_[field]; }
   /// The bytes of a row; Layout::rows only.
+  std::size_t row_bytes() const { return row_bytes_; }
   std::byte* row(std::size_t row) { return data_.data() + row * row_bytes_; }
   const std::byte* row(std::size_t row) const { return data_.data() + row * row_bytes_; }
 

@@ -9,7 +9,9 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_batch = 64;      // rows a task: a crowded tile is split, small ones are joined
+// Rows a task: a crowded tile is split, small ones are joined, and a task is worth waking a thread for.
+constexpr std::size_t k_batch = 64;      // that look about them
+constexpr std::size_t k_block = 256;     // that look at themselves
 constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
@@ -35,7 +37,6 @@ void World::step() {
   begin(Phase::sense);
   sense();
   begin(Phase::decide);
-  drive();
   decide();
   begin(Phase::move);
   move();
@@ -49,30 +50,48 @@ void World::begin(Phase phase) {
 }
 
 template <class Work>
-void World::for_batches(Work&& work) {
+void World::for_neighbours(Work&& work) {
   const std::span<const std::uint32_t> order = index_.order();
   const std::size_t batches = (order.size() + k_batch - 1) / k_batch;
   parallel_.for_each(batches, [&](std::size_t b) {
+    // Of equal size, so that no thread is woken for a handful.
+    const std::size_t first = order.size() * b / batches;
+    const std::size_t count = order.size() * (b + 1) / batches - first;
     std::array<Row, k_batch> rows;
-    const std::size_t count = std::min(k_batch, order.size() - b * k_batch);
-    for (std::size_t i = 0; i < count; ++i) rows[i] = Row(order[b * k_batch + i]);
-    const std::span<Row> all(rows.data(), count);
-    const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-    if (!std::ranges::all_of(all, [&](Row row) { return type_of(row) == type_of(all.front()); }))
-      std::ranges::sort(
-          all, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
-    for (std::size_t i = 0; i < count;) {
-      std::size_t end = i + 1;
-      while (end < count && type_of(rows[end]) == type_of(rows[i])) ++end;
-      work(std::span<const Row>(all.subspan(i, end - i)), types_[type_of(rows[i])]);
-      i = end;
-    }
+    for (std::size_t i = 0; i < count; ++i) rows[i] = Row(order[first + i]);
+    for_types({rows.data(), count}, work);
   });
+}
+
+template <class Work>
+void World::for_blocks(Work&& work) {
+  const std::size_t blocks = (rows() + k_block - 1) / k_block;
+  parallel_.for_each(blocks, [&](std::size_t b) {
+    const std::size_t first = rows() * b / blocks;
+    const std::size_t count = rows() * (b + 1) / blocks - first;
+    std::array<Row, k_block> rows;
+    for (std::size_t i = 0; i < count; ++i) rows[i] = Row(first + i);
+    for_types({rows.data(), count}, work);
+  });
+}
+
+template <class Work>
+void World::for_types(std::span<Row> rows, Work&& work) {
+  const auto type_of = [&](Row row) { return row_types_[row.index()]; };
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); }))
+    std::ranges::sort(
+        rows, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t end = i + 1;
+    while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;
+    work(std::span<const Row>(rows.subspan(i, end - i)), types_[type_of(rows[i])]);
+    i = end;
+  }
 }
 
 void World::sense() {
   std::atomic<std::uint64_t> beams = 0;
-  for_batches([&](std::span<const Row> rows, const BodyType& type) {
+  for_neighbours([&](std::span<const Row> rows, const BodyType& type) {
     for (const BodyType::Sensor& sensor : type.sensors) {
       if (!due(tick_, sensor.period)) continue;
       const auto sense_rows = [&](std::span<const Row> some) {
@@ -91,26 +110,12 @@ void World::sense() {
   beams_ += beams;
 }
 
-void World::drive() {
+void World::decide() {
   std::atomic<std::uint32_t> faulty = Row().value;  // the lowest row whose velocity is no number
-  for_batches([&](std::span<const Row> rows, const BodyType& type) {
-    if (!type.drive || !due(tick_, type.drive->period)) return;
-    std::array<Command, k_batch> commands;
-    std::array<Velocity, k_batch> velocities;
-    for (std::size_t i = 0; i < rows.size(); ++i) commands[i] = as<Command>(k_command)[rows[i].index()];
-    type.drive->kind->drive(type.drive->data, {commands.data(), rows.size()},
-                            {velocities.data(), rows.size()});
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Velocity& v = velocities[i];
-      if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
-        std::uint32_t lowest = faulty.load();
-        while (rows[i].value < lowest && !faulty.compare_exchange_weak(lowest, rows[i].value)) {
-        }
-        continue;
-      }
-      // + 0.0 turns -0 into 0: equal velocities have equal bits.
-      as<Velocity>(k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
-    }
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
+    for (const BodyType::Controller& controller : type.controllers)
+      if (due(tick_, controller.period)) decide(rows, type, controller);
   });
   if (const Row row(faulty.load()); row.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
@@ -118,68 +123,107 @@ void World::drive() {
   }
 }
 
-void World::decide() {
-  for_batches([&](std::span<const Row> rows, const BodyType& type) {
-    for (const BodyType::Controller& controller : type.controllers) {
-      if (!due(tick_, controller.period)) continue;
-      std::array<std::span<const float>, k_most_sensors_read> ranges;
-      const std::size_t sensors = controller.sensors.size();
-      for (const Row row : rows) {
-        const std::size_t at = slot(row);
-        for (std::size_t s = 0; s < sensors; ++s)
-          ranges[s] = percepts(type.sensors[controller.sensors[s]]).cell<float>(at, 0);
-        const Percept percept{tick_, time_s(), spec_.tick_s, body(row).value, {ranges.data(), sensors}};
-        Random random(spec_.seed, controller.stream, body(row).value, static_cast<std::uint32_t>(tick_));
-        Actions actions{as<Command>(k_command)[row.index()]};
-        std::byte* memory = controller.table ? tables_[*controller.table].row(at) : nullptr;
-        controller.kind->decide(controller.data, percept, memory, random, actions);
+void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
+                  std::atomic<std::uint32_t>& faulty) {
+  std::array<Command, k_block> commands;
+  std::array<Velocity, k_block> velocities;
+  for (std::size_t i = 0; i < rows.size(); ++i) commands[i] = as<Command>(k_command)[rows[i].index()];
+  drive.kind->drive(drive.data, {commands.data(), rows.size()}, {velocities.data(), rows.size()});
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Velocity& v = velocities[i];
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
+      std::uint32_t lowest = faulty.load();
+      while (rows[i].value < lowest && !faulty.compare_exchange_weak(lowest, rows[i].value)) {
       }
+      continue;
     }
-  });
+    // + 0.0 turns -0 into 0: equal velocities have equal bits.
+    as<Velocity>(k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
+  }
+}
+
+void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {
+  DecideBatch batch{.tick = tick_,
+                    .time_s = time_s(),
+                    .tick_s = spec_.tick_s,
+                    .seed = spec_.seed,
+                    .stream = controller.stream,
+                    .rows = rows,
+                    .ids = row_bodies_,
+                    .slots = row_slots_,
+                    .commands = as<Command>(k_command)};
+  for (const std::size_t sensor : controller.sensors) {
+    const StateTable& table = percepts(type.sensors[sensor]);
+    const std::span<const float> first = table.cell<float>(0, 0);
+    batch.ranges[batch.sensors++] = {first.data(), table.stride(0) / sizeof(float), first.size()};
+  }
+  if (controller.table) {
+    StateTable& table = tables_[*controller.table];
+    batch.memories = {table.row(0), table.row_bytes(), table.row_bytes()};
+  }
+  controller.kind->decide(controller.data, batch);
 }
 
 void World::move() {
+  propose();
+  const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
+  conflicts_.settle(
+      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds},
+      scene_, index_, parallel_);
+  conflict_rounds_ += conflicts_.rounds();
+  commit();
+}
+
+void World::propose() {
   const double dt = spec_.tick_s;
-  for_batches([&](std::span<const Row> rows, const BodyType& type) {
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     for (const Row row : rows) {
-      const Pose& from = poses()[row.index()];
       const Velocity& v = velocities()[row.index()];
       Motion& motion = motions_[row.index()];
-      motion = {from, from, v.turn * dt, type.drive && (v.x != 0 || v.y != 0 || v.turn != 0)};
+      motion.moves = type.drive && (v.x != 0 || v.y != 0 || v.turn != 0);
+      if (!motion.moves) continue;
       // Euler with the old heading, as in Stage.
-      if (motion.moves) motion.to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
-    }
-  });
-  const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
-  conflicts_.settle({motions_, row_shapes_, row_ids_, spec_.seed, tick_, bounds}, scene_, index_, parallel_,
-                    outcomes_);
-  conflict_rounds_ += conflicts_.rounds();
-  for_batches([&](std::span<const Row> rows, const BodyType&) {
-    for (const Row row : rows) {
-      const Conflicts::Outcome outcome = outcomes_[row.index()];
-      if (outcome == Conflicts::Outcome::moved) {
-        const Pose& to = motions_[row.index()].to;
-        as<Pose>(k_pose)[row.index()] = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
-      }
-      stall()[row.index()] = outcome == Conflicts::Outcome::refused ? k_refused
-                             : outcome == Conflicts::Outcome::held  ? k_held
-                                                                    : k_free;
+      const Pose& from = poses()[row.index()];
+      motion.turn = v.turn * dt;
+      const Pose to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
+      motion.to = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
+      motion.rotation = to.heading == from.heading ? transform(row).rotation : Rotation(to.heading);
     }
   });
 }
 
-void World::index_bodies() {
-  const std::size_t batches = (rows() + k_batch - 1) / k_batch;
-  parallel_.for_each(batches, [&](std::size_t b) {
-    for (std::size_t r = b * k_batch; r < std::min(rows(), (b + 1) * k_batch); ++r) {
-      const Transform transform(poses()[r]);
-      transforms_[r] = transform;
-      positions_[r] = transform.position;
-      Vec2* out = outlines_.data() + outline_begins_[r];
-      for (const Vec2& v : type(Row(r)).outline_vertices) *out++ = transform * v;
+void World::commit() {
+  std::atomic<std::size_t> stalled = 0;
+  std::atomic<std::size_t> held = 0;
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    std::size_t refused_here = 0;
+    std::size_t held_here = 0;
+    for (const Row row : rows) {
+      const Conflicts::Outcome outcome = conflicts_.outcome(row.index());
+      if (outcome == Conflicts::Outcome::moved) {
+        const Motion& motion = motions_[row.index()];
+        as<Pose>(k_pose)[row.index()] = motion.to;
+        put(row, type, motion.there());
+      }
+      const bool is_refused = outcome == Conflicts::Outcome::refused;
+      const bool is_held = outcome == Conflicts::Outcome::held;
+      stall()[row.index()] = is_refused ? k_refused : is_held ? k_held : k_free;
+      refused_here += is_refused;
+      held_here += is_held;
     }
+    stalled.fetch_add(refused_here + held_here, std::memory_order_relaxed);
+    held.fetch_add(held_here, std::memory_order_relaxed);
   });
-  index_.rebuild(positions_, row_radii_, parallel_);
+  stalled_ = stalled;
+  held_ = held;
 }
+
+void World::put(Row row, const BodyType& type, const Transform& transform) {
+  transforms_[row.index()] = transform;
+  Vec2* out = outlines_.data() + outline_begins_[row.index()];
+  for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
+}
+
+void World::index_bodies() { index_.rebuild(transforms_, row_radii_, parallel_); }
 
 }  // namespace troupe::engine

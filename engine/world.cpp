@@ -79,10 +79,9 @@ void World::build_rows() {
     robots_ += type.drive.has_value();
   }
   transforms_.resize(rows());
-  positions_.resize(rows());
   outlines_.resize(vertices);
   motions_.resize(rows());
-  outcomes_.resize(rows());
+  free_circles_.resize(rows());
 }
 
 void World::build_scene() {
@@ -146,6 +145,7 @@ void World::build_tables() {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
   }
+  for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
 }
 
@@ -169,7 +169,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
       if (scene_.has_obstacles()) fixed = scene_.overlapping(shape, poses()[r]);
       std::size_t others = 0;
       BodyId lowest;
-      index_.for_each_near(Box::around(positions_[r], shape.radius), [&](const partition::BodyCircle& other) {
+      index_.for_each_near(Box::around(transforms_[r].position, shape.radius), [&](const partition::BodyCircle& other) {
         if (other.row > r && !row_shapes_[other.row]->empty() &&
             overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row])) {
           ++others;
@@ -239,19 +239,12 @@ Hashes World::hashes() {
   return hashes;
 }
 
-std::size_t World::stalled_count() const {
-  return rows() - static_cast<std::size_t>(std::ranges::count(stall(), k_free));
-}
-
-std::size_t World::held_count() const {
-  return static_cast<std::size_t>(std::ranges::count(stall(), k_held));
-}
-
 double World::mean_displacement() const {
   double sum = 0;
   for (std::size_t r = 0; r < rows(); ++r)
     if (type(Row(r)).drive)
-      sum += (positions_[r] - spec_.bodies[row_bodies_[r].index()].pose_world_body.position()).norm();
+      sum +=
+          (transforms_[r].position - spec_.bodies[row_bodies_[r].index()].pose_world_body.position()).norm();
   return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
 }
 

@@ -109,8 +109,9 @@ class World {
 
   // ---- counters
   std::uint64_t beams_cast() const { return beams_; }
-  std::size_t stalled_count() const;
-  std::size_t held_count() const;
+  /// Robots whose last motion was refused or would have left the world, and those of the latter.
+  std::size_t stalled_count() const { return stalled_; }
+  std::size_t held_count() const { return held_; }
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   double mean_displacement() const;
 
@@ -140,14 +141,25 @@ class World {
   void report_overlaps(Diagnostics& diagnostics);
 
   void sense();
-  void drive();
   void decide();
+  void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
+  void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
+  void propose();
+  void commit();
+  /// What is derived from a row's pose.
+  void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
   void begin(Phase phase);
-  /// work(rows of one type, type) for batches of rows that lie near one another.
+  /// work(rows of one type, type), in parallel. Where rows look at one another: of rows that lie near one
+  /// another in the world.
   template <class Work>
-  void for_batches(Work&& work);
+  void for_neighbours(Work&& work);
+  /// Where they do not: of rows that lie near one another in memory, which is read in one go.
+  template <class Work>
+  void for_blocks(Work&& work);
+  template <class Work>
+  void for_types(std::span<Row> rows, Work&& work);
 
   WorldSpec spec_;
   std::vector<BodyType> types_;
@@ -173,12 +185,13 @@ class World {
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;
-  std::vector<Vec2> positions_;
   std::vector<Vec2> outlines_;
   std::vector<Motion> motions_;
-  std::vector<Conflicts::Outcome> outcomes_;
+  std::vector<FreeCircle> free_circles_;
   Conflicts conflicts_;
 
+  std::size_t stalled_ = 0;
+  std::size_t held_ = 0;
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
   std::function<void(std::optional<Phase>)> on_phase_;

@@ -1,16 +1,16 @@
 #include "partition/body_index.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <utility>
 
 namespace troupe::partition {
 namespace {
 
-constexpr std::size_t k_block = 1024;  // rows a task
-
-std::uint32_t add(std::uint32_t& counter, std::uint32_t n = 1) {
-  return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
-}
+constexpr std::size_t k_least_part = 1024;  // rows
+constexpr std::size_t k_most_parts = 64;
+constexpr std::size_t k_sorted = 2048;  // rows that a task sorts into cells, at least
+constexpr std::size_t k_empty = 32;     // a tile costs as much as so many rows
+constexpr std::size_t k_summed = 256;   // tiles that a task sums up
 
 /// visit(cell in its tile), block by block.
 template <class Visit>
@@ -25,105 +25,235 @@ void for_each_cell_in_blocks(const GridGeometry& grid, Visit&& visit) {
 
 }  // namespace
 
-void BodyIndex::rebuild(std::span<const Vec2> positions, std::span<const double> radii, Parallel& parallel) {
-  const std::size_t rows = positions.size();
-  positions_ = positions;
-  radii_ = radii;
-  const std::size_t blocks = (rows + k_block - 1) / k_block;
-  const std::size_t cells = geometry_.cells_per_tile();
-  const auto for_rows = [&](auto&& work) {
-    parallel.for_each(blocks, [&](std::size_t b) {
-      for (std::size_t r = b * k_block; r < std::min(rows, (b + 1) * k_block); ++r)
-        work(static_cast<std::uint32_t>(r));
-    });
-  };
-  const auto for_cells_of = [&](std::uint32_t r, auto&& visit) {
-    if (!is_wide(r)) {
-      visit(geometry_.cell(positions[r]), true);
-      return;
-    }
-    const Cell home = geometry_.cell(positions[r]);
-    const Box box = Box::around(positions[r], radii[r]);
-    const Cell low = geometry_.cell(box.min);
-    const Cell high = geometry_.cell(box.max);
-    for (std::int32_t y = low.y; y <= high.y; ++y)
-      for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y}, Cell{x, y} == home);
-  };
+/// visit(tile): each tile that the row's body touches; the one of its origin alone where it is not wide.
+template <class Visit>
+void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
+  if (!is_wide(row)) {
+    visit(geometry_.tile(home_cell(row)));
+    return;
+  }
+  const Box box = Box::around(places_[row].position, radii_[row]);
+  const Cell low = geometry_.tile(geometry_.cell(box.min));
+  const Cell high = geometry_.tile(geometry_.cell(box.max));
+  for (std::int32_t y = low.y; y <= high.y; ++y)
+    for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y});
+}
 
-  // Tiles are made where bodies enter new ground: seldom, so one thread does it. A tile stays until many more
-  // are known than there are bodies.
-  if (directory_.size() > 64 + 4 * rows) directory_.clear();
-  std::atomic<bool> new_ground = false;
-  for_rows([&](std::uint32_t r) {
-    for_cells_of(r, [&](Cell c, bool) {
-      if (directory_.find(geometry_.tile(c)) == TileDirectory::k_none)
-        new_ground.store(true, std::memory_order_relaxed);
-    });
+/// visit(cell in tile, is it the one of its origin?): each cell within the tile that a row listed there is to
+/// be in.
+template <class Visit>
+void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
+  if (!is_wide(row)) {
+    visit(homes_[row] % geometry_.cells_per_tile(), true);
+    return;
+  }
+  const Cell home = home_cell(row);
+  const Box box = Box::around(places_[row].position, radii_[row]);
+  const std::int32_t edge = 1 << geometry_.tile_bits;
+  const Cell low = geometry_.cell(box.min);
+  const Cell high = geometry_.cell(box.max);
+  const std::int32_t x0 = tile.x << geometry_.tile_bits;
+  const std::int32_t y0 = tile.y << geometry_.tile_bits;
+  for (std::int32_t y = std::max(low.y, y0); y <= std::min(high.y, y0 + edge - 1); ++y)
+    for (std::int32_t x = std::max(low.x, x0); x <= std::min(high.x, x0 + edge - 1); ++x)
+      visit(geometry_.in_tile({x, y}), Cell{x, y} == home);
+}
+
+/// How many rows of the part each tile gets; tiles that are not known are noted.
+void BodyIndex::count(Part& part) {
+  const std::size_t cells = geometry_.cells_per_tile();
+  part.next.assign(directory_.size(), 0);
+  part.new_tiles.clear();
+  part.small_radius = 0;
+  part.has_wide = false;
+  Cell last_tile;
+  std::uint32_t last_slot = TileDirectory::k_none;
+  const auto slot_of = [&](Cell tile) {  // neighbours in memory are often neighbours on the ground
+    if (last_slot == TileDirectory::k_none || !(tile == last_tile)) {
+      last_tile = tile;
+      last_slot = directory_.find(tile);
+      if (last_slot == TileDirectory::k_none) part.new_tiles.push_back(tile);
+    }
+    return last_slot;
+  };
+  for (std::uint32_t row = part.first; row < part.last; ++row) {
+    const Cell home = home_cell(row);
+    if (is_wide(row)) {
+      part.has_wide = true;
+      for_each_tile_of(row, [&](Cell tile) {
+        if (const std::uint32_t slot = slot_of(tile); slot != TileDirectory::k_none) ++part.next[slot];
+      });
+      if (const std::uint32_t slot = slot_of(geometry_.tile(home)); slot != TileDirectory::k_none)
+        homes_[row] = static_cast<std::uint32_t>(slot * cells + geometry_.in_tile(home));
+      continue;
+    }
+    part.small_radius = std::max(part.small_radius, radii_[row]);
+    const std::uint32_t slot = slot_of(geometry_.tile(home));
+    if (slot == TileDirectory::k_none) continue;
+    ++part.next[slot];
+    homes_[row] = static_cast<std::uint32_t>(slot * cells + geometry_.in_tile(home));
+  }
+}
+
+/// Tiles are made where bodies enter new ground: seldom, so one thread does it, and those parts count again.
+void BodyIndex::make_new_tiles(Parallel& parallel) {
+  const auto has_new = [](const Part& part) { return !part.new_tiles.empty(); };
+  if (std::ranges::none_of(parts_, has_new)) return;
+  for (const Part& part : parts_)
+    for (const Cell tile : part.new_tiles) directory_.insert(tile);
+  parallel.for_each(parts_.size(), [&](std::size_t p) {
+    if (has_new(parts_[p]))
+      count(parts_[p]);
+    else
+      parts_[p].next.resize(directory_.size(), 0);
   });
+}
+
+void BodyIndex::rebuild(std::span<const Transform> places, std::span<const double> radii,
+                        Parallel& parallel) {
+  const std::size_t rows = places.size();
+  places_ = places;
+  radii_ = radii;
+  homes_.resize(rows);
+  if (directory_.size() > 64 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
+
+  parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p].first = static_cast<std::uint32_t>(rows * p / parts_.size());
+    parts_[p].last = static_cast<std::uint32_t>(rows * (p + 1) / parts_.size());
+  }
+  parallel.for_each(parts_.size(), [&](std::size_t p) { count(parts_[p]); });
+  make_new_tiles(parallel);
+
+  // Where the rows of each part go in each tile.
   small_radius_ = 0;
   has_wide_ = false;
-  for (std::uint32_t r = 0; r < rows; ++r) {
-    if (is_wide(r))
-      has_wide_ = true;
-    else
-      small_radius_ = std::max(small_radius_, radii[r]);
-    if (new_ground.load(std::memory_order_relaxed))
-      for_cells_of(r, [&](Cell c, bool) { directory_.insert(geometry_.tile(c)); });
+  for (const Part& part : parts_) {
+    small_radius_ = std::max(small_radius_, part.small_radius);
+    has_wide_ = has_wide_ || part.has_wide;
   }
-
-  // Count, sum, scatter. The scatter's order within a cell depends on who came first; the sort that follows
-  // takes that away.
   const std::size_t slots = directory_.size();
-  next_.assign(slots * cells, 0);
-  tile_rows_.assign(slots, 0);
-  homes_.resize(rows);
-  for_rows([&](std::uint32_t r) {
-    for_cells_of(r, [&](Cell c, bool home) {
-      const std::uint32_t slot = directory_.find(geometry_.tile(c));
-      const auto place = static_cast<std::uint32_t>(slot * cells + geometry_.in_tile(c));
-      add(next_[place]);
-      if (!home) return;
-      add(tile_rows_[slot]);
-      homes_[r] = place;
+  const std::size_t cells = geometry_.cells_per_tile();
+  const auto for_each_tile = [&](auto&& work) {
+    const std::size_t tasks = std::clamp<std::size_t>((rows + k_empty * slots) / k_sorted, 1, slots + 1);
+    parallel.for_each(tasks, [&](std::size_t t) {
+      for (std::size_t slot = slots * t / tasks; slot < slots * (t + 1) / tasks; ++slot) work(slot);
     });
+  };
+  counts_.resize(slots);
+  for_each_tile([&](std::size_t slot) {
+    std::uint32_t count = 0;
+    for (Part& part : parts_) count += std::exchange(part.next[slot], count);
+    counts_[slot] = {count, count, count};
   });
-  begins_.resize(slots * cells + 1);
-  tile_begins_.resize(slots);
-  std::uint32_t sum = 0;
-  std::uint32_t homes = 0;
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    tile_begins_[slot] = homes;
-    homes += tile_rows_[slot];
-    for (std::size_t c = slot * cells; c < (slot + 1) * cells; ++c) {
-      begins_[c] = sum;
-      sum += next_[c];
-      next_[c] = begins_[c];
+  place_tiles(parallel);
+  tile_rows_.resize(tiles_[slots].rows);
+  parallel.for_each(parts_.size(), [&](std::size_t p) {
+    Part& part = parts_[p];
+    const auto put = [&](std::size_t slot, const BodyCircle& circle) {
+      tile_rows_[tiles_[slot].rows + part.next[slot]++] = circle;
+    };
+    for (std::uint32_t row = part.first; row < part.last; ++row) {
+      const BodyCircle circle = enclosing_circle(places_[row].position, radii_[row], row);
+      if (!part.has_wide || !is_wide(row))
+        put(homes_[row] / cells, circle);
+      else
+        for_each_tile_of(row, [&](Cell tile) { put(directory_.find(tile), circle); });
     }
+  });
+  if (has_wide_) {
+    for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
+    place_tiles(parallel);
   }
-  begins_.back() = sum;
-  circles_.resize(sum);
+  circles_.resize(tiles_[slots].circles);
   order_.resize(rows);
-  for_rows([&](std::uint32_t r) {
-    for_cells_of(r, [&](Cell c, bool) {
-      const std::uint32_t slot = directory_.find(geometry_.tile(c));
-      circles_[add(next_[slot * cells + geometry_.in_tile(c)])] = enclosing_circle(positions[r], radii[r], r);
+  begins_.resize(slots * cells + 1);
+  begins_.back() = tiles_[slots].circles;
+  for_each_tile([&](std::size_t slot) { sort_tile(slot); });
+}
+
+/// From how much each tile holds to where it starts.
+void BodyIndex::place_tiles(Parallel& parallel) {
+  const std::size_t slots = counts_.size();
+  const std::size_t tasks = (slots + k_summed - 1) / k_summed;
+  const auto for_each_slot = [&](std::size_t t, auto&& work) {
+    for (std::size_t slot = t * k_summed; slot < std::min(slots, (t + 1) * k_summed); ++slot) work(slot);
+  };
+  tiles_.resize(slots + 1);
+  sums_.resize(tasks);
+  parallel.for_each(tasks, [&](std::size_t t) {
+    Tile sum;
+    for_each_slot(t, [&](std::size_t slot) { sum += counts_[slot]; });
+    sums_[t] = sum;
+  });
+  Tile sum;
+  for (Tile& start : sums_) {
+    const Tile next = start;
+    start = sum;
+    sum += next;
+  }
+  tiles_[slots] = sum;
+  parallel.for_each(tasks, [&](std::size_t t) {
+    Tile start = sums_[t];
+    for_each_slot(t, [&](std::size_t slot) {
+      tiles_[slot] = start;
+      start += counts_[slot];
     });
   });
-  parallel.for_each(slots, [&](std::size_t slot) {
-    std::uint32_t home = tile_begins_[slot];
-    for_each_cell_in_blocks(geometry_, [&](std::size_t in_tile) {
-      const std::size_t c = slot * cells + in_tile;
-      const std::span<BodyCircle> cell(circles_.data() + begins_[c], begins_[c + 1] - begins_[c]);
-      std::ranges::sort(cell, {}, &BodyCircle::row);
-      for (const BodyCircle& circle : cell)
-        if (homes_[circle.row] == c) order_[home++] = circle.row;
+}
+
+/// Where bodies are wide a tile holds more circles than rows, and fewer homes.
+void BodyIndex::weigh_tile(std::size_t slot) {
+  const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
+  Tile& count = counts_[slot];
+  count.circles = count.homes = 0;
+  for (std::uint32_t i = tiles_[slot].rows; i < tiles_[slot + 1].rows; ++i) {
+    for_each_cell_within(tile_rows_[i].row, tile, [&](std::size_t, bool home) {
+      ++count.circles;
+      count.homes += home;
     });
+  }
+}
+
+/// Counts, sums and hands out the rows of a tile, cell by cell.
+void BodyIndex::sort_tile(std::size_t slot) {
+  const std::size_t cells = geometry_.cells_per_tile();
+  const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
+  const std::span<const BodyCircle> rows(tile_rows_.data() + tiles_[slot].rows,
+                                         tiles_[slot + 1].rows - tiles_[slot].rows);
+  const std::span<std::uint32_t> begins(&begins_[slot * cells], cells);
+  std::uint32_t sum = tiles_[slot].circles;
+  if (rows.empty()) {
+    std::ranges::fill(begins, sum);
+    return;
+  }
+  const auto for_each_cell = [&](std::uint32_t row, auto&& visit) {
+    if (has_wide_)
+      for_each_cell_within(row, tile, visit);
+    else
+      visit(homes_[row] % cells, true);
+  };
+  std::ranges::fill(begins, 0);
+  for (const BodyCircle& circle : rows)
+    for_each_cell(circle.row, [&](std::size_t cell, bool) { ++begins[cell]; });
+  for (std::uint32_t& begin : begins) sum += std::exchange(begin, sum);
+  for (const BodyCircle& circle : rows)
+    for_each_cell(circle.row, [&](std::size_t cell, bool) { circles_[begins[cell]++] = circle; });
+  // Each has become the end of its cell, which is where the next one begins.
+  std::shift_right(begins.begin(), begins.end(), 1);
+  begins[0] = tiles_[slot].circles;
+
+  std::uint32_t* out = order_.data() + tiles_[slot].homes;
+  for_each_cell_in_blocks(geometry_, [&](std::size_t cell) {
+    const std::uint32_t end = cell + 1 < cells ? begins[cell + 1] : sum;
+    for (std::uint32_t i = begins[cell]; i < end; ++i)
+      if (!has_wide_ || homes_[circles_[i].row] == slot * cells + cell) *out++ = circles_[i].row;
   });
 }
 
 bool BodyIndex::first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                               std::size_t first, std::size_t last, std::uint32_t i) const {
-  const Cell low = geometry_.cell(Box::around(positions_[row], radii_[row]).min);
+  const Cell low = geometry_.cell(Box::around(places_[row].position, radii_[row]).min);
   const Cell lowest{std::max(low.x, query_low.x), std::max(low.y, query_low.y)};
   if (lowest.y != run_cell.y || lowest.x < run_cell.x) return false;
   const std::size_t cell = first + static_cast<std::size_t>(lowest.x - run_cell.x);

@@ -29,7 +29,8 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
 }
 
 /// The bodies that move, by the cell they are in: contiguous, in (cell, row) order, rebuilt in parallel each
-/// tick by a counting sort over the tiles in use.
+/// tick by a counting sort: first by tile, then, a tile each task, by cell. Both are stable, so that no rows
+/// need comparing, and no counter is shared between threads.
 ///
 /// A body not wider than a cell lies in the cell of its origin alone, and queries reach out by the largest
 /// such radius. A wider one lies in every cell it touches, and a query gives it once, so that one truck does
@@ -39,9 +40,9 @@ class BodyIndex {
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}
 
-  /// positions and radii: one a row, m. The index looks at both again when it is queried, and keeps nothing
+  /// places and radii: one a row, m. The index looks at both again when it is queried, and keeps nothing
   /// of its previous contents.
-  void rebuild(std::span<const Vec2> positions, std::span<const double> radii, Parallel& parallel);
+  void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// visit(span of circles) for the runs of cells, row of cells by row of cells, that hold every body whose
   /// circle may touch the box, and some that do not. A wide body may come more than once, in one run and in
@@ -93,22 +94,55 @@ class BodyIndex {
 
  private:
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
+  Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
   /// Of a wide body's entries within the query, the one at the lowest cell counts.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 
+  /// A part of the rows, counted and handed out by one task.
+  struct alignas(64) Part {
+    std::uint32_t first = 0;
+    std::uint32_t last = 0;
+    double small_radius = 0;
+    bool has_wide = false;
+    std::vector<Cell> new_tiles;
+    std::vector<std::uint32_t> next;  // per slot: how many of the part, then where the next one goes
+  };
+  void count(Part& part);
+  void make_new_tiles(Parallel& parallel);
+  void place_tiles(Parallel& parallel);
+  void weigh_tile(std::size_t slot);
+  void sort_tile(std::size_t slot);
+  template <class Visit>
+  void for_each_tile_of(std::uint32_t row, Visit&& visit) const;
+  template <class Visit>
+  void for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const;
+
   GridGeometry geometry_;
   TileDirectory directory_;
-  std::span<const Vec2> positions_;    // the caller's
+  std::span<const Transform> places_;  // the caller's
   std::span<const double> radii_;      // the caller's
   double small_radius_ = 0;            // largest radius among those that lie in one cell
   bool has_wide_ = false;              // some lie in more
+  std::vector<Part> parts_;
+  struct Tile {
+    std::uint32_t rows = 0;     // that touch it: in tile_rows_
+    std::uint32_t circles = 0;  // in circles_
+    std::uint32_t homes = 0;    // rows whose origin it holds: in order_
+    Tile& operator+=(const Tile& other) {
+      rows += other.rows;
+      circles += other.circles;
+      homes += other.homes;
+      return *this;
+    }
+  };
+  std::vector<Tile> counts_;  // per slot
+  std::vector<Tile> tiles_;   // per slot, one closing entry: where it starts
+  std::vector<Tile> sums_;
+  std::vector<BodyCircle> tile_rows_;  // by tile
   std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into circles_
-  std::vector<std::uint32_t> next_;    // counters of the sort
-  std::vector<std::uint32_t> tile_rows_;
-  std::vector<std::uint32_t> tile_begins_;  // first place of each slot in order_
-  std::vector<std::uint32_t> homes_;        // per row: slot * cells + cell of its origin
-  std::vector<BodyCircle> circles_;
+  std::vector<std::uint32_t> homes_;   // per row: slot * cells + cell of its origin
+  std::vector<BodyCircle> circles_;    // by tile and cell
   std::vector<std::uint32_t> order_;
 };
 

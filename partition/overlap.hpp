@@ -10,9 +10,10 @@ namespace troupe::partition {
 /// A body as the overlap predicate sees it: convex prisms in the body's frame.
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;
-  double radius = 0;    ///< of the circle about the body's origin that encloses every piece, m
-  double thinnest = 0;  ///< smallest width of any piece, m
-  ZInterval z;          ///< of all pieces
+  std::size_t vertices = 0;  ///< of all pieces
+  double radius = 0;         ///< of the circle about the body's origin that encloses every piece, m
+  double thinnest = 0;       ///< smallest width of any piece, m
+  ZInterval z;               ///< of all pieces
 
   bool empty() const { return pieces.empty(); }
 };

@@ -151,6 +151,20 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   obstacle_edges_ = EdgeGrid(hard, geometry);
 }
 
+double StaticScene::clearance(const Vec2& point, double most) const {
+  double nearest2 = most * most;
+  obstacle_edges_.for_each_run(Box::around(point, most), [&](std::span<const FixedEdge> edges) {
+    for (const FixedEdge& edge : edges) {
+      const Vec2 along = edge.b - edge.a;
+      const Vec2 from = point - edge.a;
+      const double length2 = along.squaredNorm();  // 0 where it underflows
+      const double t = length2 > 0 ? std::clamp(from.dot(along) / length2, 0.0, 1.0) : 0.0;
+      nearest2 = std::min(nearest2, (from - t * along).squaredNorm());
+    }
+  });
+  return sqrt(nearest2);
+}
+
 bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
   const Strips& strips = strips_[solid];
   if (strips.edges.empty() || !strips.box.contains(p)) return false;
@@ -178,40 +192,42 @@ bool StaticScene::count_crossings(const Strips& strips, const Vec2& p) const {
   return odd;
 }
 
-bool StaticScene::swallows(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
-  if (!solids_[solid].obstacle || !strips_[solid].box.touches(Box::around(pose.position(), shape.radius)))
+bool StaticScene::swallows(std::size_t solid, const PlacedShape& placed) const {
+  const ObstacleShape& shape = placed.shape();
+  if (!solids_[solid].obstacle || !strips_[solid].box.touches(Box::around(placed.position(), shape.radius)))
     return false;
-  const Transform transform(pose);
   for (const ConvexPrism& piece : shape.pieces) {
-    if (!piece.z.shifted(pose.z).overlaps(solids_[solid].solid.z)) continue;
+    if (!piece.z.shifted(placed.z()).overlaps(solids_[solid].solid.z)) continue;
     Vec2 middle = Vec2::Zero();
     for (const Vec2& v : piece.outline) middle += v;
-    if (inside(solid, transform * (middle / static_cast<double>(piece.outline.size())))) return true;
+    if (inside(solid, placed.transform() * (middle / static_cast<double>(piece.outline.size())))) return true;
   }
   return false;
 }
 
-bool StaticScene::overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose) const {
-  return find_crossing(shape, pose, [&](const FixedEdge& edge) { return edge.solid == solid; }) ||
-         swallows(solid, shape, pose);
+bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) const {
+  return find_crossing(shape, [&](const FixedEdge& edge) { return edge.solid == solid; }) ||
+         swallows(solid, shape);
 }
 
 bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
   if (!has_obstacles_ || shape.empty()) return false;
-  if (find_crossing(shape, pose, [](const FixedEdge&) { return true; })) return true;
+  const PlacedShape placed(shape, pose);
+  if (find_crossing(placed, [](const FixedEdge&) { return true; })) return true;
   for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (swallows(s, shape, pose)) return true;
+    if (swallows(s, placed)) return true;
   return false;
 }
 
 std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const Pose& pose) const {
   std::vector<BodyId> bodies;
-  find_crossing(shape, pose, [&](const FixedEdge& edge) {
+  const PlacedShape placed(shape, pose);
+  find_crossing(placed, [&](const FixedEdge& edge) {
     bodies.push_back(solids_[edge.solid].body);
     return false;
   });
   for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (swallows(s, shape, pose)) bodies.push_back(solids_[s].body);
+    if (swallows(s, placed)) bodies.push_back(solids_[s].body);
   std::ranges::sort(bodies);
   bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
   return bodies;

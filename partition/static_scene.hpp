@@ -66,10 +66,12 @@ class StaticScene {
   /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
   /// A shape wholly inside a solid crosses no edge: see blocked().
   template <class Ignored>
-  int crossed(const ObstacleShape& shape, const Pose& pose_world_body, Ignored&& ignored) const;
+  int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
+  /// Distance from a point to the nearest edge of an obstacle, m, whatever its height; at most `most`.
+  double clearance(const Vec2& point, double most) const;
   /// True when the shape shares area with this obstacle solid.
-  bool overlaps_solid(std::size_t solid, const ObstacleShape& shape, const Pose& pose_world_body) const;
+  bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
   /// True when the shape shares area with an obstacle: an edge crosses it, or it lies wholly inside one.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// Bodies whose obstacle solids overlap the shape at this pose, ascending, without repeats.
@@ -94,10 +96,10 @@ class StaticScene {
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void cover_cells(const Solid& solid, Strips& strips) const;
   /// Whether one of the pieces lies wholly inside the solid, where no edge of the solid crosses the shape.
-  bool swallows(std::size_t solid, const ObstacleShape& shape, const Pose& pose_world_body) const;
+  bool swallows(std::size_t solid, const PlacedShape& shape) const;
   /// visit(edge) -> stop? for obstacle edges that cross the shape.
   template <class Visit>
-  bool find_crossing(const ObstacleShape& shape, const Pose& pose_world_body, Visit&& visit) const;
+  bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 
   std::vector<FixedSolid> solids_;
   std::vector<Strips> strips_;  // beside solids_; empty where the solid is no obstacle
@@ -110,14 +112,12 @@ class StaticScene {
 };
 
 template <class Visit>
-bool StaticScene::find_crossing(const ObstacleShape& shape, const Pose& pose, Visit&& visit) const {
-  const PlacedShape placed(shape, pose);
+bool StaticScene::find_crossing(const PlacedShape& placed, Visit&& visit) const {
   Box box;
-  const Vec2* v = placed.vertices();
-  for (const ConvexPrism& piece : shape.pieces) {
-    for (std::size_t i = 0; i < piece.outline.size(); ++i) box.extend(v[i]);
-    v += piece.outline.size();
-  }
+  placed.any_piece([&](const ConvexPrism&, const auto& polygon) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) box.extend(polygon[i]);
+    return false;
+  });
   bool stop = false;
   obstacle_edges_.for_each_run(box, [&](std::span<const FixedEdge> edges) {
     for (const FixedEdge& edge : edges) {
@@ -126,23 +126,18 @@ bool StaticScene::find_crossing(const ObstacleShape& shape, const Pose& pose, Vi
           edge.a.cwiseMin(edge.b).y() > box.max.y() || edge.a.cwiseMax(edge.b).y() < box.min.y())
         continue;
       const ZInterval z = solids_[edge.solid].solid.z;
-      const Vec2* vertices = placed.vertices();
-      for (const ConvexPrism& piece : shape.pieces) {
-        const std::span<const Vec2> polygon(vertices, piece.outline.size());
-        vertices += piece.outline.size();
-        if (!piece.z.shifted(pose.z).overlaps(z) || !segment_overlap(edge.a, edge.b, polygon)) continue;
-        stop = visit(edge);
-        break;
-      }
+      stop = placed.any_piece([&](const ConvexPrism& piece, const auto& polygon) {
+        return piece.z.shifted(placed.z()).overlaps(z) && segment_overlap(edge.a, edge.b, polygon);
+      }) && visit(edge);
     }
   });
   return stop;
 }
 
 template <class Ignored>
-int StaticScene::crossed(const ObstacleShape& shape, const Pose& pose, Ignored&& ignored) const {
+int StaticScene::crossed(const PlacedShape& shape, Ignored&& ignored) const {
   int hit = -1;
-  find_crossing(shape, pose, [&](const FixedEdge& edge) {
+  find_crossing(shape, [&](const FixedEdge& edge) {
     if (ignored(edge.solid)) return false;
     hit = static_cast<int>(edge.solid);
     return true;

@@ -106,16 +106,18 @@ struct Crowd {
     Random random(1, 2, 3, 4);
     const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(rows)));
     for (std::size_t r = 0; r < rows; ++r) {
+      const Pose from{0.16 * static_cast<double>(r % side), 0.16 * static_cast<double>(r / side), 0,
+                      random.uniform(-3, 3)};
       engine::Motion m;
-      m.from = {0.16 * static_cast<double>(r % side), 0.16 * static_cast<double>(r / side), 0,
-                random.uniform(-3, 3)};
       m.turn = random.uniform(-0.15, 0.15);
       m.moves = random.below(2) == 0;
-      m.to = compose(m.from, {0.03, 0, 0, m.turn});
+      m.to = compose(from, {0.03, 0, 0, m.turn});
+      m.rotation = Rotation(m.to.heading);
+      poses.push_back(from);
+      transforms.emplace_back(from);
       motions.push_back(m);
       shapes.push_back(&shape);
       ids.push_back(static_cast<std::uint32_t>(r));
-      positions.push_back(m.from.position());
       radii.push_back(shape.radius);
     }
   }
@@ -123,7 +125,8 @@ struct Crowd {
   std::vector<engine::Motion> motions;
   std::vector<const partition::ObstacleShape*> shapes;
   std::vector<std::uint32_t> ids;
-  std::vector<Vec2> positions;
+  std::vector<Pose> poses;
+  std::vector<Transform> transforms;
   std::vector<double> radii;
 };
 
@@ -131,7 +134,7 @@ void rebuild_index(benchmark::State& state) {
   const Crowd crowd(static_cast<std::size_t>(state.range(0)));
   partition::Parallel parallel(1);
   partition::BodyIndex index({0.5, 4});
-  for (auto _ : state) index.rebuild(crowd.positions, crowd.radii, parallel);
+  for (auto _ : state) index.rebuild(crowd.transforms, crowd.radii, parallel);
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(rebuild_index)->Arg(1000)->Arg(100000)->Name("index/rebuild (items: bodies)");
@@ -140,14 +143,15 @@ void settle_conflicts(benchmark::State& state) {
   const Crowd crowd(static_cast<std::size_t>(state.range(0)));
   partition::Parallel parallel(1);
   partition::BodyIndex index({0.5, 4});
-  index.rebuild(crowd.positions, crowd.radii, parallel);
+  index.rebuild(crowd.transforms, crowd.radii, parallel);
   const partition::StaticScene scene;
   engine::Conflicts conflicts;
-  std::vector<engine::Conflicts::Outcome> outcomes(crowd.motions.size());
+  std::vector<engine::FreeCircle> free(crowd.motions.size());
   std::uint64_t tick = 0;
   for (auto _ : state) {
-    conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, 1, ++tick, Box::around(Vec2::Zero(), 1e5)},
-                     scene, index, parallel, outcomes);
+    conflicts.settle({crowd.poses, crowd.transforms, crowd.motions, crowd.shapes, crowd.ids, free, 1, ++tick,
+                      Box::around(Vec2::Zero(), 1e5)},
+                     scene, index, parallel);
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }

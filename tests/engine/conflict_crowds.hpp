@@ -125,7 +125,7 @@ struct TestCrowd {
   std::vector<const Body*> bodies;
   std::vector<const partition::ObstacleShape*> shapes;
   std::vector<std::uint32_t> ids;
-  std::vector<engine::Motion> motions;
+  std::vector<Motion> motions;
   std::vector<Solid> walls;
   std::vector<Solid> ghosts;  ///< fixed solids that block nobody
   std::optional<Box> bounds;
@@ -217,7 +217,7 @@ inline TestCrowd random_crowd(Draw& draw, const CrowdShape& options) {
 /// please. At `most_poses` a motion is cut short, which keeps the oracle from taking all day.
 inline void random_motions(TestCrowd& crowd, Draw& draw, double most_poses) {
   for (std::size_t i = 0; i < crowd.size(); ++i) {
-    engine::Motion& m = crowd.motions[i];
+    Motion& m = crowd.motions[i];
     m = {m.from, m.from, 0, false};
     if (draw.chance(0.1)) continue;
     const double reach = crowd.shapes[i]->radius;
@@ -242,25 +242,38 @@ inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
   return {std::move(solids), cell_m};
 }
 
-/// What the engine says.
+/// What the engine says. free: what it keeps from tick to tick.
+inline std::vector<engine::Conflicts::Outcome> settle(
+    const TestCrowd& crowd, const partition::StaticScene& scene, const partition::GridGeometry& grid,
+    partition::Parallel& parallel, engine::Conflicts& conflicts, std::vector<engine::FreeCircle>& free) {
+  std::vector<Pose> poses;
+  std::vector<Transform> transforms;
+  std::vector<engine::Motion> motions;
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < crowd.size(); ++i) {
+    const Motion& m = crowd.motions[i];
+    poses.push_back(m.from);
+    transforms.emplace_back(m.from);
+    motions.push_back({m.to, Rotation(m.to.heading), m.turn, m.moves});
+    radii.push_back(crowd.shapes[i]->radius);
+  }
+  partition::BodyIndex index(grid);
+  index.rebuild(transforms, radii, parallel);
+  free.resize(crowd.size());
+  conflicts.settle({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
+                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
+                   scene, index, parallel);
+  std::vector<engine::Conflicts::Outcome> outcomes;
+  for (std::size_t i = 0; i < crowd.size(); ++i) outcomes.push_back(conflicts.outcome(i));
+  return outcomes;
+}
 inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
                                                       const partition::StaticScene& scene,
                                                       const partition::GridGeometry& grid,
                                                       partition::Parallel& parallel,
                                                       engine::Conflicts& conflicts) {
-  std::vector<Vec2> positions;
-  std::vector<double> radii;
-  for (std::size_t i = 0; i < crowd.size(); ++i) {
-    positions.push_back(crowd.motions[i].from.position());
-    radii.push_back(crowd.shapes[i]->radius);
-  }
-  partition::BodyIndex index(grid);
-  index.rebuild(positions, radii, parallel);
-  std::vector<engine::Conflicts::Outcome> outcomes(crowd.size());
-  conflicts.settle({crowd.motions, crowd.shapes, crowd.ids, crowd.seed, crowd.tick,
-                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
-                   scene, index, parallel, outcomes);
-  return outcomes;
+  std::vector<engine::FreeCircle> free;
+  return settle(crowd, scene, grid, parallel, conflicts, free);
 }
 
 }  // namespace troupe::oracle

@@ -34,7 +34,14 @@ inline double thickness(const Ring& ring) {
   return least;
 }
 
-inline std::vector<Pose> poses_of_motion(const engine::Motion& m, const Body& body) {
+struct Motion {
+  Pose from;
+  Pose to;
+  double turn = 0;
+  bool moves = false;
+};
+
+inline std::vector<Pose> poses_of_motion(const Motion& m, const Body& body) {
   double radius = 0;
   for (const Solid& block : body.blocks)
     for (const Ring& ring : block.contours)
@@ -50,7 +57,7 @@ inline std::vector<Pose> poses_of_motion(const engine::Motion& m, const Body& bo
 }
 
 struct Question {
-  std::span<const engine::Motion> motions;
+  std::span<const Motion> motions;
   std::span<const Body* const> bodies;
   std::span<const std::uint32_t> ids;
   std::span<const Solid> walls;  ///< world frame, those that block
@@ -81,7 +88,7 @@ inline std::vector<engine::Conflicts::Outcome> settle(const Question& q, bool by
 
   std::vector<engine::Conflicts::Outcome> outcomes(count, stands);
   for (const std::size_t i : order) {
-    const engine::Motion& m = q.motions[i];
+    const Motion& m = q.motions[i];
     if (!m.moves) continue;
     const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
     if (m.to.x < all.min.x() || m.to.x > all.max.x() || m.to.y < all.min.y() || m.to.y > all.max.y()) {

@@ -10,7 +10,6 @@ namespace troupe::oracle {
 namespace {
 
 using engine::Conflicts;
-using engine::Motion;
 using Outcome = Conflicts::Outcome;
 
 /// A crowd that moves tick after tick.
@@ -21,7 +20,7 @@ class Ticks {
 
   /// Settles the proposed motions and takes those that are allowed.
   const std::vector<Outcome>& step(const partition::GridGeometry& grid = {1, 3}) {
-    outcomes_ = settle(crowd_, scene_, grid, parallel_, conflicts_);
+    outcomes_ = settle(crowd_, scene_, grid, parallel_, conflicts_, free_);
     for (std::size_t i = 0; i < crowd_.size(); ++i)
       if (outcomes_[i] == Outcome::moved) crowd_.motions[i].from = crowd_.motions[i].to;
     ++crowd_.tick;
@@ -39,6 +38,7 @@ class Ticks {
   partition::StaticScene scene_;
   partition::Parallel parallel_;
   Conflicts conflicts_;
+  std::vector<engine::FreeCircle> free_;
   std::vector<Outcome> outcomes_;
 };
 

@@ -105,10 +105,15 @@ TEST(ControllerKind, KeepsItsMemoryInTheTable) {
   const ControllerKind::Prepared prepared = kind.prepare({Value(2.0)}, {}, claimed, fault);
   EXPECT_EQ(fault, "");
   Command command;
-  Actions actions{command};
-  Random random(1, 2, 3, 4);
   const std::uint64_t before = table.hash_row(1);
-  kind.decide(prepared.data, {}, table.row(1), random, actions);
+  const std::vector<Row> rows{Row(0)};
+  const std::vector<BodyId> ids{BodyId(9)};
+  const std::vector<std::uint32_t> slots{1};
+  kind.decide(prepared.data, {.rows = rows,
+                              .ids = ids,
+                              .slots = slots,
+                              .commands = {&command, 1},
+                              .memories = {table.row(0), table.row_bytes(), table.row_bytes()}});
   EXPECT_EQ(command.x, 22);
   EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 11u);
   EXPECT_EQ(table.cell<std::uint32_t>(0, 0)[0], 10u) << "a robot's memory is its own";
@@ -127,9 +132,11 @@ TEST(ControllerKind, NeedsNoMemory) {
   const ControllerKind::Prepared prepared = kind.prepare({}, {}, claimed, fault);
   EXPECT_EQ(prepared.sensors, (std::vector<std::size_t>{2, 0}));
   Command command;
-  Actions actions{command};
-  Random random(1, 2, 3, 4);
-  kind.decide(prepared.data, {.tick_s = 0.25}, nullptr, random, actions);
+  const std::vector<Row> rows{Row(0)};
+  const std::vector<BodyId> ids{BodyId(9)};
+  const std::vector<std::uint32_t> slots{0};
+  kind.decide(prepared.data,
+              {.tick_s = 0.25, .rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}});
   EXPECT_EQ(command.turn, 0.25);
 }
 

@@ -48,10 +48,22 @@ struct Decision {
   }
 
   Command operator()(const std::vector<float>& ranges) {
-    const std::span<const float> view(ranges);
-    Random random(1, 2, 3, tick);
-    engine::Actions actions{command};
-    kind.decide(prepared.data, {tick, tick_s * tick, tick_s, 3, {&view, 1}}, memory.data(), random, actions);
+    const Row row(std::size_t{0});
+    const BodyId id(std::size_t{3});
+    const std::uint32_t slot = 0;
+    engine::DecideBatch batch{.tick = tick,
+                              .time_s = tick_s * tick,
+                              .tick_s = tick_s,
+                              .seed = 1,
+                              .stream = 2,
+                              .rows = {&row, 1},
+                              .ids = {&id, 1},
+                              .slots = {&slot, 1},
+                              .commands = {&command, 1},
+                              .sensors = 1,
+                              .memories = {memory.data(), memory.size(), memory.size()}};
+    batch.ranges[0] = {ranges.data(), ranges.size(), ranges.size()};
+    kind.decide(prepared.data, batch);
     ++tick;
     return command;
   }

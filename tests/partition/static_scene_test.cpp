@@ -63,6 +63,7 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
     for (int i = 0; i < 20; ++i) {
       const Pose pose{draw.real(-5, 5), draw.real(-5, 5), draw.real(-0.5, 0.8), draw.real(-4, 4)};
       const oracle::Blocks body = oracle::place(kind.body.blocks, pose);
+      const PlacedShape there(kind.shape, pose);
       std::set<BodyId> met;
       std::vector<bool> overlaps;
       for (std::size_t s = 0; s < solids.size(); ++s) {
@@ -72,19 +73,17 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
       for (const StaticScene& scene : scenes) {
         ASSERT_EQ(scene.blocked(kind.shape, pose), !met.empty()) << "seed " << seed;
         for (std::uint32_t s = 0; s < solids.size(); ++s)
-          ASSERT_EQ(scene.overlaps_solid(s, kind.shape, pose), overlaps[s])
-              << "seed " << seed << ", solid " << s;
+          ASSERT_EQ(scene.overlaps_solid(s, there), overlaps[s]) << "seed " << seed << ", solid " << s;
         const std::vector<BodyId> expected(met.begin(), met.end());
         ASSERT_EQ(scene.overlapping(kind.shape, pose), expected) << "seed " << seed;
 
         // Crossed: an edge, not only the inside, of some solid that is not to be ignored.
-        const int hit = scene.crossed(kind.shape, pose, [](std::uint32_t) { return false; });
+        const int hit = scene.crossed(there, [](std::uint32_t) { return false; });
         ASSERT_TRUE(hit < 0 || overlaps[static_cast<std::size_t>(hit)]) << "seed " << seed;
-        ASSERT_EQ(scene.crossed(kind.shape, pose, [&](std::uint32_t s) { return overlaps[s]; }), -1)
-            << "seed " << seed;
+        ASSERT_EQ(scene.crossed(there, [&](std::uint32_t s) { return overlaps[s]; }), -1) << "seed " << seed;
         if (hit >= 0) {
           const auto all_but = [&](std::uint32_t s) { return s != static_cast<std::uint32_t>(hit); };
-          ASSERT_EQ(scene.crossed(kind.shape, pose, all_but), hit) << "seed " << seed;
+          ASSERT_EQ(scene.crossed(there, all_but), hit) << "seed " << seed;
         } else if (!met.empty()) {
           ++swallowed;
         }
@@ -112,7 +111,8 @@ TEST(StaticScene, ABodyInAHoleIsFree) {
   EXPECT_FALSE(scene.blocked(body.shape, {0, 0, 1, 0})) << "on top of it";
   EXPECT_FALSE(scene.blocked(body.shape, {50, 0, 0, 0}));
   // Far inside no edge is near.
-  EXPECT_EQ(scene.crossed(body.shape, {5, 5, 0, 0}, [](std::uint32_t) { return false; }), -1);
+  EXPECT_EQ(scene.crossed(PlacedShape(body.shape, Pose{5, 5, 0, 0}), [](std::uint32_t) { return false; }),
+            -1);
 }
 
 TEST(StaticScene, ABodyThatFillsAHoleTouchesOnAllSides) {
