@@ -96,6 +96,7 @@ void World::build_scene() {
   }
   scene_ = partition::StaticScene(std::move(solids), geometry_.cell_m);
   index_ = partition::BodyIndex(geometry_);
+  if (spec_.bounds) index_.reserve(*spec_.bounds);
 }
 
 void World::build_tables() {

@@ -25,6 +25,17 @@ void for_each_cell_in_blocks(const GridGeometry& grid, Visit&& visit) {
 
 }  // namespace
 
+void BodyIndex::reserve(const Box& ground) {
+  constexpr double k_within_reason = 1 << 14;
+  if (ground.empty()) return;
+  const Vec2 size = ground.size() / geometry_.tile_m();
+  reserved_ = static_cast<std::size_t>(std::min((size.x() + 2) * (size.y() + 2), k_within_reason));
+  directory_.reserve(reserved_);
+  counts_.reserve(reserved_);
+  tiles_.reserve(reserved_ + 1);
+  begins_.reserve(reserved_ * geometry_.cells_per_tile() + 1);
+}
+
 /// visit(tile): each tile that the row's body touches; the one of its origin alone where it is not wide.
 template <class Visit>
 void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
@@ -119,6 +130,8 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p].next.reserve(reserved_);
+    parts_[p].new_tiles.reserve(16);
     parts_[p].first = static_cast<std::uint32_t>(rows * p / parts_.size());
     parts_[p].last = static_cast<std::uint32_t>(rows * (p + 1) / parts_.size());
   }

@@ -40,6 +40,10 @@ class BodyIndex {
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}
 
+  /// Makes room for bodies all over this ground, within reason: rebuild() allocates where there are more rows
+  /// than ever before, and where bodies enter ground that no room was made for.
+  void reserve(const Box& ground);
+
   /// places and radii: one a row, m. The index looks at both again when it is queried, and keeps nothing
   /// of its previous contents.
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
@@ -124,6 +128,7 @@ class BodyIndex {
   std::span<const double> radii_;      // the caller's
   double small_radius_ = 0;            // largest radius among those that lie in one cell
   bool has_wide_ = false;              // some lie in more
+  std::size_t reserved_ = 0;           // tiles
   std::vector<Part> parts_;
   struct Tile {
     std::uint32_t rows = 0;     // that touch it: in tile_rows_

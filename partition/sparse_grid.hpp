@@ -3,6 +3,7 @@
 #include "base/assert.hpp"
 #include "base/geometry.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -58,11 +59,15 @@ class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;
 
-  TileDirectory() { clear(); }
+  TileDirectory() : keys_(16), slots_(16, k_none) {}
   void clear() {
-    keys_.assign(16, {});
-    slots_.assign(16, k_none);
+    std::ranges::fill(slots_, k_none);
     tiles_.clear();
+  }
+  /// Makes room for so many tiles.
+  void reserve(std::size_t tiles) {
+    while (tiles * 2 > keys_.size()) grow();
+    tiles_.reserve(tiles);
   }
   std::size_t size() const { return tiles_.size(); }
   Cell tile(std::uint32_t slot) const { return tiles_[slot]; }
