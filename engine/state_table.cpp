@@ -3,6 +3,7 @@
 #include "base/assert.hpp"
 #include "base/hash.hpp"
 
+#include <array>
 #include <cstring>
 
 namespace troupe::engine {
@@ -75,21 +76,35 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
     strides_.assign(fields_.size(), row_bytes_);
     end = row_bytes_ * ids_.size();
   }
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
+    if (layout_ == Layout::rows && f > 0 && stretches_.back().start + stretches_.back().bytes == starts_[f])
+      stretches_.back().bytes += width;
+    else
+      stretches_.push_back({starts_[f], strides_[f], width});
+  }
   data_.assign(end, std::byte{0});
 }
 
-std::uint64_t StateTable::hash_row(std::size_t row, std::vector<std::byte>& scratch) const {
-  // Rows are gathered field by field, so that padding and layout never reach the hash.
-  scratch.resize(sizeof(BodyId) + hashed_bytes_);
-  std::byte* p = scratch.data();
-  std::memcpy(p, &ids_[row], sizeof(BodyId));
-  p += sizeof(BodyId);
-  for (std::size_t f = 0; f < fields_.size(); ++f) {
-    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
-    std::memcpy(p, data_.data() + starts_[f] + row * strides_[f], width);
-    p += width;
+std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
+  // Rows are gathered stretch by stretch, so that padding and layout never reach the hash.
+  std::array<std::byte, 1024> small;
+  std::vector<std::byte> large;
+  const std::size_t bytes = sizeof(BodyId) + hashed_bytes_;
+  if (bytes > small.size()) large.resize(bytes);
+  const std::span<std::byte> gathered(bytes > small.size() ? large.data() : small.data(), bytes);
+  std::uint64_t sum = 0;
+  for (std::size_t row = first; row < last; ++row) {
+    std::byte* p = gathered.data();
+    std::memcpy(p, &ids_[row], sizeof(BodyId));
+    p += sizeof(BodyId);
+    for (const Stretch& stretch : stretches_) {
+      std::memcpy(p, data_.data() + stretch.start + row * stretch.stride, stretch.bytes);
+      p += stretch.bytes;
+    }
+    sum += hash_bytes(gathered, component_hash_);
   }
-  return hash_bytes(scratch, component_hash_);
+  return sum;
 }
 
 }  // namespace troupe::engine

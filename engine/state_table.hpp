@@ -100,12 +100,9 @@ class StateTable {
 
   /// Hash of (component name, id, fields in declared order); equal rows of equal entities hash alike whatever
   /// the layout.
-  /// scratch: grows to what a row needs, for the next call.
-  std::uint64_t hash_row(std::size_t row, std::vector<std::byte>& scratch) const;
-  std::uint64_t hash_row(std::size_t row) const {
-    std::vector<std::byte> scratch;
-    return hash_row(row, scratch);
-  }
+  std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
+  /// The sum of the hashes of rows [first, last), modulo 2^64.
+  std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
   std::size_t bytes() const { return data_.size(); }
 
  private:
@@ -118,6 +115,12 @@ class StateTable {
   std::vector<std::size_t> strides_;  // between rows, bytes
   std::size_t row_bytes_ = 0;
   std::size_t hashed_bytes_ = 0;
+  struct Stretch {  // of a row: fields that follow one another in memory as they do in the hash
+    std::size_t start;
+    std::size_t stride;
+    std::size_t bytes;
+  };
+  std::vector<Stretch> stretches_;
   std::uint64_t component_hash_ = 0;
   std::vector<std::byte> data_;
 };

@@ -148,6 +148,9 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
     cover_cells(fixed.solid, strips);
   }
   outlines_ = FixedOutlines(seen, geometry);
+  std::vector<Box> boxes;
+  for (const Strips& strips : strips_) boxes.push_back(strips.box);
+  boxes_ = BoxGrid(boxes);
   obstacle_edges_ = EdgeGrid(hard, geometry);
 }
 
@@ -213,10 +216,8 @@ bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) co
 bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
   if (!has_obstacles_ || shape.empty()) return false;
   const PlacedShape placed(shape, pose);
-  if (find_crossing(placed, [](const FixedEdge&) { return true; })) return true;
-  for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (swallows(s, placed)) return true;
-  return false;
+  return find_crossing(placed, [](const FixedEdge&) { return true; }) ||
+         find_swallowing(placed, [](std::uint32_t) { return true; });
 }
 
 std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const Pose& pose) const {
@@ -226,8 +227,10 @@ std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const P
     bodies.push_back(solids_[edge.solid].body);
     return false;
   });
-  for (std::size_t s = 0; s < solids_.size(); ++s)
-    if (swallows(s, placed)) bodies.push_back(solids_[s].body);
+  find_swallowing(placed, [&](std::uint32_t solid) {
+    bodies.push_back(solids_[solid].body);
+    return false;
+  });
   std::ranges::sort(bodies);
   bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
   return bodies;

@@ -2,6 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
+#include "partition/box_grid.hpp"
 #include "partition/fixed_outlines.hpp"
 #include "partition/overlap.hpp"
 #include "partition/placed_shape.hpp"
@@ -97,12 +98,19 @@ class StaticScene {
   void cover_cells(const Solid& solid, Strips& strips) const;
   /// Whether one of the pieces lies wholly inside the solid, where no edge of the solid crosses the shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;
+  /// visit(solid) -> stop? for those that swallow a piece of the shape, more than once perhaps.
+  template <class Visit>
+  bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
+    return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
+                           [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
+  }
   /// visit(edge) -> stop? for obstacle edges that cross the shape.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 
   std::vector<FixedSolid> solids_;
   std::vector<Strips> strips_;  // beside solids_; empty where the solid is no obstacle
+  BoxGrid boxes_;               // of the strips
   Box bounds_;
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;

@@ -152,6 +152,30 @@ TEST(Overlap, BodiesAsTheOracleSays) {
   EXPECT_LT(shared, k_pairs * 9 / 10);
 }
 
+// More vertices than a placed shape keeps at hand.
+TEST(Overlap, BodiesOfManyVerticesAsTheOracleSays) {
+  std::size_t shared = 0;
+  constexpr std::size_t k_pairs = 400 / oracle::k_thrift;
+  for (std::uint64_t seed = 1; seed <= k_pairs; ++seed) {
+    Draw draw(6'000'000 + seed);
+    const oracle::Kind a =
+        oracle::make_kind({{{oracle::random_star(draw, 80 + draw.below(60), 1, 0.5)}, {0, 0.5}}});
+    const oracle::Kind b = draw.chance(0.5)
+                               ? oracle::make_kind({{{rectangle(-0.3, -0.2, 0.3, 0.2)}, {0, 0.5}}})
+                               : oracle::make_kind({{{oracle::random_star(draw, 100, 0.8, 0.7)}, {0, 0.5}}});
+    ASSERT_GT(a.shape.vertices, 128u);
+    const Pose at{draw.real(-1, 1), draw.real(-1, 1), 0, draw.real(-9, 9)};
+    const Pose there{draw.real(-1, 1), draw.real(-1, 1), 0, draw.real(-9, 9)};
+    const bool expected =
+        oracle::overlap(oracle::place(a.body.blocks, at), oracle::place(b.body.blocks, there));
+    ASSERT_EQ(overlap(a.shape, at, b.shape, there), expected) << "seed " << seed;
+    ASSERT_EQ(overlap(b.shape, there, a.shape, at), expected) << "seed " << seed;
+    shared += expected;
+  }
+  EXPECT_GT(shared, k_pairs / 10);
+  EXPECT_LT(shared, k_pairs * 9 / 10);
+}
+
 TEST(Overlap, HeightsThatOnlyTouchDoNot) {
   const oracle::Kind low = oracle::make_kind({{{rectangle(-1, -1, 1, 1)}, {0, 0.5}}});
   EXPECT_TRUE(overlap(low.shape, {}, low.shape, {0.5, 0, 0.25, 0}));

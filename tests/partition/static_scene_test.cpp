@@ -97,6 +97,55 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
   EXPECT_GT(swallowed, 100 / oracle::k_thrift) << "few bodies lay wholly inside a solid";
 }
 
+TEST(StaticScene, ABodyOfManyVerticesMeetsWhatTheOracleSays) {
+  std::size_t blocked = 0;
+  constexpr std::size_t k_poses = 300 / oracle::k_thrift;
+  for (std::uint64_t seed = 1; seed <= k_poses; ++seed) {
+    Draw draw(7'000'000 + seed);
+    const oracle::Kind kind =
+        oracle::make_kind({{{oracle::random_star(draw, 80 + draw.below(60), 1, 0.5)}, {0, 0.5}}});
+    ASSERT_GT(kind.shape.vertices, 128u);
+    const Solid wall{{oracle::random_star(draw, 9, 1.5, 0.3)}, {0, 1}};
+    const StaticScene scene({{wall, BodyId(1), true, 1}}, draw.scale(0.1, 3));
+    const Pose pose{draw.real(-2, 2), draw.real(-2, 2), 0, draw.real(-4, 4)};
+    const bool expected = oracle::overlap(oracle::place(kind.body.blocks, pose), oracle::place({wall}, {}));
+    ASSERT_EQ(scene.blocked(kind.shape, pose), expected) << "seed " << seed;
+    blocked += expected;
+  }
+  EXPECT_GT(blocked, k_poses / 10);
+  EXPECT_LT(blocked, k_poses * 9 / 10);
+}
+
+TEST(StaticScene, ClearanceIsTheDistanceToTheNearestObstacleEdge) {
+  for (std::uint64_t seed = 1; seed <= 100 / oracle::k_thrift; ++seed) {
+    Draw draw(8'000'000 + seed);
+    std::vector<FixedSolid> solids;
+    for (std::size_t s = draw.below(12); s > 0; --s) {
+      Solid star{{oracle::random_star(draw, 7, draw.scale(0.1, 3), 0.4)}, {0, 1}};
+      const Vec2 by(draw.real(-10, 10), draw.real(-10, 10));
+      for (Vec2& v : star.contours[0]) v += by;
+      solids.push_back({std::move(star), BodyId(s), draw.chance(0.8), 1});
+    }
+    const StaticScene scene(solids, draw.scale(0.1, 5));
+    for (int i = 0; i < 50; ++i) {
+      const Vec2 p(draw.real(-12, 12), draw.real(-12, 12));
+      const double most = draw.scale(0.05, 10);
+      double expected = most;
+      for (const FixedSolid& fixed : solids) {
+        if (!fixed.obstacle) continue;
+        const Ring& ring = fixed.solid.contours[0];
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+          const Vec2 a = ring[k];
+          const Vec2 along = ring[(k + 1) % ring.size()] - a;
+          const double t = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+          expected = std::min(expected, (p - a - t * along).norm());
+        }
+      }
+      ASSERT_NEAR(scene.clearance(p, most), expected, 1e-12) << "seed " << seed;
+    }
+  }
+}
+
 TEST(StaticScene, ABodyInAHoleIsFree) {
   const Solid plan{
       {rectangle(-10, -10, 10, 10), rectangle(-1, -1, 1, 1), rectangle(-0.125, -0.125, 0.125, 0.125)},
