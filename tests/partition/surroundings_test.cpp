@@ -17,7 +17,7 @@ double distance(const Vec2& p, const FixedEdge& edge) {
 }
 
 struct Scene {
-  std::vector<Vec2> positions;
+  std::vector<Transform> places;
   std::vector<double> radii;
   std::vector<FixedEdge> edges;
 };
@@ -26,7 +26,7 @@ struct Scene {
 Scene any_scene(Random& random) {
   Scene scene;
   for (std::uint32_t i = 0, n = random.below(400); i < n; ++i) {
-    scene.positions.emplace_back(random.uniform(-10, 10), random.uniform(-10, 10));
+    scene.places.emplace_back(Pose{random.uniform(-10, 10), random.uniform(-10, 10), 0, 0});
     scene.radii.push_back(random.below(40) ? random.uniform(0.01, 0.1) : random.uniform(0.1, 4));
   }
   for (std::uint32_t solid = 0; solid < 5; ++solid) {
@@ -49,7 +49,7 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
     const Scene scene = any_scene(random);
     const GridGeometry grid{random.uniform(0.05, 3), random.below(6)};
     BodyIndex bodies(grid);
-    bodies.rebuild(scene.positions, scene.radii, parallel);
+    bodies.rebuild(scene.places, scene.radii, parallel);
     const FixedOutlines fixed(scene.edges, grid);
     Surroundings surroundings;
     surroundings.begin(bodies, fixed, grid, random.uniform(0.1, 6));
@@ -73,8 +73,8 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
                 if (scene.edges[k].a == e.a && scene.edges[k].b == e.b) edges[k] = true;
         }
         const double near = surroundings.radius(b);
-        for (std::uint32_t r = 0; r < scene.positions.size(); ++r) {
-          if ((scene.positions[r] - eye).norm() - scene.radii[r] > near) continue;
+        for (std::uint32_t r = 0; r < scene.places.size(); ++r) {
+          if ((scene.places[r].position - eye).norm() - scene.radii[r] > near) continue;
           ASSERT_TRUE(rows.contains(r)) << "trial " << trial << ", band " << b << ", row " << r;
           ++found;
         }
