@@ -1,6 +1,7 @@
 #include "apps/run.hpp"
 
 #include "apps/outputs.hpp"
+#include "apps/phase_clock.hpp"
 #include "apps/progress.hpp"
 #include "apps/report.hpp"
 #include "base/diagnostics.hpp"
@@ -10,7 +11,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -43,24 +43,6 @@ void stop_on_signals() {
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
-
-/// Wall time in each phase, from the simulation's marks between them.
-class PhaseClock {
- public:
-  void operator()(std::optional<Phase> phase) {
-    const auto now = Clock::now();
-    if (current_)
-      seconds_[static_cast<std::size_t>(*current_)] += std::chrono::duration<double>(now - since_).count();
-    current_ = phase;
-    since_ = now;
-  }
-  const std::array<double, k_phases>& seconds() const { return seconds_; }
-
- private:
-  std::array<double, k_phases> seconds_{};
-  std::optional<Phase> current_;
-  Clock::time_point since_;
-};
 
 std::uint64_t peak_rss_bytes() {
   rusage usage{};
