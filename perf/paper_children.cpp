@@ -92,7 +92,7 @@ void report_child(const Scene& scene, const engine::Registry& registry) {
   engine::WorldSpec spec = worldio::load_world(scene.world, registry, scene.load, diagnostics);
   diagnostics.throw_if_errors();
   const auto read = Clock::now();
-  engine::World world(std::move(spec), registry, {.threads = 1}, diagnostics);
+  engine::World world(std::move(spec), registry, {}, diagnostics);
   diagnostics.throw_if_errors();
   const auto built = Clock::now();
   const std::uint64_t ticks = engine::ticks_until(scene.for_s, world.tick_s());

@@ -26,7 +26,7 @@ struct ChildTiming {
   std::vector<ChildReport> reports;  ///< one a repetition
 };
 
-/// In the child: loads `scene`, runs it on one thread, and prints the report on standard output.
+/// In the child: loads `scene`, runs it, and prints the report on standard output.
 void report_child(const Scene& scene, const engine::Registry& registry);
 
 /// In the parent: starts this program anew `repeat` times with `--child INDEX` and what else is given, and

@@ -165,13 +165,14 @@ std::string child_name(const ChildTiming& timing) {
 }
 
 Sheet loading_sheet(const Report& report) {
-  Sheet sheet{"Loading and memory",
-              "Each in a process of its own, on one thread. Memory is what is resident after the first "
-              "ticks; bytes a "
-              "robot are over the empty world.",
-              {"world", "robots", "load s", "min", "max", "of it reading s", "resident MB", "peak MB",
-               "bytes a robot", "state hash"},
-              {}};
+  Sheet sheet{
+      "Loading and memory",
+      "Each in a process of its own, with a thread for each core. Memory is what is resident after the first "
+      "ticks; bytes a "
+      "robot are over the empty world.",
+      {"world", "robots", "load s", "min", "max", "of it reading s", "resident MB", "peak MB",
+       "bytes a robot", "state hash"},
+      {}};
   double empty = 0;
   for (const ChildTiming& timing : report.children) {
     const double rss = median_of(timing, [](const ChildReport& r) { return r.rss_bytes; });
