@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_footer = R"(
-A full run of five repetitions takes about half an hour on two cores of 2023, a quick one some seconds. Memory:
+A full run of five repetitions takes about an hour on two cores of 2023, a quick one some seconds. Memory:
 about 2 GB. Let nothing else run meanwhile; what did shows between min and max.
 
 Rows have names, as --list prints them: --only '^3/' runs table 3, --only 'loading' what is loaded.

@@ -1,6 +1,7 @@
 #include "perf/paper_report.hpp"
 
 #include "troupe/simulation.hpp"
+#include "perf/paper_aims.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,8 +20,6 @@ namespace {
 constexpr std::string_view k_begin = "<!-- perf_paper: begin -->";
 constexpr std::string_view k_end = "<!-- perf_paper: end -->";
 constexpr double k_mb = 1e6;
-// Below this many robots a tick has too little work for more threads: it is not their scaling that shows.
-constexpr std::size_t k_least_robots_that_scale = 10000;
 
 /// "12,345,678".
 std::string grouped(double value) {
@@ -110,29 +109,6 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
   return sheet;
 }
 
-/// One point of the scaling picture.
-struct Scaling {
-  const Timing* timing;
-  double speedup;
-  double probe;
-};
-
-std::vector<Scaling> scalings(const Report& report) {
-  std::vector<Scaling> out;
-  for (const CaseTiming& one : report.cases) {
-    if (one.table != "2" && one.table != "3" && one.table != "campus") continue;
-    const Timing& single = one.timings.front();
-    if (single.run.threads != 1) continue;
-    for (const Timing& timing : one.timings) {
-      if (timing.run.frames || timing.run.threads == 1) continue;
-      const double probe =
-          timing.run.threads * median(one.probe_s.at(1)) / median(one.probe_s.at(timing.run.threads));
-      out.push_back({&timing, median(single.wall_s) / median(timing.wall_s), probe});
-    }
-  }
-  return out;
-}
-
 Sheet scaling_sheet(const Report& report) {
   Sheet sheet{"Threads",
               "`probe`: the same number of threads that share nothing, timed between the repetitions: what "
@@ -141,9 +117,6 @@ Sheet scaling_sheet(const Report& report) {
               {"world", "robots", "threads", "speed-up", "probe", "of the probe"},
               {}};
   for (const Scaling& s : scalings(report)) {
-    if (s.timing->robots < k_least_robots_that_scale && !report.quick &&
-        s.timing->run.scene.name != "hospital/1")
-      continue;
     sheet.rows.push_back({s.timing->run.scene.name.substr(0, s.timing->run.scene.name.rfind('/')),
                           grouped(static_cast<double>(s.timing->robots)),
                           fmt::format("{}", s.timing->run.threads), fmt::format("{:.2f}", s.speedup),
@@ -239,8 +212,25 @@ Reference read_reference(const std::filesystem::path& file) {
   return reference;
 }
 
+std::vector<Scaling> scalings(const Report& report) {
+  std::vector<Scaling> out;
+  for (const CaseTiming& one : report.cases) {
+    if (one.table == "clusters" || one.table == "grid") continue;
+    const Timing& single = one.timings.front();
+    if (single.run.threads != 1) continue;
+    for (const Timing& timing : one.timings) {
+      if (timing.run.frames || timing.run.threads == 1) continue;
+      const double probe =
+          timing.run.threads * median(one.probe_s.at(1)) / median(one.probe_s.at(timing.run.threads));
+      out.push_back({&timing, median(single.wall_s) / median(timing.wall_s), probe});
+    }
+  }
+  return out;
+}
+
 std::vector<Sheet> sheets(const Report& report, const Reference& reference) {
   std::vector<Sheet> out;
+  if (!report.quick) out.push_back(aims_sheet(report));
   for (const Table& table : report.tables) out.push_back(timing_sheet(report, table, reference));
   out.push_back(scaling_sheet(report));
   out.push_back(loading_sheet(report));

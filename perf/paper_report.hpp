@@ -38,6 +38,15 @@ struct Sheet {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
 };
+
+/// What several threads gained in one row.
+struct Scaling {
+  const Timing* timing;
+  double speedup;  ///< against the same row on one thread
+  double probe;    ///< of as many threads that share nothing, in the same run
+};
+std::vector<Scaling> scalings(const Report& report);
+
 std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 
 std::string plain_text(const Sheet& sheet);
