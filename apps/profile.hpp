@@ -32,8 +32,8 @@ struct ProfileLimits {
 /// robots.
 ///
 /// file    complete after each tick: it can be read while the run goes on, and after it was killed
-/// tasks   their argument is their index in their loop: batches of robots follow one another in the order of
-///         tiles. A phase may run several loops
+/// tasks   their argument is their index in their loop; in the sense phase batches of robots that are
+///         neighbours, in the order of the tiles. A phase may run several loops
 /// load    a phase's argument `imbalance` is the busiest worker's time in tasks by the mean of all `threads`
 ///         workers (1: perfect; `threads`: one did everything); left out where a phase ran no task
 /// errors  OutputError when the file cannot be opened, std::runtime_error when it cannot be written

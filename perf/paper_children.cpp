@@ -127,10 +127,11 @@ void write_as_text(const Scene& scene, const std::filesystem::path& file, const 
   for (int i = 0; i < 12; ++i) text += fmt::format("    ir( pose [ 0 0 0 {} ] )\n", 30 * i);
   text += fmt::format("  )\n)\n\nfloorplan( name \"hospital\" size [ 140 60 0.5 ] bitmap \"{}\" )\n",
                       std::filesystem::absolute(scene.world.parent_path() / "hospital.png").string());
+  std::size_t robots = 0;
   for (const engine::BodySpec& body : spec.bodies) {
     if (!engine::is_mobile(spec.types[body.type.index()])) continue;
     const Pose& pose = body.pose_world_body;
-    text += fmt::format("minibot( name \"{}\" pose [ {} {} 0 {} ] )\n", body.name, pose.x, pose.y,
+    text += fmt::format("minibot( name \"r{}\" pose [ {} {} 0 {} ] )\n", robots++, pose.x, pose.y,
                         pose.heading / k_pi * 180);
   }
   std::ofstream stream(file, std::ios::binary);
