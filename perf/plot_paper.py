@@ -108,7 +108,8 @@ def draw_threads(data, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("measured", help="what perf_paper --out wrote")
-    parser.add_argument("--images", default=os.path.normpath(os.path.join(HERE, "..", "docs", "images")), help="where the pictures go")
+    parser.add_argument("--images", default=os.path.join(os.path.dirname(HERE), "docs", "images"),
+                        help="where the pictures go")
     options = parser.parse_args()
     with open(options.measured, encoding="utf-8") as file:
         data = json.load(file)
