@@ -1,6 +1,8 @@
 #include "apps/run.hpp"
 
 #include "apps/outputs.hpp"
+#include "apps/phase_clock.hpp"
+#include "apps/profile.hpp"
 #include "apps/progress.hpp"
 #include "apps/report.hpp"
 #include "base/diagnostics.hpp"
@@ -10,7 +12,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -44,24 +45,6 @@ void stop_on_signals() {
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
-/// Wall time in each phase, from the simulation's marks between them.
-class PhaseClock {
- public:
-  void operator()(std::optional<Phase> phase) {
-    const auto now = Clock::now();
-    if (current_)
-      seconds_[static_cast<std::size_t>(*current_)] += std::chrono::duration<double>(now - since_).count();
-    current_ = phase;
-    since_ = now;
-  }
-  const std::array<double, k_phases>& seconds() const { return seconds_; }
-
- private:
-  std::array<double, k_phases> seconds_{};
-  std::optional<Phase> current_;
-  Clock::time_point since_;
-};
-
 std::uint64_t peak_rss_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -85,21 +68,27 @@ void print_options(const Report& report) {
 }
 
 /// Steps to the end, or to a signal; fills in what a run measures.
-void step_to_end(Simulation& simulation, HashLog* log, bool show_progress, Report& report) {
+void step_to_end(Simulation& simulation, HashLog* log, Profile* profile, bool show_progress, Report& report) {
   PhaseClock phases;
-  simulation.on_phase([&phases](std::optional<Phase> phase) { phases(phase); });
+  simulation.on_phase([&phases, profile](std::optional<Phase> phase) {
+    phases(phase);
+    if (profile) profile->phase(phase);
+  });
+  if (profile) simulation.on_task([profile](std::size_t task, bool begins) { profile->task(task, begins); });
   const std::uint64_t ticks = engine::ticks_until(report.end_s, simulation.tick_s());
   {
     Progress progress(ticks, simulation.tick_s(), show_progress);
     const auto start = Clock::now();
     while (simulation.tick() < ticks && !stop_requested) {
       simulation.step();
+      if (profile) profile->write(simulation);
       if (log) log->write(simulation);
       progress.update(simulation.tick());
     }
     report.wall_s = seconds_since(start);
   }
   simulation.on_phase(nullptr);
+  simulation.on_task(nullptr);
   report.phase_s = phases.seconds();
   report.stopped = simulation.tick() < ticks;
   report.statistics = simulation.statistics();
@@ -117,7 +106,7 @@ std::vector<std::filesystem::path> stage_path() {
 }
 
 ExitCode run_checked(const RunOptions& options) {
-  check_outputs(options.world, {options.hash_log, options.snapshot});
+  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile});
 
   const auto start = Clock::now();
   SimulationOptions simulation_options = options.simulation;
@@ -138,9 +127,14 @@ ExitCode run_checked(const RunOptions& options) {
   if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
   std::optional<HashLog> log;
   if (!options.hash_log.empty()) log.emplace(options.hash_log, simulation);
+  std::optional<Profile> profile;
+  if (!options.profile.empty()) profile.emplace(options.profile, simulation, options.profile_limits);
 
   if (!options.quiet && !options.json) print_options(report);
-  step_to_end(simulation, log ? &*log : nullptr, !options.quiet, report);
+  step_to_end(simulation, log ? &*log : nullptr, profile ? &*profile : nullptr, !options.quiet, report);
+  if (profile && !profile->left_out().empty() && !options.quiet)
+    fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
+               options.profile.string(), profile->left_out());
   report.peak_rss_bytes = peak_rss_bytes();
 
   if (options.json)

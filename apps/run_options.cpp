@@ -98,6 +98,16 @@ void set_picture_size(RunOptions& options, const std::string& text) {
   options.height = *height;
 }
 
+void set_profile_ticks(RunOptions& options, const std::string& text) {
+  const auto colon = text.find(':');
+  const auto first = number<std::uint64_t>(text.substr(0, colon));
+  const auto last = colon == text.npos ? std::nullopt : number<std::uint64_t>(text.substr(colon + 1));
+  if (!first || !last || *first < 1 || *first > *last)
+    refuse("--profile-ticks", text, "a first and a last tick, counted from 1, as in --profile-ticks 100:120");
+  options.profile_limits.first_tick = *first;
+  options.profile_limits.last_tick = *last;
+}
+
 }  // namespace
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
@@ -155,6 +165,17 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   add_value(*run, "--size", "WxH", "Size of that picture in pixels (default: 1280x720)",
             [&options](const std::string& text) { set_picture_size(options, text); })
       ->needs(snapshot);
+  CLI::Option* profile =
+      add_value(*run, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
+                [&options](const std::string& text) {
+                  options.profile = text;
+                  if (options.profile.extension() != ".json" || text.starts_with('-'))
+                    refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
+                });
+  add_value(*run, "--profile-ticks", "A:B",
+            "Only ticks A to B of it (default: all, while the file stays small)",
+            [&options](const std::string& text) { set_profile_ticks(options, text); })
+      ->needs(profile);
   const auto add_switch = [run](const char* name, bool& on, const char* help) {
     run->add_flag(name, on, help)->disable_flag_override();
   };

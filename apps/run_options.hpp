@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/profile.hpp"
 #include "troupe/simulation.hpp"
 
 #include <filesystem>
@@ -18,6 +19,8 @@ struct RunOptions {
   std::optional<double> for_s;     ///< end on the world's clock, s
   std::filesystem::path hash_log;  ///< empty: none
   std::filesystem::path snapshot;  ///< empty: none
+  std::filesystem::path profile;   ///< empty: none
+  ProfileLimits profile_limits;
   int width = 1280;
   int height = 720;
   bool json = false;

@@ -10,6 +10,7 @@ namespace {
 struct Guarded {
   void (*call)(void* task, std::size_t i);
   void* task;
+  const std::function<void(std::size_t, bool)>& on_task;
   std::mutex mutex;
   std::size_t lowest = 0;
   std::exception_ptr exception;
@@ -25,13 +26,20 @@ struct Guarded {
       guarded.exception = std::current_exception();
     }
   }
+
+  static void run_watched(void* self, std::size_t i) {
+    const auto& on_task = static_cast<Guarded*>(self)->on_task;
+    on_task(i, true);
+    run(self, i);
+    on_task(i, false);
+  }
 };
 
 }  // namespace
 
 void Parallel::run(std::size_t count, Call call, void* task) {
-  Guarded guarded{.call = call, .task = task};
-  run_tasks(count, Guarded::run, &guarded);
+  Guarded guarded{.call = call, .task = task, .on_task = on_task_};
+  run_tasks(count, on_task_ ? Guarded::run_watched : Guarded::run, &guarded);
   if (guarded.exception) std::rethrow_exception(guarded.exception);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 
 namespace troupe::partition {
@@ -18,6 +19,13 @@ class Parallel {
   Parallel& operator=(Parallel&&) noexcept;
 
   unsigned threads() const { return threads_; }
+
+  /// Called on its worker as a task begins (true) and ends (false), with the task's index in its loop; on
+  /// several workers at once, so it must be thread-safe. For profiles: without one no task pays for it. Set
+  /// between loops.
+  void on_task(std::function<void(std::size_t task, bool begins)> callback) {
+    on_task_ = std::move(callback);
+  }
 
   /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
   /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
@@ -37,6 +45,7 @@ class Parallel {
   struct Workers;
   unsigned threads_;
   std::unique_ptr<Workers> workers_;
+  std::function<void(std::size_t, bool)> on_task_;
 };
 
 }  // namespace troupe::partition

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe {
@@ -235,6 +236,33 @@ BENCHMARK(build_world)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond)
     ->Name("load/world from its spec (items: robots)");
+
+/// Every robot's rangers once, after ten ticks: edges and bodies found, culled and projected.
+void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
+  const engine::Registry registry = make_registry();
+  Diagnostics diagnostics;
+  engine::World world(load(world_file, robots, registry), registry, {.threads = 1}, diagnostics);
+  for (int i = 0; i < 10; ++i) world.step();
+  std::vector<Row> rows;
+  for (const std::uint32_t row : world.index().order()) rows.emplace_back(row);
+  std::vector<std::pair<const engine::BodyType::Sensor*, engine::StateTable>> sensors;
+  for (const auto& sensor : world.type(rows.front()).sensors)
+    sensors.emplace_back(&sensor, world.percepts(sensor));
+  std::uint64_t beams = 0;
+  for (auto _ : state)
+    for (auto& [sensor, table] : sensors)
+      beams += sensor->kind->sense(world, sensor->prepared.data, rows, table);
+  state.SetItemsProcessed(static_cast<std::int64_t>(beams));
+}
+BENCHMARK_CAPTURE(sweep, hospital, "hospital-10cm.json", 10000)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("sense/minibots (items: beams)");
+BENCHMARK_CAPTURE(sweep, cave, "cave-simple.json", 100)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("sense/sonars (items: beams)");
+BENCHMARK_CAPTURE(sweep, laser, "cave-simple-laser.json", 100)
+    ->Unit(benchmark::kMillisecond)
+    ->Name("sense/sonars and laser (items: beams)");
 
 void hash_state(benchmark::State& state) {
   const engine::Registry registry = make_registry();

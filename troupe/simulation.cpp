@@ -250,6 +250,8 @@ std::string Simulation::hash_log_line() const {
 
 Statistics Simulation::statistics() const {
   const engine::World& w = *impl_->world;
+  std::size_t state_bytes = 0;
+  for (const engine::StateTable& table : w.tables()) state_bytes += table.bytes();
   return {w.robots(),
           w.tick(),
           w.time_s(),
@@ -257,13 +259,18 @@ Statistics Simulation::statistics() const {
           w.stalled_count(),
           w.held_count(),
           w.mean_displacement(),
-          w.conflict_rounds()};
+          w.conflict_rounds(),
+          state_bytes};
 }
 
 unsigned Simulation::threads() const { return impl_->world->parallel().threads(); }
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
   impl_->world->on_phase(std::move(callback));
+}
+
+void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
+  impl_->world->parallel().on_task(std::move(callback));
 }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {

@@ -48,6 +48,7 @@ struct Statistics {
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the world
   double mean_displacement_m = 0;  ///< of robots, straight from where they started
   std::uint64_t conflict_rounds = 0;
+  std::size_t state_bytes = 0;  ///< of all state tables
 };
 
 class Simulation;
@@ -145,6 +146,9 @@ class Simulation {
   unsigned threads() const;
   /// Called as each phase begins, and once more with no phase as the tick ends; for timing.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
+  /// Called on its worker as a task of a parallel loop begins (true) and ends (false), with the task's index
+  /// in its loop; on several workers at once, so it must be thread-safe. For profiles; set between steps.
+  void on_task(std::function<void(std::size_t task, bool begins)> callback);
 
   /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
   /// no render, or the file cannot be written.

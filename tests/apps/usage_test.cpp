@@ -23,9 +23,9 @@ TEST_F(Usage, VersionIsOneLine) {
 TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   const Outcome outcome = troupe({"run", "--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* word :
-       {"WORLD", "--for", "--threads", "--seed", "--robots", "--set", "--tile-size", "--hash-log",
-        "--snapshot", "--size", "--json", "--quiet", "quit_time", "Exit codes", "Examples"})
+  for (const char* word : {"WORLD", "--for", "--threads", "--seed", "--robots", "--set", "--tile-size",
+                           "--hash-log", "--snapshot", "--size", "--profile", "--profile-ticks", "--json",
+                           "--quiet", "quit_time", "Exit codes", "Examples"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }
@@ -132,6 +132,19 @@ INSTANTIATE_TEST_SUITE_P(
             in_run("--size: \"0x480\" is not a width and a height in pixels, 1 to 16384 each, as in --size "
                    "1280x720")},
         WrongUsage{room({"--size", "640x480"}), in_run("--size requires --snapshot")},
+        WrongUsage{
+            room({"--profile", "trace.txt"}),
+            in_run("--profile: \"trace.txt\" is not the name of a JSON file, as in --profile trace.json")},
+        WrongUsage{room({"--profile", "trace.json", "--profile-ticks", "5:3"}),
+                   in_run("--profile-ticks: \"5:3\" is not a first and a last tick, counted from 1, as in "
+                          "--profile-ticks 100:120")},
+        WrongUsage{room({"--profile", "trace.json", "--profile-ticks", "0:3"}),
+                   in_run("--profile-ticks: \"0:3\" is not a first and a last tick, counted from 1, as in "
+                          "--profile-ticks 100:120")},
+        WrongUsage{room({"--profile", "trace.json", "--profile-ticks", "3"}),
+                   in_run("--profile-ticks: \"3\" is not a first and a last tick, counted from 1, as in "
+                          "--profile-ticks 100:120")},
+        WrongUsage{room({"--profile-ticks", "1:3"}), in_run("--profile-ticks requires --profile")},
         WrongUsage{room({"--hash-log", "--json"}), in_run("--hash-log: \"--json\" is not a file name")},
         WrongUsage{room({"--json=no"}), in_run("--json takes no value")},
         WrongUsage{

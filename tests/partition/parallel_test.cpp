@@ -12,6 +12,7 @@
 #include <chrono>
 #include <mutex>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -110,6 +111,31 @@ TEST_P(ParallelOf, CanBeMoved) {
   std::vector<int> calls(100);
   parallel.for_each(calls.size(), [&](std::size_t i) { ++calls[i]; });
   EXPECT_EQ(calls, std::vector<int>(100, 1));
+}
+
+// For profiles: on the worker that runs the task, around it, and only while somebody asks.
+TEST_P(ParallelOf, TellsOfEachTaskAsItBeginsAndEnds) {
+  Parallel parallel(GetParam());
+  constexpr std::size_t k_tasks = 200;
+  std::vector<std::thread::id> worker(k_tasks);
+  std::vector<int> begun(k_tasks), run(k_tasks), ended(k_tasks);
+  parallel.on_task([&](std::size_t i, bool begins) {
+    EXPECT_EQ(run[i], begins ? 0 : 1);
+    if (begins) worker[i] = std::this_thread::get_id();
+    EXPECT_EQ(worker[i], std::this_thread::get_id());
+    ++(begins ? begun : ended)[i];
+  });
+  auto task = [&](std::size_t i) {
+    ++run[i];
+    if (i == 7) throw std::runtime_error("seven");
+  };
+  EXPECT_THROW(parallel.for_each(k_tasks, task), std::runtime_error);
+  EXPECT_EQ(begun, std::vector<int>(k_tasks, 1));
+  EXPECT_EQ(ended, begun);
+  parallel.on_task(nullptr);
+  EXPECT_THROW(parallel.for_each(k_tasks, task), std::runtime_error);
+  EXPECT_EQ(run, std::vector<int>(k_tasks, 2));
+  EXPECT_EQ(begun, std::vector<int>(k_tasks, 1));
 }
 
 #ifdef __SSE__

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "engine/phase.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+
+namespace troupe::apps {
+
+/// Wall time in each phase, from a world's marks between them: what its on_phase() calls.
+class PhaseClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void operator()(std::optional<engine::Phase> phase) {
+    const auto now = Clock::now();
+    if (current_)
+      seconds_[static_cast<std::size_t>(*current_)] += std::chrono::duration<double>(now - since_).count();
+    current_ = phase;
+    since_ = now;
+  }
+  const std::array<double, engine::k_phases>& seconds() const { return seconds_; }
+
+ private:
+  std::array<double, engine::k_phases> seconds_{};
+  std::optional<engine::Phase> current_;
+  Clock::time_point since_;
+};
+
+}  // namespace troupe::apps

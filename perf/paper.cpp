@@ -1,0 +1,276 @@
+// Reproduces the paper's tables (Vaughan, Massively multi-robot simulation in Stage, 2008), and measures what
+// it did not: clusters, a million robots, threads, loading, memory. Speed and correctness are one
+// measurement: each row ends with the hash of its state, and a wrong one fails the run.
+//   build/release/bin/perf_paper --help
+
+#include "base/diagnostics.hpp"
+#include "troupe/registry.hpp"
+#include "perf/paper_cases.hpp"
+#include "perf/paper_children.hpp"
+#include "perf/paper_hashes.hpp"
+#include "perf/paper_report.hpp"
+#include "perf/paper_timing.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace troupe::perf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* k_footer = R"(
+A full run of five repetitions takes about an hour on two cores of 2023, a quick one some seconds. Memory:
+about 2 GB. Let nothing else run meanwhile; what did shows between min and max.
+
+Rows have names, as --list prints them: --only '^3/' runs table 3, --only 'loading' what is loaded.
+
+Exit codes: 0 measured; 1 a hash is wrong or unknown, or a measurement failed; 2 wrong usage.)";
+
+struct Options {
+  bool quick = false;
+  bool list = false;
+  bool write_hashes = false;
+  std::size_t repeat = 0;  // 0: not given
+  std::string only;
+  std::vector<unsigned> threads;
+  fs::path out;
+  fs::path markdown;
+  fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
+  std::optional<std::size_t> child;
+  fs::path child_world;
+};
+
+std::string row_name(const Case& one) { return one.table + "/" + one.runs.front().scene.name; }
+std::string row_name(const Child& child) {
+  return "loading/" + child.scene.name + (child.as_text ? "/text" : "");
+}
+
+/// What a long run is at, on a terminal only.
+class Progress {
+ public:
+  ~Progress() { wipe(); }
+  void operator()(const std::string& text) {
+    if (!visible_) return;
+    wipe();
+    fmt::print(stderr, "{}", text);
+    std::fflush(stderr);
+  }
+  /// A line that stays.
+  void keep(const std::string& text) {
+    wipe();
+    fmt::print(stderr, "{}\n", text);
+  }
+
+ private:
+  void wipe() const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K");
+  }
+  bool visible_ = isatty(STDERR_FILENO) != 0;
+};
+
+/// Leaves out of the plan what was not asked for and what cannot run here; the latter with a reason, loudly.
+void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
+  const std::regex wanted(only);
+  std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });
+  const bool loads = std::ranges::any_of(
+      plan.children, [&](const Child& child) { return std::regex_search(row_name(child), wanted); });
+  std::erase_if(plan.children, [&](const Child& child) {
+    return !(child.empty && loads) && !std::regex_search(row_name(child), wanted);
+  });
+  const std::string no_frames = missing_frames();
+  std::set<std::string> reasons;
+  for (Case& one : plan.cases)
+    std::erase_if(one.runs, [&](const Run& run) {
+      std::string reason = missing(run.scene);
+      if (!reason.empty()) reason = fmt::format("{}: {}", run.scene.name, reason);
+      if (reason.empty() && run.frames && !no_frames.empty()) reason = "frames: " + no_frames;
+      if (!reason.empty() && reasons.insert(reason).second) skipped.push_back(reason);
+      return !reason.empty();
+    });
+  std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
+}
+
+/// For their hashes scenes need one run each, with the most threads.
+void keep_one_run(Plan& plan, unsigned threads) {
+  std::set<std::string> seen;
+  for (Case& one : plan.cases) {
+    std::erase_if(one.runs, [&](const Run& run) {
+      return !seen.insert(fmt::format("{} {} {}", run.scene.name, run.scene.skip_s, run.scene.for_s)).second;
+    });
+    for (Run& run : one.runs) run.threads = threads;
+  }
+  std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
+}
+
+/// A folder that is gone when the run ends, however it ends.
+class Scratch {
+ public:
+  Scratch() : folder_(fs::temp_directory_path() / fmt::format("perf_paper.{}", getpid())) {
+    fs::create_directories(folder_);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  fs::path file(const char* name) const { return folder_ / name; }
+
+ private:
+  fs::path folder_;
+};
+
+std::vector<ChildTiming> time_children(const Plan& plan, const Plan& whole, const Options& options,
+                                       const engine::Registry& registry, Progress& progress) {
+  std::vector<ChildTiming> out;
+  const Scratch scratch;
+  for (const Child& child : plan.children) {
+    progress(row_name(child));
+    const auto index = std::ranges::find_if(
+        whole.children, [&](const Child& other) { return row_name(other) == row_name(child); });
+    std::vector<std::string> arguments{"--child", fmt::format("{}", index - whole.children.begin())};
+    if (options.quick) arguments.emplace_back("--quick");
+    if (child.as_text) {
+      const fs::path world = scratch.file("robots.world");
+      write_as_text(child.scene, world, registry);
+      arguments.insert(arguments.end(), {"--child-world", world.string()});
+    }
+    out.push_back(time_child(child, arguments, options.repeat));
+    const ChildReport& report = out.back().reports.front();
+    progress.keep(fmt::format("{}: {} robots, {:.3f} s, {:.1f} MB", row_name(child), report.robots,
+                              report.read_s + report.build_s, report.rss_bytes / 1e6));
+  }
+  return out;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text << std::flush;
+  if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
+}
+
+int measure(Options& options) {
+  if (options.repeat == 0) options.repeat = options.quick || options.write_hashes ? 1 : 5;
+  if (options.threads.empty()) {
+    options.threads = {1};
+    if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1)
+      options.threads.push_back(cores);
+  }
+  const engine::Registry registry = make_registry();
+  const Plan whole = make_plan(options.quick, options.threads);
+  if (options.child) {
+    Scene scene = whole.children.at(*options.child).scene;
+    if (!options.child_world.empty()) {
+      scene.world = options.child_world;
+      scene.load = {};
+    }
+    report_child(scene, registry);
+    return 0;
+  }
+  Plan plan = whole;
+  Report report{.machine = describe_machine(),
+                .repeat = options.repeat,
+                .quick = options.quick,
+                .tables = plan.tables,
+                .cases = {},
+                .children = {},
+                .skipped = {}};
+  reduce(plan, options.only, report.skipped);
+  for (const std::string& reason : report.skipped) fmt::print(stderr, "SKIPPED {}\n", reason);
+  if (options.list) {
+    for (const Case& one : plan.cases) fmt::print("{}\n", row_name(one));
+    for (const Child& child : plan.children) fmt::print("{}\n", row_name(child));
+    return 0;
+  }
+  if (plan.cases.empty() && plan.children.empty())
+    throw std::runtime_error(
+        fmt::format("no row is called like \"{}\"; --list prints their names", options.only));
+
+  if (options.write_hashes) keep_one_run(plan, std::ranges::max(options.threads));
+
+  HashBook book(options.hashes);
+  Progress progress;
+  // Processes come first: they are forked while this one is small.
+  report.children = time_children(plan, whole, options, registry, progress);
+  for (const Case& one : plan.cases) {
+    report.cases.push_back(
+        time_case(one, options.repeat, registry, [&](const std::string& text) { progress(text); }));
+    for (const Timing& t : report.cases.back().timings)
+      progress.keep(fmt::format("{}/{}, {} thread{}{}: {:.0f} ns, {:.4g} x real time", one.table,
+                                t.run.scene.name, t.run.threads, t.run.threads > 1 ? "s" : "",
+                                t.run.frames ? ", frames" : "", t.ns(median(t.wall_s)),
+                                t.times_real_time(median(t.wall_s))));
+  }
+
+  const std::vector<Sheet> tables =
+      sheets(report, read_reference(fs::path(TROUPE_SOURCE_DIR) / "perf/paper_reference.json"));
+  for (const auto& [key, value] : report.machine) fmt::print("{:<20} {}\n", key, value);
+  for (const Sheet& sheet : tables) fmt::print("{}", plain_text(sheet));
+  std::fflush(stdout);
+  if (!options.out.empty()) write_file(options.out, json(report));
+  if (!options.markdown.empty()) write_between_marks(options.markdown, markdown(report, tables));
+
+  const std::vector<std::string> faults = check_hashes(report, book, options.write_hashes);
+  for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
+  if (options.write_hashes && faults.empty()) book.save();
+  return faults.empty() ? 0 : 1;
+}
+
+int paper_main(int argc, char** argv) {
+  CLI::App app("Reproduces the tables of the paper on Stage, with what it did not measure.", "perf_paper");
+  app.footer(k_footer);
+  Options options;
+  app.add_flag("--quick", options.quick, "Few robots and short times: a test that rows run and hashes hold");
+  app.add_option("--repeat", options.repeat,
+                 "Repetitions of each row (default: 5; 1 with --quick and --write-hashes)")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--only", options.only, "Only rows whose name this regular expression is found in");
+  app.add_flag("--list", options.list, "Print the names of the rows and measure nothing");
+  app.add_option("--threads", options.threads,
+                 "Numbers of threads, as in 1,2,4 (default: 1 and one for each core)")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--out", options.out, "Write everything that was measured as JSON");
+  app.add_option("--markdown", options.markdown,
+                 "Write the tables into this file, between its marks where it has them");
+  app.add_flag("--write-hashes", options.write_hashes,
+               "Record the hashes, on purpose, instead of insisting on them: each scene runs once");
+  app.add_option("--hashes", options.hashes, "The file of expected hashes")->capture_default_str();
+  app.add_option("--child", options.child)->group("");
+  app.add_option("--child-world", options.child_world)->group("");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return measure(options);
+}
+
+}  // namespace
+}  // namespace troupe::perf
+
+int main(int argc, char** argv) {
+  try {
+    return troupe::perf::paper_main(argc, argv);
+  } catch (const std::regex_error& error) {
+    fmt::print(stderr, "perf_paper: error: --only is no regular expression: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "perf_paper: error: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,149 @@
+#include "perf/paper_aims.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+namespace troupe::perf {
+namespace {
+
+/// Collects the lines; an aim whose rows were not run has no value and no line.
+class Aims {
+ public:
+  explicit Aims(const Report& report) : report_(report) {}
+
+  void at_most(const std::string& what, double limit, const char* unit, std::optional<double> value) {
+    add(what, fmt::format("at most {:.4g} {}", limit, unit), unit, value, value && *value <= limit);
+  }
+  void at_least(const std::string& what, double limit, const char* unit, std::optional<double> value) {
+    add(what, fmt::format("at least {:.4g} {}", limit, unit), unit, value, value && *value >= limit);
+  }
+
+  /// Of the rows of a scene without pictures: the greatest of `value`.
+  std::optional<double> most(
+      const std::string& scene,
+      const std::function<std::optional<double>(const CaseTiming&, const Timing&)>& value) const {
+    std::optional<double> found;
+    for (const CaseTiming& one : report_.cases)
+      for (const Timing& timing : one.timings)
+        if (timing.run.scene.name == scene && !timing.run.frames)
+          if (const auto v = value(one, timing)) found = std::max(found.value_or(*v), *v);
+    return found;
+  }
+  std::optional<double> ns(const std::string& scene) const {
+    return most(scene, [](const CaseTiming&, const Timing& t) {
+      return t.run.threads == 1 ? std::optional(t.ns(median(t.wall_s))) : std::nullopt;
+    });
+  }
+  std::optional<double> times_real_time(const std::string& scene, unsigned threads) const {
+    return most(scene, [threads](const CaseTiming&, const Timing& t) {
+      return t.run.threads == threads ? std::optional(t.times_real_time(median(t.wall_s))) : std::nullopt;
+    });
+  }
+  const Report& report() const { return report_; }
+  Sheet sheet() && { return std::move(sheet_); }
+
+ private:
+  void add(const std::string& what, const std::string& reach, const char* unit, std::optional<double> value,
+           bool met) {
+    if (value)
+      sheet_.rows.push_back({what, reach, fmt::format("{:.4g} {}", *value, unit), met ? "yes" : "NO"});
+  }
+
+  const Report& report_;
+  Sheet sheet_{"Aims", "Medians of the rows below.", {"what", "aim", "measured", "met"}, {}};
+};
+
+const ChildTiming* child(const Report& report, const std::string& scene, bool as_text) {
+  const auto found = std::ranges::find_if(report.children, [&](const ChildTiming& timing) {
+    return timing.child.scene.name == scene && timing.child.as_text == as_text;
+  });
+  return found == report.children.end() ? nullptr : &*found;
+}
+
+template <class Member>
+std::optional<double> of_child(const ChildTiming* timing, Member member) {
+  if (!timing) return std::nullopt;
+  std::vector<double> values;
+  for (const ChildReport& report : timing->reports) values.push_back(member(report));
+  return median(values);
+}
+
+void add_costs(Aims& aims) {
+  for (const char* scene : {"hospital-10cm/1000", "hospital-10cm/2000", "hospital-10cm/10000",
+                            "hospital-10cm/100000", "stage/1000"})
+    aims.at_most(fmt::format("{}, one thread", scene), 800, "ns a robot and tick", aims.ns(scene));
+  aims.at_most("hospital/1, any number of threads", 10, "us a tick",
+               aims.most("hospital/1", [](const auto&, const Timing& t) {
+                 return std::optional(t.ns(median(t.wall_s)) / 1e3);
+               }));
+  for (const char* scene : {"cave-simple/100", "cave-complex/100"})
+    aims.at_most(fmt::format("{}, one thread", scene), 2000, "ns a robot and tick", aims.ns(scene));
+  for (const char* scene : {"cave-simple-laser/100", "cave-complex-laser/100"})
+    aims.at_most(fmt::format("{}, one thread", scene), 5000, "ns a robot and tick", aims.ns(scene));
+  aims.at_most("grid-hospital/1000, one thread", 10000, "ns a robot and tick", aims.ns("grid-hospital/1000"));
+}
+
+void add_threads(Aims& aims) {
+  const std::vector<Scaling> scaling = scalings(aims.report());
+  std::optional<double> least;
+  std::string slowest;
+  for (const Scaling& s : scaling) {
+    if (s.timing->run.threads != 2) continue;
+    const std::string& scene = s.timing->run.scene.name;
+    if (s.speedup < least.value_or(1e9)) {
+      least = s.speedup;
+      slowest = scene;
+    }
+    if (s.timing->robots < 10000) continue;
+    aims.at_least(fmt::format("{}, two threads against one", scene), 1.75, "times", s.speedup);
+    aims.at_least(fmt::format("{}, two threads against the probe", scene), 95, "%",
+                  100 * s.speedup / s.probe);
+  }
+  aims.at_least(fmt::format("two threads against one where they help least: {}", slowest), 1, "times", least);
+  aims.at_least("hospital-10cm/100000, two threads", 2, "x real time",
+                aims.times_real_time("hospital-10cm/100000", 2));
+  aims.at_least("campus/1000000, two threads", 0.2, "x real time", aims.times_real_time("campus/1000000", 2));
+}
+
+void add_clusters(Aims& aims) {
+  for (const char* scene : {"hospital/2000", "hospital-10cm/100000"}) {
+    const auto dispersed = aims.ns(fmt::format("dispersed-{}", scene));
+    const auto clustered = aims.ns(fmt::format("clustered-{}", scene));
+    if (dispersed && clustered)
+      aims.at_most(fmt::format("{}, clustered against dispersed", scene), 2, "times",
+                   *clustered / *dispersed);
+  }
+}
+
+void add_memory_and_loading(Aims& aims) {
+  const auto rss = [](const ChildReport& r) { return r.rss_bytes; };
+  const auto load = [](const ChildReport& r) { return r.read_s + r.build_s; };
+  const Report& report = aims.report();
+  const auto empty = of_child(child(report, "hospital-10cm/0", false), rss);
+  const auto full = of_child(child(report, "hospital-10cm/100000", false), rss);
+  if (empty) aims.at_most("the empty hospital", 40, "MB", *empty / 1e6);
+  if (empty && full) aims.at_most("a minibot over it", 600, "bytes", (*full - *empty) / 100000);
+  const ChildTiming* million = child(report, "campus/1000000", false);
+  if (million)
+    aims.at_most("a million minibots, peak", 1500, "MB",
+                 *of_child(million, [](const ChildReport& r) { return r.peak_bytes; }) / 1e6);
+  aims.at_most("100,000 robots of .world text, loading", 1.5, "s",
+               of_child(child(report, "hospital-10cm/100000", true), load));
+  aims.at_most("a million robots of populations, loading", 2, "s", of_child(million, load));
+}
+
+}  // namespace
+
+Sheet aims_sheet(const Report& report) {
+  Aims aims(report);
+  add_costs(aims);
+  add_threads(aims);
+  add_clusters(aims);
+  add_memory_and_loading(aims);
+  return std::move(aims).sheet();
+}
+
+}  // namespace troupe::perf

@@ -1,0 +1,147 @@
+#include "perf/paper_cases.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::perf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Times of the paper's tables, s.
+constexpr double k_tables_1_2_s = 600;
+constexpr double k_table_3_s = 60;
+// A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
+constexpr double k_campus_s = 5;
+// Clusters are timed after a minute, when they are tight, in pieces of 2 s.
+constexpr double k_cluster_skip_s = 60;
+constexpr double k_cluster_s = 2;
+constexpr std::size_t k_campus_houses = 16;
+
+template <class Spec>
+bool switch_to_grid(Spec& spec) {
+  using Engine = decltype(spec.ranging);
+  if constexpr (requires { Engine::grid; }) {
+    spec.ranging = Engine::grid;
+    return true;
+  } else {
+    return false;
+  }
+}
+
+fs::path shipped(const char* world) { return fs::path(TROUPE_SOURCE_DIR) / "worlds" / world; }
+
+Scene population(const std::string& world, std::size_t robots, double for_s) {
+  Scene scene{.name = fmt::format("{}/{}", world, robots),
+              .world = shipped(fmt::format("{}.json", world).c_str()),
+              .robots = robots,
+              .for_s = for_s};
+  scene.load.robots = {{"", robots}};
+  return scene;
+}
+
+Scene campus(std::size_t robots, double for_s) {
+  Scene scene{.name = fmt::format("campus/{}", robots),
+              .world = shipped("campus.json"),
+              .robots = robots,
+              .for_s = for_s};
+  for (std::size_t house = 0; house < k_campus_houses; ++house)
+    scene.load.robots.emplace_back(std::string(1, static_cast<char>('a' + house)), robots / k_campus_houses);
+  return scene;
+}
+
+/// What the clusters are compared with, and the clusters.
+std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double for_s) {
+  scene.skip_s = skip_s;
+  scene.for_s = for_s;
+  Scene clustered = scene;
+  scene.name = "dispersed-" + scene.name;
+  clustered.name = "clustered-" + clustered.name;
+  clustered.load.set.emplace_back("/types/minibot/controller/invert", "true");
+  return {scene, clustered};
+}
+
+}  // namespace
+
+fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
+
+bool use_grid(engine::WorldSpec& spec) { return switch_to_grid(spec); }
+
+std::string missing(const Scene& scene) {
+  engine::WorldSpec probe;
+  if (scene.grid && !use_grid(probe)) return "this build has no grid engine";
+  if (std::error_code ignored; !fs::exists(scene.world, ignored))
+    return fmt::format("there is no {}", scene.world.lexically_normal().string());
+  return {};
+}
+
+Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
+  Plan plan;
+  plan.tables = {
+      {"1", "Table 1: Pioneers in the cave",
+       "16 sonars of 5 m each, with `laser` 180 beams of 8 m more; simple: one octagon a body, complex: "
+       "seven "
+       "prisms and four of the laser's."},
+      {"2", "Table 2: minibots of 0.2 m in the hospital", "12 infrared beams of 2 m each."},
+      {"3", "Table 3: minibots of 0.1 m in the hospital",
+       "`stage` is Stage's own `hospital.world` with its 1,000 robots."},
+      {"clusters", "Clusters",
+       "With `invert` robots gather. Both behaviours are timed after the time that dispersal takes, as "
+       "consecutive pieces of one run."},
+      {"campus", "A million minibots in sixteen hospitals", ""},
+      {"grid", "The paper's ray tracer beside the exact engine", ""},
+  };
+  const double times = quick ? 0.01 : 1;
+  const auto with_threads = [&](const Scene& scene) {
+    std::vector<Run> runs;
+    for (const unsigned n : threads) runs.push_back({scene, n, false});
+    return runs;
+  };
+  // As the paper has it: without pictures and with them.
+  const auto add = [&](const char* table, const Scene& scene) {
+    std::vector<Run> runs = with_threads(scene);
+    runs.push_back({scene, threads.front(), true});
+    plan.cases.push_back({table, std::move(runs)});
+  };
+
+  for (const char* world : {"cave-simple", "cave-complex", "cave-simple-laser", "cave-complex-laser"})
+    for (const std::size_t robots : {1, 10, 50, 100})
+      if (!quick || robots <= 10) add("1", population(world, robots, times * k_tables_1_2_s));
+  for (const std::size_t robots : {1, 10, 50, 100, 200, 500, 1000, 2000})
+    if (!quick || robots <= 50) add("2", population("hospital", robots, times * k_tables_1_2_s));
+  for (const std::size_t robots : {1000, 2000, 10000, 100000})
+    if (!quick || robots <= 1000) add("3", population("hospital-10cm", robots, times * k_table_3_s));
+  add("3", {.name = "stage/1000",
+            .world = stage_worlds() / "benchmark/hospital.world",
+            .robots = 1000,
+            .for_s = times * k_table_3_s});
+
+  for (const Scene& scene : {population("hospital", quick ? 200 : 2000, 0),
+                             population("hospital-10cm", quick ? 500 : 100000, 0)}) {
+    const std::vector<Scene> pair =
+        dispersed_and_clustered(scene, quick ? 1 : k_cluster_skip_s, quick ? 0.2 : k_cluster_s);
+    Case both{"clusters", {}};
+    for (const Scene& one : pair) std::ranges::move(with_threads(one), std::back_inserter(both.runs));
+    plan.cases.push_back(std::move(both));
+  }
+
+  plan.cases.push_back({"campus", with_threads(campus(quick ? 1600 : 1000000, quick ? 0.2 : k_campus_s))});
+
+  const Scene exact = population("hospital", quick ? 50 : 1000, quick ? 0.6 : k_table_3_s);
+  Scene grid = exact;
+  grid.name = "grid-" + grid.name;
+  grid.grid = true;
+  plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
+
+  const auto child = [&](Scene scene, bool as_text = false) {
+    plan.children.push_back({std::move(scene), as_text, false});
+  };
+  plan.children.push_back({population("hospital-10cm", 0, 1), false, true});
+  child(population("hospital-10cm", quick ? 1000 : 100000, 1));
+  child(population("hospital-10cm", quick ? 1000 : 100000, 1), true);
+  child(campus(quick ? 1600 : 1000000, 0.2));
+  return plan;
+}
+
+}  // namespace troupe::perf

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "perf/paper_cases.hpp"
+#include "perf/paper_children.hpp"
+#include "perf/paper_hashes.hpp"
+#include "perf/paper_timing.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace troupe::perf {
+
+/// The machine that a report is about: processor, cores, memory; what it does not know is left out. No names
+/// of hosts.
+std::vector<std::pair<std::string, std::string>> describe_machine();
+
+/// Figures of others, by what stands in perf/paper_reference.json: column -> scene -> times real time.
+using Reference = std::map<std::string, std::map<std::string, double>>;
+Reference read_reference(const std::filesystem::path& file);
+
+/// Everything that was measured.
+struct Report {
+  std::vector<std::pair<std::string, std::string>> machine;
+  std::size_t repeat = 0;
+  bool quick = false;
+  std::vector<Table> tables;
+  std::vector<CaseTiming> cases;
+  std::vector<ChildTiming> children;
+  std::vector<std::string> skipped;
+};
+
+/// A table as people read it.
+struct Sheet {
+  std::string title;
+  std::string note;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// What several threads gained in one row.
+struct Scaling {
+  const Timing* timing;
+  double speedup;  ///< against the same row on one thread
+  double probe;    ///< of as many threads that share nothing, in the same run
+};
+std::vector<Scaling> scalings(const Report& report);
+
+std::vector<Sheet> sheets(const Report& report, const Reference& reference);
+
+std::string plain_text(const Sheet& sheet);
+/// All sheets, with the machine's description and what was skipped.
+std::string markdown(const Report& report, const std::vector<Sheet>& sheets);
+std::string json(const Report& report);
+
+/// Writes text between the lines `<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->` of a file that
+/// has them, else as a file of its own. Throws std::runtime_error.
+void write_between_marks(const std::filesystem::path& file, const std::string& text);
+
+/// Compares hashes with the book, or records them there. Gives a line for each that is wrong or unknown.
+std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
+
+}  // namespace troupe::perf

@@ -1,0 +1,239 @@
+#include "perf/paper_timing.hpp"
+
+#include "apps/phase_clock.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+
+#ifdef TROUPE_HAS_RENDER
+#include "render/draw.hpp"
+#endif
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <thread>
+
+namespace troupe::perf {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds k_frame_period{100};
+// Timing the phases reads the clock five times a tick, some 0.2 microseconds: too much where a tick takes
+// two.
+constexpr std::size_t k_least_robots_with_phases = 100;
+
+double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+/// Draws a frame whenever 0.1 s of wall time has passed since the last one was begun; where drawing takes
+/// longer than 0.05 s, whenever as much time has passed without it, so that the simulation has half of the
+/// machine at least.
+class Camera {
+ public:
+#ifdef TROUPE_HAS_RENDER
+  explicit Camera(const engine::World& world) : world_(world), scene_(world.frame_scene()) {
+    draw();  // opens OSMesa, and loads what the driver needs
+    frames_ = 0;
+  }
+  void start() { next_ = Clock::now() + k_frame_period; }
+  void look() {
+    const auto now = Clock::now();
+    if (now < next_) return;
+    draw();
+    next_ = std::max(now + k_frame_period, now + 2 * (Clock::now() - now));
+  }
+
+ private:
+  void draw() {
+    render::draw(scene_, world_.frame(), {});
+    ++frames_;
+  }
+
+  const engine::World& world_;
+  engine::FrameScene scene_;
+  Clock::time_point next_;
+#else
+  explicit Camera(const engine::World&) {
+    throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+  }
+  void start() {}
+  void look() {}
+
+ private:
+#endif
+ public:
+  std::size_t frames() const { return frames_; }
+
+ private:
+  std::size_t frames_ = 0;
+};
+
+double share(const apps::PhaseClock& phases, engine::Phase phase) {
+  const double sum = std::accumulate(phases.seconds().begin(), phases.seconds().end(), 0.0);
+  return sum > 0 ? phases.seconds()[static_cast<std::size_t>(phase)] / sum : 0;
+}
+
+engine::WorldSpec load(const Scene& scene, const engine::Registry& registry) {
+  Diagnostics diagnostics;
+  engine::WorldSpec spec = worldio::load_world(scene.world, registry, scene.load, diagnostics);
+  diagnostics.throw_if_errors();
+  if (scene.grid) use_grid(spec);
+  return spec;
+}
+
+std::unique_ptr<engine::World> make_world(const engine::WorldSpec& spec, unsigned threads,
+                                          const engine::Registry& registry) {
+  Diagnostics diagnostics;
+  auto world =
+      std::make_unique<engine::World>(spec, registry, engine::WorldOptions{.threads = threads}, diagnostics);
+  diagnostics.throw_if_errors();
+  return world;
+}
+
+/// One repetition: steps the world and adds what that took.
+void time_steps(engine::World& world, Timing& timing) {
+  const Run& run = timing.run;
+  std::unique_ptr<Camera> camera;
+  if (run.frames) camera = std::make_unique<Camera>(world);
+  apps::PhaseClock phases;
+  const bool with_phases = world.robots() >= k_least_robots_with_phases;
+  if (with_phases) world.on_phase([&phases](std::optional<engine::Phase> phase) { phases(phase); });
+  const std::uint64_t beams = world.beams_cast();
+  const std::uint64_t rounds = world.conflict_rounds();
+
+  const auto start = Clock::now();
+  if (camera) {
+    camera->start();
+    for (std::uint64_t i = 0; i < timing.ticks; ++i) {
+      world.step();
+      camera->look();
+    }
+  } else {
+    for (std::uint64_t i = 0; i < timing.ticks; ++i) world.step();
+  }
+  timing.wall_s.push_back(seconds(Clock::now() - start));
+
+  world.on_phase(nullptr);
+  const auto ticks = static_cast<double>(timing.ticks);
+  timing.robots = world.robots();
+  timing.beams_per_tick = static_cast<double>(world.beams_cast() - beams) / ticks;
+  timing.rounds_per_tick = static_cast<double>(world.conflict_rounds() - rounds) / ticks;
+  timing.stalled_share = static_cast<double>(world.stalled_count()) / static_cast<double>(world.robots());
+  timing.move_share = share(phases, engine::Phase::move);
+  timing.frames = camera ? camera->frames() : 0;
+}
+
+/// Nothing but registers: what a core can do when it shares nothing.
+double compute(std::uint64_t rounds) {
+  std::uint64_t bits = rounds;
+  double sum = 0;
+  for (std::uint64_t i = 0; i < rounds; ++i) {
+    bits ^= bits << 13;  // xorshift64, Marsaglia 2003
+    bits ^= bits >> 7;
+    bits ^= bits << 17;
+    sum += std::sqrt(static_cast<double>(bits >> 11));
+  }
+  return sum;
+}
+
+double probe_rounds_s(unsigned threads, std::uint64_t rounds) {
+  std::atomic<double> sink = 0;  // the sums are used, so that they are computed
+  const auto start = Clock::now();
+  {
+    std::vector<std::jthread> others;
+    for (unsigned i = 1; i < threads; ++i) others.emplace_back([&sink, rounds] { sink = compute(rounds); });
+    sink = compute(rounds);
+  }
+  return seconds(Clock::now() - start);
+}
+
+}  // namespace
+
+double Timing::ns(double s) const {
+  return 1e9 * s / (static_cast<double>(robots) * static_cast<double>(ticks));
+}
+
+double Timing::times_real_time(double s) const { return static_cast<double>(ticks) * tick_s / s; }
+
+double probe_s(unsigned threads) {
+  // Long enough that starting a thread (some 50 microseconds) does not count.
+  static const std::uint64_t rounds = [] {
+    std::uint64_t n = 1 << 20;
+    while (probe_rounds_s(1, n) < 0.1) n *= 2;
+    return n;
+  }();
+  return probe_rounds_s(threads, rounds);
+}
+
+CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
+                     const std::function<void(const std::string&)>& progress) {
+  std::map<std::string, engine::WorldSpec> specs;
+  std::vector<std::unique_ptr<engine::World>> worlds(one.runs.size());
+  CaseTiming out{one.table, {}, {}};
+  for (const Run& run : one.runs) {
+    auto [spec, fresh] = specs.try_emplace(run.scene.name);
+    if (fresh) {
+      progress(fmt::format("{}: loading", run.scene.name));
+      spec->second = load(run.scene, registry);
+    }
+    Timing timing{.run = run, .tick_s = spec->second.tick_s};
+    timing.ticks = std::max<std::uint64_t>(1, engine::ticks_until(run.scene.for_s, timing.tick_s));
+    timing.hash_tick = engine::ticks_until(run.scene.skip_s, timing.tick_s) + timing.ticks;
+    out.timings.push_back(std::move(timing));
+  }
+  for (std::size_t repetition = 0; repetition < repeat; ++repetition) {
+    for (std::size_t r = 0; r < one.runs.size(); ++r) {
+      const Run& run = one.runs[r];
+      Timing& timing = out.timings[r];
+      std::unique_ptr<engine::World>& world = worlds[r];
+      progress(fmt::format("{}: {} thread{}{}, {} of {}", run.scene.name, run.threads,
+                           run.threads > 1 ? "s" : "", run.frames ? ", frames" : "", repetition + 1, repeat));
+      if (!world) {
+        world = make_world(specs.at(run.scene.name), run.threads, registry);
+        while (world->tick() + timing.ticks < timing.hash_tick) world->step();
+      }
+      time_steps(*world, timing);
+      if (world->tick() == timing.hash_tick) {
+        const std::uint64_t hash = world->hashes().state;
+        if (repetition > 0 && hash != timing.hash) timing.repeatable = false;
+        if (repetition == 0) timing.hash = hash;
+      }
+      if (!(run.scene.skip_s > 0)) world.reset();
+    }
+    for (const Run& run : one.runs)
+      if (out.probe_s[run.threads].size() == repetition)
+        out.probe_s[run.threads].push_back(probe_s(run.threads));
+  }
+  return out;
+}
+
+std::string missing_frames() {
+#ifdef TROUPE_HAS_RENDER
+  try {
+    render::draw({}, {}, {.width = 16, .height = 16, .region = Box::around(Vec2::Zero(), 1)});
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+#else
+  return "this build draws no pictures: it was configured with TROUPE_RENDER=OFF";
+#endif
+}
+
+double minimum(const std::vector<double>& values) { return *std::ranges::min_element(values); }
+double maximum(const std::vector<double>& values) { return *std::ranges::max_element(values); }
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+}  // namespace troupe::perf

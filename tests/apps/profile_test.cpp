@@ -1,0 +1,181 @@
+#include "apps/profile.hpp"
+#include "tests/apps/program.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <set>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::SizeIs;
+
+constexpr const char* k_hospital = TROUPE_SOURCE_DIR "/worlds/hospital.json";
+const std::vector<std::string> k_phase_names{"sense", "decide", "move", "index"};
+
+struct Event {
+  std::string name;
+  double begin = 0, end = 0;  // microseconds
+  std::size_t track = 0;
+  nlohmann::json arguments;
+  bool holds(const Event& other) const { return begin <= other.begin + 1e-4 && other.end <= end + 1e-4; }
+};
+
+/// Complete events of a trace, by what they are, in the order of the file.
+struct Trace {
+  explicit Trace(const std::string& text) : json(nlohmann::json::parse(text)) {
+    for (const auto& e : json.at("traceEvents")) {
+      const std::string kind = e.at("ph");
+      if (kind == "C") counters[e.at("name")].push_back(e.at("args").at(e.at("name").get<std::string>()));
+      if (kind == "M" && e.at("name") == "thread_name") tracks[e.at("tid")] = e.at("args").at("name");
+      if (kind != "X") continue;
+      const double begin = e.at("ts");
+      const Event event{e.at("name"), begin, begin + e.at("dur").get<double>(), e.at("tid"), e.at("args")};
+      (event.track > 0 ? tasks : event.name == "tick" ? ticks : phases).push_back(event);
+    }
+  }
+  nlohmann::json json;
+  std::vector<Event> ticks, phases, tasks;
+  std::map<std::string, std::vector<std::uint64_t>> counters;
+  std::map<std::size_t, std::string> tracks;
+};
+
+std::vector<int> numbers(const std::vector<Event>& ticks) {
+  std::vector<int> out;
+  for (const Event& tick : ticks) out.push_back(tick.arguments.at("tick"));
+  return out;
+}
+
+class Profiles : public ProgramTest {
+ protected:
+  Trace trace(std::vector<std::string> options) {
+    options.insert(options.begin(),
+                   {"run", k_hospital, "--robots", "300", "--profile", "trace.json", "--quiet"});
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return Trace(read("trace.json"));
+  }
+};
+
+class ProfilesOf : public Profiles, public ::testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(Threads, ProfilesOf, ::testing::Values(1, 2, 3, 8));
+
+TEST_P(ProfilesOf, ShowEachTickWithItsPhasesAndTasks) {
+  const int threads = GetParam();
+  const Trace trace = this->trace({"--for", "0.4", "--threads", std::to_string(threads)});
+  EXPECT_THAT(numbers(trace.ticks), ElementsAre(1, 2, 3, 4));
+  ASSERT_THAT(trace.phases, SizeIs(4 * k_phase_names.size()));
+  for (std::size_t i = 0; i < trace.phases.size(); ++i) {
+    const Event& phase = trace.phases[i];
+    const Event& tick = trace.ticks[i / k_phase_names.size()];
+    EXPECT_EQ(phase.name, k_phase_names[i % k_phase_names.size()]);
+    EXPECT_EQ(phase.arguments.at("tick"), tick.arguments.at("tick"));
+    EXPECT_TRUE(tick.holds(phase)) << i;
+    if (i > 0) {
+      EXPECT_LE(trace.phases[i - 1].end, phase.begin + 1e-4);
+    }
+    if (phase.arguments.contains("imbalance")) {
+      EXPECT_GE(phase.arguments.at("imbalance"), 1 - 1e-3);
+      EXPECT_LE(phase.arguments.at("imbalance"), threads + 1e-3);
+    }
+  }
+  EXPECT_TRUE(trace.phases.front().arguments.contains("imbalance"));
+
+  std::map<std::size_t, double> free_from;  // by track
+  std::set<int> batches;
+  for (const Event& task : trace.tasks) {
+    EXPECT_TRUE(std::ranges::any_of(
+        trace.phases, [&](const Event& phase) { return phase.name == task.name && phase.holds(task); }))
+        << task.name << " at " << task.begin;
+    EXPECT_LE(free_from[task.track], task.begin + 1e-4);
+    free_from[task.track] = task.end;
+    if (task.name == "sense") batches.insert(task.arguments.at("task").get<int>());
+    EXPECT_TRUE(trace.tracks.contains(task.track)) << task.track;
+  }
+  EXPECT_GE(batches.size(), 4u);
+  EXPECT_EQ(*batches.rbegin() + 1, static_cast<int>(batches.size()));
+  EXPECT_LE(free_from.size(), static_cast<std::size_t>(threads));
+}
+
+TEST_F(Profiles, CountMemoryAndRobots) {
+  Trace trace = this->trace({"--for", "0.3"});
+  EXPECT_THAT(trace.counters.at("robots"), ElementsAre(300, 300, 300));
+  EXPECT_THAT(trace.counters.at("stalled"), SizeIs(3));
+  // At least a pose of four doubles, velocity and command of three each, a byte, twelve floats.
+  EXPECT_GE(trace.counters.at("state bytes").back(), 300u * (32 + 24 + 24 + 1 + 48));
+  EXPECT_LE(trace.counters.at("state bytes").back(), 300u * 300);
+  EXPECT_GT(trace.counters.at("resident bytes").back(), 1u << 20);
+  EXPECT_FALSE(trace.json.at("otherData").contains("left_out"));
+}
+
+TEST_F(Profiles, ShowTheTicksThatWereAskedFor) {
+  EXPECT_THAT(numbers(trace({"--for", "1", "--profile-ticks", "3:5"}).ticks), ElementsAre(3, 4, 5));
+  EXPECT_THAT(numbers(trace({"--for", "1", "--profile-ticks", "9:99"}).ticks), ElementsAre(9, 10));
+  EXPECT_THAT(trace({"--for", "0.1", "--profile-ticks", "7:7"}).ticks, IsEmpty());
+}
+
+TEST_F(Profiles, ChangeNoResult) {
+  trace({"--for", "0.5", "--hash-log", "with.log"});
+  EXPECT_EQ(troupe({"run", k_hospital, "--robots", "300", "--for", "0.5", "--hash-log", "without.log"}).code,
+            0);
+  EXPECT_EQ(lines_of(read("with.log")), lines_of(read("without.log")));
+}
+
+TEST_F(Profiles, AreWholeWhenTheRunIsStopped) {
+  write("room.world", k_room);
+  const Outcome outcome = troupe_until(
+      {"run", "room.world", "--for", "1e6", "--quiet", "--profile", "trace.json", "--hash-log", "h.log"},
+      "h.log", 30, SIGINT);
+  EXPECT_EQ(outcome.code, 3);
+  const Trace trace(read("trace.json"));
+  EXPECT_GE(trace.ticks.size(), 20u);
+  EXPECT_EQ(trace.phases.size(), trace.ticks.size() * k_phase_names.size());
+}
+
+/// A run of ten ticks with a profile of these limits; gives what it left out.
+std::string limited(const std::string& file, const ProfileLimits& limits, std::size_t& readable) {
+  SimulationOptions options;
+  options.threads = 2;
+  options.robots = {{"", 200}};
+  Simulation simulation(k_hospital, options);
+  Profile profile(file, simulation, limits);
+  simulation.on_phase([&](std::optional<Phase> phase) { profile.phase(phase); });
+  simulation.on_task([&](std::size_t task, bool begins) { profile.task(task, begins); });
+  for (int i = 0; i < 10; ++i) {
+    simulation.step();
+    profile.write(simulation);
+    std::ifstream stream(file);
+    readable += nlohmann::json::accept(std::string(std::istreambuf_iterator<char>(stream), {}));
+  }
+  return profile.left_out();
+}
+
+TEST_F(Profiles, StaySmall) {
+  const std::string file = ::testing::TempDir() + "limited_trace.json";
+  const auto read_trace = [&] {
+    std::ifstream stream(file);
+    return Trace(std::string(std::istreambuf_iterator<char>(stream), {}));
+  };
+  std::size_t readable = 0;
+  EXPECT_THAT(
+      limited(file, {.most_tasks = 100, .most_ticks = 7}, readable),
+      MatchesRegex("tasks from tick [3-7] on, where they would be too many; everything from tick 8 on"));
+  EXPECT_EQ(readable, 10u);
+  const Trace trace = read_trace();
+  EXPECT_THAT(trace.ticks, SizeIs(7));
+  EXPECT_LE(trace.tasks.size(), 100u);
+  EXPECT_GE(trace.tasks.size(), 10u);
+  EXPECT_THAT(trace.json.at("otherData").at("left_out").get<std::string>(),
+              HasSubstr("everything from tick 8 on"));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace troupe::apps
