@@ -3,6 +3,7 @@
 #include "base/pose.hpp"
 #include "partition/surroundings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -106,6 +107,13 @@ class EdgeBlock {
   void add(const Vec2& a, const Vec2& b, float ranger_return) {
     Eigen::Map<Eigen::Matrix<double, 4, 1>>(&ends_[4 * count_]) << a, b;
     returns_[count_++] = ranger_return;
+  }
+
+  /// ends: ax, ay, bx, by of so many.
+  void add(const double* ends, std::size_t count, float ranger_return) {
+    std::copy_n(ends, 4 * count, &ends_[4 * count_]);
+    std::fill_n(&returns_[count_], count, ranger_return);
+    count_ += count;
   }
 
   const double* ends() const { return ends_.data(); }  ///< ax, ay, bx, by of each, aligned to 64 bytes

@@ -24,6 +24,7 @@ using namespace simd;
 constexpr Full<float> k_f;
 constexpr Full<double> k_d;
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
+constexpr Rebind<std::int32_t, Full<float>> k_i;
 constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a vector
 using Floats = Vec<Full<float>>;
 using Few = Capped<float, 8>;
@@ -145,7 +146,8 @@ HWY_INLINE bool project_common(const Relative& e, std::size_t j, const Vec<Tag>&
   return !AllFalse(k_tag, Xor(Ge(sides, Zero(k_tag)), met_sharply));
 }
 
-/// The same for beams whose origins lie apart.
+/// The same for beams whose origins lie apart. (Noting first which edges some beam meets, to save the rest
+/// their division, lost.)
 template <bool kReturns>
 HWY_INLINE bool project_apart(const Relative& e, std::size_t j, const Floats& dx, const Floats& dy,
                               const Floats& ox, const Floats& oy, float ranger_return,
@@ -197,15 +199,35 @@ HWY_INLINE void project_carefully(const EdgeBlock& edges, const Vec2& reference,
   }
 }
 
-template <bool kCommon, bool kReturns>
-void project_on_all(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
-                    float* returns) {
+HWY_INLINE auto all_beams(const Fan& fan) {
+  return [last = fan.padded() - 1](std::size_t) { return Span{0, last}; };
+}
+
+template <bool kReturns>
+void project_from_one_origin(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
+                             float* returns) {
   Relative relative;
   relate(edges, reference, relative);
-  if constexpr (kCommon)
-    prepare_common(edges.count(), relative);
-  else
-    prepare_apart(edges.count(), relative);
+  prepare_common(edges.count(), relative);
+  for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
+    const Floats dx = LoadU(k_f, fan.dx + i);
+    const Floats dy = LoadU(k_f, fan.dy + i);
+    Met<kReturns, Full<float>> met(inverse + i, returns + i);
+    for (std::size_t j = 0; j < edges.count(); ++j) {
+      const float ranger_return = kReturns ? edges.ranger_return(j) : 0;
+      if (HWY_UNLIKELY(project_common(relative, j, dx, dy, ranger_return, met))) relative.mark(j);
+    }
+    met.store(inverse + i, returns + i);
+  }
+  project_carefully(edges, reference, fan, relative, all_beams(fan), inverse, returns);
+}
+
+template <bool kReturns>
+void project_from_apart(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
+                        float* returns) {
+  Relative relative;
+  relate(edges, reference, relative);
+  prepare_apart(edges.count(), relative);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats dx = LoadU(k_f, fan.dx + i);
     const Floats dy = LoadU(k_f, fan.dy + i);
@@ -214,30 +236,24 @@ void project_on_all(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
     Met<kReturns, Full<float>> met(inverse + i, returns + i);
     for (std::size_t j = 0; j < edges.count(); ++j) {
       const float ranger_return = kReturns ? edges.ranger_return(j) : 0;
-      bool care;
-      if constexpr (kCommon)
-        care = project_common(relative, j, dx, dy, ranger_return, met);
-      else
-        care = project_apart(relative, j, dx, dy, ox, oy, ranger_return, met);
-      if (HWY_UNLIKELY(care)) relative.mark(j);
+      if (HWY_UNLIKELY(project_apart(relative, j, dx, dy, ox, oy, ranger_return, met))) relative.mark(j);
     }
     met.store(inverse + i, returns + i);
   }
-  const auto all = [&](std::size_t) { return Span{0, fan.padded() - 1}; };
-  project_carefully(edges, reference, fan, relative, all, inverse, returns);
+  project_carefully(edges, reference, fan, relative, all_beams(fan), inverse, returns);
 }
 
 void project_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
                  float* returns) {
   if (fan.common_origin) {
     if (returns == nullptr)
-      project_on_all<true, false>(edges, reference, fan, inverse, returns);
+      project_from_one_origin<false>(edges, reference, fan, inverse, returns);
     else
-      project_on_all<true, true>(edges, reference, fan, inverse, returns);
+      project_from_one_origin<true>(edges, reference, fan, inverse, returns);
   } else if (returns == nullptr) {
-    project_on_all<false, false>(edges, reference, fan, inverse, returns);
+    project_from_apart<false>(edges, reference, fan, inverse, returns);
   } else {
-    project_on_all<false, true>(edges, reference, fan, inverse, returns);
+    project_from_apart<true>(edges, reference, fan, inverse, returns);
   }
 }
 
@@ -293,8 +309,8 @@ void project_on_spans(const EdgeBlock& edges, const Vec2& reference, const Fan& 
                       float* inverse, float* returns) {
   Relative relative;
   relate(edges, reference, relative);
-  alignas(64) float first[Relative::k_size];
-  alignas(64) float last[Relative::k_size];
+  alignas(64) std::int32_t first[Relative::k_size];
+  alignas(64) std::int32_t last[Relative::k_size];
   const ScanAngles angles(scan, fan.count);
   for (std::size_t i = 0; i < edges.count(); i += Lanes(k_f)) {
     const Floats a = angles.of(Load(k_f, relative.ax + i), Load(k_f, relative.ay + i));
@@ -305,26 +321,40 @@ void project_on_spans(const EdgeBlock& edges, const Vec2& reference, const Fan& 
     const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
     Floats first_beam, last_beam;
     angles.beams(from, to, all, first_beam, last_beam);
-    Store(first_beam, k_f, first + i);
-    Store(last_beam, k_f, last + i);
+    Store(ConvertTo(k_i, first_beam), k_i, first + i);
+    Store(ConvertTo(k_i, last_beam), k_i, last + i);
   }
   prepare_common(edges.count(), relative);
-  // Most edges span few beams. A vector may stretch beyond the span, where nothing is met, but not beyond the
-  // arrays.
-  const std::size_t highest = fan.padded() - Lanes(k_few);
-  for (std::size_t j = 0; j < edges.count(); ++j) {
-    if (first[j] > last[j]) continue;
+
+  const auto project_step = [&](std::size_t j, std::size_t at) {
+    Met<kReturns, Few> met(inverse + at, returns + at);
     const float ranger_return = kReturns ? edges.ranger_return(j) : 0;
-    const auto end = static_cast<std::size_t>(last[j]) + 1;
-    for (std::size_t i = static_cast<std::size_t>(first[j]); i < end; i += Lanes(k_few)) {
-      const std::size_t at = std::min(i, highest);
-      Met<kReturns, Few> met(inverse + at, returns + at);
-      if (HWY_UNLIKELY(project_common(relative, j, LoadU(k_few, fan.dx + at), LoadU(k_few, fan.dy + at),
-                                      ranger_return, met)))
-        relative.mark(j);
-      met.store(inverse + at, returns + at);
-    }
+    if (HWY_UNLIKELY(project_common(relative, j, LoadU(k_few, fan.dx + at), LoadU(k_few, fan.dy + at),
+                                    ranger_return, met)))
+      relative.mark(j);
+    met.store(inverse + at, returns + at);
+  };
+  // Most edges span few beams: one vector of them or two, which are noted without a branch that nobody could
+  // foretell. Vectors begin at multiples of their length, so that edges side by side write the same ones.
+  struct Step {
+    std::uint32_t edge, at;
+  };
+  Step steps[2 * Relative::k_size + 1];
+  std::size_t count = 0;
+  const auto lanes = static_cast<std::uint32_t>(Lanes(k_few));
+  for (std::uint32_t j = 0; j < edges.count(); ++j) {
+    const std::uint32_t begin = static_cast<std::uint32_t>(first[j]) / lanes * lanes;
+    const std::uint32_t end = static_cast<std::uint32_t>(last[j]) / lanes * lanes;
+    const auto some = static_cast<std::uint32_t>(first[j] <= last[j]);
+    steps[count] = {j, begin};
+    count += some;
+    steps[count] = {j, end};
+    count += some & static_cast<std::uint32_t>(end != begin);
+    if (HWY_UNLIKELY((some & static_cast<std::uint32_t>(end > begin + lanes)) != 0))
+      for (std::uint32_t at = begin + lanes; at < end; at += lanes) project_step(j, at);
   }
+  for (std::size_t k = 0; k < count; ++k) project_step(steps[k].edge, steps[k].at);
+
   // What looks tiny may be met in any direction.
   const auto span_of = [&](std::size_t j) {
     if (relative.grazing[j] >= 1e30f || first[j] > last[j]) return Span{0, fan.padded() - 1};

@@ -116,7 +116,8 @@ class Caster {
     const partition::FixedSolid& solid = world_->scene().solids()[outlines.solid(piece)];
     if (!solid.solid.z.contains(z_)) return;
     if (edges_.room() < partition::FixedOutlines::k_most_edges) project();
-    for (const auto& [a, b] : outlines.edges(piece)) edges_.add(a, b, solid.ranger_return);
+    const auto edges = outlines.edges(piece);
+    edges_.add(edges.front().a.data(), edges.size(), solid.ranger_return);
   }
 
   void add_body(Row body) {
