@@ -216,7 +216,7 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   engine::TypeSpec type{.name = name};
   type.parts.push_back(std::move(part));
   spec_.types.push_back(std::move(type));
-  spec_.bodies.push_back(std::move(body));
+  spec_.bodies.push_back(body);
 }
 
 std::vector<Solid> WorldReader::read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size,
@@ -423,7 +423,7 @@ void WorldReader::place_bodies() {
 
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
-  for (Model& model : models_) spec_.bodies.push_back(std::move(model.body));
+  for (const Model& model : models_) spec_.bodies.push_back(model.body);
   partition::Parallel parallel(options_.threads);
   for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
 }

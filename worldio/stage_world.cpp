@@ -323,7 +323,7 @@ void StageWorld::add_body(const StageEntity& entity) {
     values_.warning_once(own[k_name] ? values_.where(*own[k_name]) : body.where,
                          fmt::format("the name \"{}\" is taken already; looking it up finds the last",
                                      spec_->names.text(body.name)));
-  spec_->bodies.push_back(std::move(body));
+  spec_->bodies.push_back(body);
 }
 
 /// model:0, model:1, ... in the order of the file.
