@@ -209,10 +209,15 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
     }
   });
   const auto check = [&](std::size_t regions) {
-    const double bytes = cells * (sizeof(std::uint16_t) + 2 * sizeof(std::uint32_t)) + runs * sizeof(Run) +
-                         static_cast<double>(regions * (sizeof(Region) + sizeof(Slot)));
+    constexpr double k_cell_bytes = sizeof(std::uint16_t) + 2 * sizeof(std::uint32_t);
+    constexpr double k_region_bytes = sizeof(Region) + sizeof(Slot);
+    const double bytes =
+        cells * k_cell_bytes + runs * sizeof(Run) + static_cast<double>(regions) * k_region_bytes;
     if (bytes > static_cast<double>(k_most_bytes))
-      throw std::length_error(too_fine(cells_.cell_m, bytes, static_cast<double>(k_most_bytes)));
+      // Regions that are not counted yet: a straight wall draws some 64 cells in each.
+      throw std::length_error(too_fine(cells_.cell_m,
+                                       std::max(bytes, cells * (k_cell_bytes + k_region_bytes / k_region)),
+                                       static_cast<double>(k_most_bytes)));
   };
   check(0);
 
@@ -231,16 +236,15 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
     if (is_new) surfaces_.push_back(surface);
     pen.draw(ring, entry->second, [&](Cell region, std::uint32_t run) {
       Slot& slot = settle(region);
-      if (!slot.fixed) {
-        check(++fixed_regions_);
-        slot.fixed = std::make_unique<Region>();
-      }
       drawing.runs[run].next = slot.runs;
       slot.runs = run;
     });
   });
+  fixed_regions_ = slots_.size();
+  check(fixed_regions_);
   const Region nothing;
   for (Slot& slot : slots_) {
+    slot.fixed = std::make_unique<Region>();
     assemble(*slot.fixed, nothing, drawing, slot);
     slot.redrawn = 0;
     slot.seen = slot.fixed.get();
