@@ -26,9 +26,16 @@ std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
 }
 
+/// Bits that are set: without the instruction, which not every x86-64 has, std::popcount is a call.
+std::uint32_t count(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555;
+  word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+  return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
+}
+
 /// How many bits of the word lie below this one.
 std::uint32_t rank(std::uint64_t word, std::uint32_t bit) {
-  return static_cast<std::uint32_t>(std::popcount(word & ((std::uint64_t{1} << bit) - 1)));
+  return count(word & ((std::uint64_t{1} << bit) - 1));
 }
 
 template <class Visit>
@@ -251,6 +258,12 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
   }
   fixed_marks_ = used_marks_;
   fixed_links_ = used_links_;
+
+  for (std::uint32_t o = 0; o < outlines_.size(); ++o) {
+    if (own_.size() <= outlines_[o].body) own_.resize(outlines_[o].body + 1);
+    Own& own = own_[outlines_[o].body];
+    if (own.count++ == 0) own.first = static_cast<std::uint32_t>(surfaces_.size()) + o;
+  }
 }
 
 /// The slot of a region, made where there is none.
@@ -325,37 +338,46 @@ void RayGrid::assemble(Region& region, const Region& base, const Drawing& drawin
   for_each_bit(slot.redrawn, [&](std::uint32_t b) {
     region.cells[b] = base.cells[b];
     region.marks[b] = base.marks[b];
+    region.owners[b] = k_shared;
   });
-  const auto for_each_cell = [&](auto&& visit) {
+  const auto for_each_run = [&](auto&& visit) {
     for (std::uint32_t r = slot.runs; r != k_none; r = drawing.runs[r].next) {
       const Run& run = drawing.runs[r];
-      for (std::uint32_t c = run.first; c < run.first + run.count; ++c)
-        visit(static_cast<std::uint32_t>(drawing.cells[c] >> 6),
-              static_cast<std::uint32_t>(drawing.cells[c] & 63), run.surface);
+      visit(std::span(drawing.cells.get() + run.first, run.count), run.surface);
     }
   };
   std::uint64_t redrawn = 0;
-  for_each_cell([&](std::uint32_t block, std::uint32_t cell, std::uint32_t) {
-    region.cells[block] |= std::uint64_t{1} << cell;
-    redrawn |= std::uint64_t{1} << block;
+  for_each_run([&](std::span<const std::uint16_t> cells, std::uint32_t surface) {
+    const std::uint32_t owner =
+        surface < surfaces_.size() ? k_shared : outlines_[surface - surfaces_.size()].body;
+    for (const std::uint32_t cell : cells) {
+      const std::uint32_t block = cell >> 6;
+      const bool is_new = (redrawn >> block & 1) == 0;
+      if (is_new ? region.cells[block] == 0 : region.owners[block] == owner)
+        region.owners[block] = owner;
+      else
+        region.owners[block] = k_shared;
+      redrawn |= std::uint64_t{1} << block;
+      region.cells[block] |= std::uint64_t{1} << (cell & 63);
+    }
   });
   region.blocks = base.blocks | redrawn;
   slot.redrawn = redrawn;
 
-  std::uint32_t count = 0;
-  for_each_bit(redrawn,
-               [&](std::uint32_t b) { count += static_cast<std::uint32_t>(std::popcount(region.cells[b])); });
-  std::uint32_t next = take(used_marks_, count);
-  std::fill_n(marks_.get() + next, count, k_unmarked);
+  std::uint32_t drawn = 0;
+  for_each_bit(redrawn, [&](std::uint32_t b) { drawn += count(region.cells[b]); });
+  std::uint32_t next = take(used_marks_, drawn);
+  std::fill_n(marks_.get() + next, drawn, k_unmarked);
   for_each_bit(redrawn, [&](std::uint32_t b) {
     std::uint32_t from = base.marks[b];
     for_each_bit(base.cells[b],
                  [&](std::uint32_t c) { marks_[next + rank(region.cells[b], c)] = marks_[from++]; });
     region.marks[b] = next;
-    next += static_cast<std::uint32_t>(std::popcount(region.cells[b]));
+    next += count(region.cells[b]);
   });
-  for_each_cell([&](std::uint32_t block, std::uint32_t cell, std::uint32_t surface) {
-    mark(marks_[region.marks[block] + rank(region.cells[block], cell)], surface);
+  for_each_run([&](std::span<const std::uint16_t> cells, std::uint32_t surface) {
+    for (const std::uint32_t cell : cells)
+      mark(marks_[region.marks[cell >> 6] + rank(region.cells[cell >> 6], cell & 63)], surface);
   });
   slot.runs = k_none;
 }
@@ -388,15 +410,17 @@ void RayGrid::forget_empty_regions(std::size_t used) {
 }
 
 float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
+  const std::uint32_t own = ray.body < own_.size() ? own_[ray.body].first : 0;
+  const std::uint32_t own_count = ray.body < own_.size() ? own_[ray.body].count : 0;
   const auto return_of = [&](std::uint32_t surface) {
+    if (surface - own < own_count) return -1.0f;
     if (surface < surfaces_.size()) {
       const Surface& fixed = surfaces_[surface];
       return fixed.z_min <= ray.z && ray.z <= fixed.z_max ? fixed.ranger_return : -1.0f;
     }
     const std::size_t o = surface - surfaces_.size();
     const MovingOutline& outline = outlines_[o];
-    const bool meets = outline.body != ray.body && outline.z.shifted(heights_[o]).contains(ray.z);
-    return meets ? outline.ranger_return : -1.0f;
+    return outline.z.shifted(heights_[o]).contains(ray.z) ? outline.ranger_return : -1.0f;
   };
   float most = -1;
   for (; mark & k_link; mark = links_[mark & ~k_link].next)
@@ -404,113 +428,110 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
   return std::max(most, return_of(mark));
 }
 
+/// Steps without branches through 8 x 8 cells of a block, or blocks of a region: which border comes next is
+/// as good as random, and a wrong guess costs more than a dozen steps. x in the low half of a byte and y in
+/// the high one move by one addition, and show in their fourth bits when they leave.
+struct RayGrid::Spot {
+  Spot(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
+  bool inside() const { return (at & 0x88) == 0; }
+  std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
+  std::int32_t x() const { return at & 7; }
+  std::int32_t y() const { return at >> 4 & 7; }
+  /// `along_x` is all ones or all zeros.
+  void step(std::int32_t step_x, std::int32_t step_y, std::int64_t along_x) {
+    at += 16 * step_y + ((step_x - 16 * step_y) & static_cast<std::int32_t>(along_x));
+  }
+
+  std::int32_t at;
+};
+
 GridHit RayGrid::cast(const GridRay& ray) const {
   const Line line(ray.direction);
   const Cell start = cells_.cell(ray.origin);
   const GridHit nothing{ray.range_max, 0};
-  // Beyond these steps all is out of reach.
-  const auto most_steps = [&](double component) {
-    return static_cast<std::int64_t>(
-        std::min(std::abs(component) * ray.range_max / cells_.cell_m + 2, static_cast<double>(k_farthest)));
-  };
-  const std::int64_t most_i = most_steps(ray.direction.x());
-  const std::int64_t most_j = most_steps(ray.direction.y());
-  const double step_m = cells_.cell_m / std::max(std::abs(ray.direction.x()), std::abs(ray.direction.y()));
-  // The distance between the middles of the cells, less a quarter of a cell.
-  const auto range_of = [&](std::int64_t i, std::int64_t j) {
-    const auto steps = static_cast<double>(line.across >= line.up ? i : j);
-    return static_cast<float>(std::max(0.0, (steps - 0.25) * step_m));
+  // After so many steps all is out of reach.
+  const double reach =
+      (std::abs(ray.direction.x()) + std::abs(ray.direction.y())) * ray.range_max / cells_.cell_m;
+  const auto most_steps = static_cast<std::int64_t>(std::min(reach + 4, static_cast<double>(k_farthest)));
+  const auto cell_at = [&](std::int64_t i, std::int64_t j) {
+    return Cell{start.x + line.step_x * static_cast<std::int32_t>(i),
+                start.y + line.step_y * static_cast<std::int32_t>(j)};
   };
 
   std::int64_t i = 0;
   std::int64_t j = 0;
   for (;;) {
-    const Cell at{start.x + line.step_x * static_cast<std::int32_t>(i),
-                  start.y + line.step_y * static_cast<std::int32_t>(j)};
+    const Cell at = cell_at(i, j);
     const Cell here = cells_.tile(at);
     const std::uint32_t slot = directory_.find(here);
     const Region* region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
-    std::int64_t border_i = 0;
-    std::int64_t border_j = 0;
-    bool along_x = false;
+    const std::int32_t size = region ? k_block : k_region;
+    std::int64_t border_i = i + line.x_to_border(at.x, size);
+    std::int64_t border_j = j + line.y_to_border(at.y, size);
+    std::int64_t order = line.order(border_i, border_j);
+    std::int64_t along_x = order >> 63;  // all ones: the next border is one along x
     if (!region) {
       // Nothing is drawn beyond the outermost regions.
       if ((line.step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
-          (line.step_y > 0 ? here.y > high_.y : here.y < low_.y))
+          (line.step_y > 0 ? here.y > high_.y : here.y < low_.y) ||
+          border_i + border_j - k_region > most_steps)
         return nothing;
-      border_i = i + line.x_to_border(at.x, k_region);
-      border_j = j + line.y_to_border(at.y, k_region);
-      along_x = line.order(border_i, border_j) < 0;
     } else {
-      border_i = i + line.x_to_border(at.x, k_block);
-      border_j = j + line.y_to_border(at.y, k_block);
-      std::int64_t order = line.order(border_i, border_j);
-      std::int32_t bx = (at.x & (k_region - 1)) >> 3;
-      std::int32_t by = (at.y & (k_region - 1)) >> 3;
-      // How the block was entered: i and j are worked out only where it holds something.
-      enum class Entry { known, x, y } entry = Entry::known;
-      for (;;) {
-        const auto block = static_cast<std::uint32_t>(by * k_block + bx);
-        if (region->blocks >> block & 1) {
-          if (entry == Entry::x) {
-            i = border_i - k_block;
-            j = line.y_steps(i);
-          } else if (entry == Entry::y) {
-            j = border_j - k_block;
-            i = line.x_steps(j);
+      std::int64_t borders = border_i + border_j;
+      Spot block(at.x >> 3 & 7, at.y >> 3 & 7);
+      for (bool first = true;; first = false) {
+        if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
+          if (!first) {  // where it was entered is worked out only here
+            border_j = borders - border_i;
+            i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
+            j = along_x ? line.y_steps(i) : border_j - k_block;
           }
-          const std::uint64_t drawn = region->cells[block];
-          std::int32_t x = (start.x + line.step_x * static_cast<std::int32_t>(i)) & (k_block - 1);
-          std::int32_t y = (start.y + line.step_y * static_cast<std::int32_t>(j)) & (k_block - 1);
-          std::int64_t error = line.order(i + 1, j + 1);
-          while (((x | y) & ~(k_block - 1)) == 0) {
-            const auto cell = static_cast<std::uint32_t>(y * k_block + x);
-            if (drawn >> cell & 1) {
-              const float met_return = met(marks_[region->marks[block] + rank(drawn, cell)], ray);
-              if (met_return >= 0) {
-                const float range = range_of(i, j);
-                return range < ray.range_max ? GridHit{range, met_return} : nothing;
-              }
-            }
-            if (error < 0) {
-              ++i;
-              x += line.step_x;
-              error += 2 * line.up;
-            } else {
-              ++j;
-              y += line.step_y;
-              error -= 2 * line.across;
-            }
-          }
+          GridHit hit = nothing;
+          if (met_in_block(*region, block.bit(), ray, line, cell_at(i, j), i, j, hit)) return hit;
         }
-        along_x = order < 0;
-        if (along_x) {
-          if (border_i > most_i) return nothing;
-          bx += line.step_x;
-          if (bx & ~(k_block - 1)) break;
-          entry = Entry::x;
-          border_i += k_block;
-          order += 2 * k_block * line.up;
-        } else {
-          if (border_j > most_j) return nothing;
-          by += line.step_y;
-          if (by & ~(k_block - 1)) break;
-          entry = Entry::y;
-          border_j += k_block;
-          order -= 2 * k_block * line.across;
-        }
+        if (borders - k_block > most_steps) return nothing;
+        along_x = order >> 63;
+        block.step(line.step_x, line.step_y, along_x);
+        if (!block.inside()) break;
+        borders += k_block;
+        border_i += k_block & along_x;
+        order += (2 * k_block * (line.up + line.across) & along_x) - 2 * k_block * line.across;
+      }
+      border_j = borders - border_i;
+    }
+    i = along_x ? border_i : line.x_steps(border_j);
+    j = along_x ? line.y_steps(i) : border_j;
+  }
+}
+
+/// Walks one block from a cell on; true when the ray ends in it.
+bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line,
+                           Cell at, std::int64_t i, std::int64_t j, GridHit& hit) const {
+  const std::uint64_t drawn = region.cells[block];
+  const Spot entry(at.x & 7, at.y & 7);
+  const std::int32_t step_x = line.step_x;
+  const std::int32_t step_y = line.step_y;
+  const std::int64_t back = 2 * line.across;
+  const std::int64_t both = 2 * line.up + back;
+  std::int64_t order = line.order(i + 1, j + 1);
+  for (Spot cell = entry; cell.inside();) {
+    if (drawn >> cell.bit() & 1) {
+      if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
+        // The distance between the middles of the cells, less a quarter of a cell.
+        const std::int64_t steps =
+            line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
+        const double step_m =
+            cells_.cell_m / std::max(std::abs(ray.direction.x()), std::abs(ray.direction.y()));
+        const auto range = static_cast<float>(std::max(0.0, (static_cast<double>(steps) - 0.25) * step_m));
+        if (range < ray.range_max) hit = {range, most};
+        return true;
       }
     }
-    if (along_x) {
-      if (border_i > most_i) return nothing;
-      i = border_i;
-      j = line.y_steps(i);
-    } else {
-      if (border_j > most_j) return nothing;
-      j = border_j;
-      i = line.x_steps(j);
-    }
+    const std::int64_t along_x = order >> 63;
+    cell.step(step_x, step_y, along_x);
+    order += (both & along_x) - back;
   }
+  return false;
 }
 
 bool RayGrid::is_drawn(const Vec2& point) const {

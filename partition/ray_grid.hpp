@@ -44,7 +44,7 @@ struct GridRay {
   Vec2 direction;  ///< a unit vector
   double z = 0;    ///< height, m
   float range_max = 0;
-  std::uint32_t body = 0;  ///< whose ray it is
+  std::uint32_t body = ~0u;  ///< whose ray it is: its own outlines are passed
 };
 
 struct GridHit {
@@ -54,10 +54,10 @@ struct GridHit {
 
 class RayGrid {
  public:
-  /// Draws what never moves. `outlines` are those of bodies that may, `vertices` as redraw() is given them.
-  /// Outlines whose ranger_return is negative are left out.
-  /// Throws std::length_error, with a text that names a resolution that would do, where the cells would take
-  /// more than k_most_bytes or could not be counted.
+  /// Draws what never moves. `outlines` are those of bodies that may, body after body, `vertices` as redraw()
+  /// is given them. Outlines whose ranger_return is negative are left out. Throws std::length_error, with a
+  /// text that names a resolution that would do, where the cells would take more than k_most_bytes or could
+  /// not be counted.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;
@@ -77,6 +77,7 @@ class RayGrid {
 
  private:
   static constexpr std::uint32_t k_none = ~0u;
+  static constexpr std::uint32_t k_shared = ~0u - 1;
 
   /// What one cell or more is marked with.
   struct Surface {
@@ -86,8 +87,10 @@ class RayGrid {
     friend auto operator<=>(const Surface&, const Surface&) = default;
   };
   struct Region {
+    Region() { owners.fill(k_shared); }
     std::uint64_t blocks = 0;               // those that hold anything
     std::array<std::uint64_t, 64> cells{};  // of each block: those that are drawn
+    std::array<std::uint32_t, 64> owners;   // of each block: the one body that draws in it, or k_shared
     std::array<std::uint32_t, 64> marks{};  // of each block: where the marks of its drawn cells begin
   };
   /// A region that is or was in use.
@@ -121,12 +124,18 @@ class RayGrid {
     std::uint32_t cell;
     std::uint32_t run;
   };
+  /// The surfaces of one body.
+  struct Own {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
   struct Homeless {
     Cell region;
     std::uint32_t run;
   };
   class Pen;
   class Line;
+  struct Spot;
 
   void draw_fixed(std::span<const FixedSolid> solids);
   void share_out(std::span<const Vec2> vertices);
@@ -136,6 +145,8 @@ class RayGrid {
   void forget_empty_regions(std::size_t used);
   /// The largest return of what a mark stands for and the ray meets; below 0: nothing.
   float met(std::uint32_t mark, const GridRay& ray) const;
+  bool met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line, Cell at,
+                    std::int64_t i, std::int64_t j, GridHit& hit) const;
 
   GridGeometry cells_;
   TileDirectory directory_;
@@ -148,6 +159,7 @@ class RayGrid {
   // A mark is a surface, or a link to several. Surfaces: first those that never move, then the outlines.
   std::vector<Surface> surfaces_;
   std::vector<MovingOutline> outlines_;
+  std::vector<Own> own_;         // of each body
   std::vector<double> heights_;  // of each outline's body, m
   std::vector<Share> shares_;
   Drawing drawing_;
