@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -209,6 +210,39 @@ TEST(RayGrid, SeesWhatPaperAndPencilSee) {
   }
   EXPECT_GT(hits, rays / 5);
   EXPECT_LT(hits, rays * 3 / 4);
+}
+
+double distance(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double t = std::clamp(along.dot(p - a) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (p - a - t * along).norm();
+}
+
+TEST(RayGrid, NoRayLeavesAClosedOutlineAndAHitIsWithinTwoCellsOfIt) {
+  double farthest = 0;
+  for (std::uint64_t seed = 1; seed <= 300 / oracle::k_thrift; ++seed) {
+    SCOPED_TRACE(seed);
+    Draw draw(seed);
+    const double resolution = draw.scale(0.001, 1);
+    const Vec2 middle(draw.real(-1000, 1000), draw.real(-1000, 1000));
+    const Ring ring = oracle::turned(
+        oracle::random_star(draw, 3 + draw.below(30), resolution * draw.scale(10, 500), 0.4), 0, middle);
+    const RayGrid grid({{FixedSolid{{{ring}, {0, 1}}, BodyId(1)}}}, {}, {}, resolution);
+    for (std::size_t n = 0; n < 1000; ++n) {
+      const double heading =
+          draw.chance(0.1) ? static_cast<double>(draw.below(8)) * k_pi / 4 : draw.real(-4, 4);
+      const GridRay ray{middle, {std::cos(heading), std::sin(heading)}, 0.5, 1e4, k_nobody};
+      const float range = grid.cast(ray).range;
+      ASSERT_LT(range, 1e4) << heading;
+      double nearest = 1e300;
+      for (std::size_t i = 0; i < ring.size(); ++i)
+        nearest =
+            std::min(nearest, distance(middle + range * ray.direction, ring[i], ring[(i + 1) % ring.size()]));
+      farthest = std::max(farthest, nearest / resolution);
+    }
+  }
+  EXPECT_LT(farthest, 2);
+  EXPECT_GT(farthest, 1);
 }
 
 /// A grid of 1 m with nothing that moves.

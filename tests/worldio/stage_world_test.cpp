@@ -90,7 +90,7 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
-                  "w.world:1: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+                  "w.world:1: warning: accepted without effect, docs/stage-worlds.md says why: "
                   "threads, friction",
                   "w.world:3: warning: accepted, but only Stage's window would use it: paused, speedup, "
                   "window, gui_nose",
@@ -662,7 +662,7 @@ TEST_F(StageOwnWorld, Simple) {
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "simple.world:15: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+          "map.inc:20: warning: accepted without effect, docs/stage-worlds.md says why: "
           "blob_return, acceleration_bounds of a position",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
@@ -771,7 +771,7 @@ TEST_F(StageOwnWorld, Cave) {
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "benchmark/cave.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return, acceleration_bounds of a position",
           "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
@@ -796,7 +796,7 @@ TEST_F(StageOwnWorld, Hospital) {
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
           "benchmark/hospital.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads",
+          "threads",
           "benchmark/hospital.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
@@ -862,7 +862,7 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:13: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return, acceleration_bounds of a position",
           "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
