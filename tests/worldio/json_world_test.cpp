@@ -469,7 +469,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
-          "quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types"));
+          "quit_time_s, ranging, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, "
+          "troupe, types"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 
