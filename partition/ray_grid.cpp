@@ -208,11 +208,11 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       const double most = most_cells(ring[j], ring[i], cells_.cell_m);
       cells += most;
       runs += std::min(most, most / k_region + 2);
-      if (!(ring[i].cwiseAbs().maxCoeff() <= limit))
-        throw std::length_error(
-            fmt::format("cells of {:g} m reach {:g} m from the origin, but something stands "
-                        "{:g} m away",
-                        cells_.cell_m, limit, ring[i].cwiseAbs().maxCoeff()));
+      if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
+        constexpr auto k_text =
+            "cells of {:g} m reach {:g} m from the origin, but something stands {:g} m away";
+        throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
+      }
     }
   });
   const auto check = [&](std::size_t regions) {
@@ -220,11 +220,11 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
     constexpr double k_region_bytes = sizeof(Region) + sizeof(Slot);
     const double bytes =
         cells * k_cell_bytes + runs * sizeof(Run) + static_cast<double>(regions) * k_region_bytes;
-    if (bytes > static_cast<double>(k_most_bytes))
-      // Regions that are not counted yet: a straight wall draws some 64 cells in each.
-      throw std::length_error(too_fine(cells_.cell_m,
-                                       std::max(bytes, cells * (k_cell_bytes + k_region_bytes / k_region)),
-                                       static_cast<double>(k_most_bytes)));
+    if (bytes <= static_cast<double>(k_most_bytes)) return;
+    // Regions that are not counted yet: a straight wall draws some 64 cells in each.
+    const double with_regions = cells * (k_cell_bytes + k_region_bytes / k_region);
+    throw std::length_error(
+        too_fine(cells_.cell_m, std::max(bytes, with_regions), static_cast<double>(k_most_bytes)));
   };
   check(0);
 

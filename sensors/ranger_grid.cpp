@@ -7,11 +7,10 @@ void cast_grid(const engine::World& world, const RangerBeams& ranger, std::span<
   const partition::RayGrid& grid = *world.ray_grid();
   for (const Row row : rows) {
     const std::span<float> ranges = percepts.cell<float>(world.slot(row), 0);
-    const Pose& pose_world_body = world.poses()[row.index()];
-    const Transform transform(pose_world_body);
+    const Transform& transform = world.transform(row);
     const Vec2 reference = transform * ranger.reference;
     for (const BeamGroup& group : ranger.groups) {
-      const double z = pose_world_body.z + group.z;
+      const double z = world.poses()[row.index()].z + group.z;
       for (std::size_t beam = group.first; beam < group.first + group.count; ++beam) {
         const Vec2 origin = reference + transform.rotation * Vec2(ranger.ox[beam], ranger.oy[beam]);
         const Vec2 direction = transform.rotation * Vec2(ranger.dx[beam], ranger.dy[beam]);
