@@ -72,6 +72,9 @@ class RayGrid {
   double resolution_m() const { return cells_.cell_m; }
   /// True when something is drawn in the cell of this point.
   bool is_drawn(const Vec2& point) const;
+  /// Regions that are known: those with something fixed in them, and some that bodies are in or were in
+  /// lately.
+  std::size_t regions() const { return slots_.size(); }
   /// Bytes that cells of the static scene take.
   std::size_t fixed_bytes() const;
 

@@ -106,7 +106,7 @@ class Scene {
         solids_.push_back(fixed);
       }
     }
-    for (std::size_t n = draw.below(60); n > 0; --n, ++bodies_) {
+    for (std::size_t n = draw.below(draw.chance(0.1) ? 600 : 60); n > 0; --n, ++bodies_) {
       const auto add = [&](const Ring& ring, ZInterval z) {
         outlines_.push_back({bodies_, static_cast<std::uint32_t>(body_vertices_.size()),
                              static_cast<std::uint32_t>(ring.size()), z, random_return(draw)});
@@ -330,6 +330,23 @@ TEST(RayGrid, RaysPassTheirOwnBodyOnly) {
   EXPECT_NEAR(grid.cast(ray).range, 0.475, 1e-6);
   ray.body = 0;
   EXPECT_NEAR(grid.cast(ray).range, 2.475, 1e-6);
+}
+
+TEST(RayGrid, GroundThatBodiesHaveLeftIsForgotten) {
+  const Ring ring = oracle::rectangle(0, 0, 0.5, 0.5);
+  RayGrid grid({{wall(-5, -5, 5, 5)}}, {{0, 0, 4, {0, 1}, 1}}, ring, 0.1);
+  const std::size_t fixed = grid.regions();
+  Parallel parallel(2);
+  for (int tick = 0; tick < 1000; ++tick) {
+    const double x = 7.0 * tick;  // more than a region
+    Ring vertices;
+    for (const Vec2& v : ring) vertices.push_back(v + Vec2(x, 0));
+    grid.redraw(vertices, std::vector<Pose>(1), parallel);
+    ASSERT_LE(grid.regions(), 64 + 4 * (fixed + 4)) << tick;
+    ASSERT_TRUE(grid.is_drawn({x, 0})) << tick;
+    ASSERT_TRUE(grid.is_drawn({-5, 0})) << tick;
+    ASSERT_FALSE(grid.is_drawn({x - 7, 0})) << tick;
+  }
 }
 
 TEST(RayGrid, EmptyGroundCostsNothing) {
