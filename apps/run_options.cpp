@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -23,7 +24,7 @@ The end: --for S is a time on the world's clock, counted from tick 0; it beats t
 two must be given. The run ends with the first tick whose time is S or later.
 
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
-The result depends on the world, --seed, --robots and --set alone: not on --threads or --tile-size.
+The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads or --tile-size.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM: the
 tick is finished, and the summary and all files are written.
@@ -135,6 +136,13 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
             [&options](const std::string& text) {
               options.simulation.seed = number<std::uint64_t>(text);
               if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
+            });
+  add_value(*run, "--raytracer", "exact|grid", "What finds ranges (default: the world's, else exact)",
+            [&options](const std::string& text) {
+              const auto& names = engine::k_ranging_engines;
+              const auto found = std::ranges::find(names, text);
+              if (found == names.end()) refuse("--raytracer", text, "exact or grid");
+              options.simulation.ranging = static_cast<RangingEngine>(found - names.begin());
             });
   add_values(
       *run, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",

@@ -224,6 +224,9 @@ void World::put(Row row, const BodyType& type, const Transform& transform) {
   for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
 }
 
-void World::index_bodies() { index_.rebuild(transforms_, row_radii_, parallel_); }
+void World::index_bodies() {
+  index_.rebuild(transforms_, row_radii_, parallel_);
+  if (ray_grid_) ray_grid_->redraw(outlines_, poses(), parallel_);
+}
 
 }  // namespace troupe::engine

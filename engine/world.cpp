@@ -50,6 +50,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   build_rows();
   build_scene();
   build_tables();
+  if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
   report_overlaps(diagnostics);
 }
 
@@ -148,6 +149,22 @@ void World::build_tables() {
   }
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
+}
+
+void World::build_ray_grid(Diagnostics& diagnostics) {
+  std::vector<partition::MovingOutline> outlines;
+  for (std::uint32_t r = 0; r < rows(); ++r)
+    for (const RayOutline& outline : type(Row(r)).outlines)
+      outlines.push_back({r, static_cast<std::uint32_t>(outline_begins_[r]) + outline.first, outline.count,
+                          outline.z, outline.ranger_return});
+  try {
+    ray_grid_ = std::make_unique<partition::RayGrid>(scene_.solids(), std::move(outlines), outlines_,
+                                                     spec_.resolution_m);
+  } catch (const std::length_error& fault) {
+    diagnostics.error(spec_.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
+    diagnostics.throw_if_errors();
+  }
+  ray_grid_->redraw(outlines_, poses(), parallel_);
 }
 
 void World::report_overlaps(Diagnostics& diagnostics) {

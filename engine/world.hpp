@@ -9,12 +9,14 @@
 #include "engine/world_spec.hpp"
 #include "partition/body_index.hpp"
 #include "partition/parallel.hpp"
+#include "partition/ray_grid.hpp"
 #include "partition/static_scene.hpp"
 
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -66,6 +68,8 @@ class World {
   std::span<const BodyType> types() const { return types_; }
   const partition::StaticScene& scene() const { return scene_; }
   const partition::BodyIndex& index() const { return index_; }
+  /// What the grid engine's rays walk through; null where the world asks for the exact engine.
+  const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
   const partition::GridGeometry& geometry() const { return geometry_; }
   partition::Parallel& parallel() { return parallel_; }
   /// Rows: the bodies that can move, sense or decide, in id order.
@@ -138,6 +142,7 @@ class World {
   void build_rows();
   void build_scene();
   void build_tables();
+  void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 
   void sense();
@@ -167,6 +172,7 @@ class World {
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
   partition::BodyIndex index_;
+  std::unique_ptr<partition::RayGrid> ray_grid_;
   mutable NameMap names_;  // made at the first find()
 
   std::vector<BodyId> row_bodies_;

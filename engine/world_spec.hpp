@@ -6,6 +6,7 @@
 #include "base/ids.hpp"
 #include "engine/fields.hpp"
 #include "engine/names.hpp"
+#include "engine/ranging_engine.hpp"
 
 #include <optional>
 #include <string>
@@ -77,8 +78,6 @@ struct BodySpec {
   Where where;
 };
 
-enum class RangingEngine { exact };
-
 /// A part of a body that the world gave a name of its own, not one below the body's.
 struct PartName {
   BodyId body;
@@ -92,6 +91,8 @@ struct WorldSpec {
   double tick_s = 0.1;
   std::optional<double> quit_time_s;
   RangingEngine ranging = RangingEngine::exact;
+  double resolution_m = k_resolution_m;  ///< edge of the grid engine's cells
+  Where resolution_where;
   /// Where robots may go; one that would leave is held. Not given: +-100 km.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;

@@ -4,6 +4,7 @@
 #include "partition/ranging.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"
+#include "sensors/ranger_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -147,7 +148,10 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
 std::uint64_t sense(const engine::World& world, const std::any& data, std::span<const Row> rows,
                     engine::StateTable& percepts) {
   const RangerBeams& ranger = *std::any_cast<RangerBeams>(&data);
-  cast_exact(world, ranger, rows, percepts);
+  if (world.ray_grid())
+    cast_grid(world, ranger, rows, percepts);
+  else
+    cast_exact(world, ranger, rows, percepts);
   return rows.size() * ranger.count;
 }
 

@@ -13,7 +13,8 @@ namespace troupe::sensors {
 /// meets   every surface with ranger_return >= 0 whose closed z interval holds the beam's height, from both
 ///         sides, but none of the robot's own
 /// ties    two surfaces at one distance: the larger intensity is reported
-/// source  inverse-depth projection, partition/ranging.hpp
+/// source  inverse-depth projection, partition/ranging.hpp; in worlds that ask for the grid engine a walk
+///         through cells, partition/ray_grid.hpp
 engine::SensorKind ranger_kind();
 
 }  // namespace troupe::sensors

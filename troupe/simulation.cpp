@@ -132,6 +132,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
   diagnostics.throw_if_errors();
+  spec.ranging = options.ranging.value_or(spec.ranging);
   impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,
                                                  engine::WorldOptions{options.threads, options.tile_size_m},
                                                  diagnostics);
@@ -145,15 +146,18 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 const std::vector<std::string>& Simulation::warnings() const { return impl_->warnings; }
 
 std::vector<std::pair<std::string, std::string>> Simulation::effective_options() const {
+  const engine::WorldSpec& spec = impl_->world->spec();
   std::vector<std::pair<std::string, std::string>> out{
       {"world", impl_->file.string()},
-      {"seed", fmt::format("{}", impl_->world->spec().seed)},
+      {"seed", fmt::format("{}", spec.seed)},
       {"tick_s", fmt::format("{}", impl_->world->tick_s())},
-      {"ranging", "exact"},
+      {"ranging", std::string(engine::ranging_engine_name(spec.ranging))},
       {"robots", fmt::format("{}", robots())},
       {"threads", fmt::format("{}", threads())},
       {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
   };
+  if (spec.ranging == RangingEngine::grid)
+    out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));
   for (const auto& [pointer, value] : impl_->options.set) out.emplace_back("set " + pointer, value);
   return out;
 }

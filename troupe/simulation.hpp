@@ -2,6 +2,7 @@
 
 #include "base/pose.hpp"
 #include "engine/phase.hpp"
+#include "engine/ranging_engine.hpp"
 
 #include <array>
 #include <cstdint>
@@ -17,7 +18,10 @@
 
 namespace troupe {
 
-/// How a world is loaded and run. Nothing here but `seed`, `robots` and `set` changes a result.
+/// What finds ranges: exact geometry, or a walk through cells (docs/sensing.md).
+using engine::RangingEngine;
+
+/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots` and `set` changes a result.
 struct SimulationOptions {
   /// Worker threads; 0: one for each core.
   unsigned threads = 0;
@@ -25,6 +29,8 @@ struct SimulationOptions {
   double tile_size_m = 0;
   /// Replaces the world's seed.
   std::optional<std::uint64_t> seed;
+  /// Replaces the world's ray engine.
+  std::optional<RangingEngine> ranging;
   /// Population sizes: name -> count; an empty name means the world's only population.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// JSON pointer -> value ("/populations/0/count" -> "500").

@@ -175,7 +175,22 @@ void WorldReader::read_settings(JsonObject& object) {
   const Value quit = read_field(
       object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
   if (quit.given()) spec_.quit_time_s = quit.number();
-  read_field(object, {.name = "ranging", .type = FieldType::text, .choices = {"exact"}});
+  const auto& names = engine::k_ranging_engines;
+  const Value ranging = read_field(
+      object, {.name = "ranging", .type = FieldType::text, .choices = {names.begin(), names.end()}});
+  if (ranging.given())
+    spec_.ranging =
+        static_cast<engine::RangingEngine>(std::ranges::find(names, ranging.text()) - names.begin());
+  const Field resolution_field{.name = "resolution",
+                               .unit = Unit::meters,
+                               .min = engine::k_min_resolution_m,
+                               .max = engine::k_max_resolution_m};
+  const Value resolution = read_field(object, resolution_field);
+  spec_.resolution_where = object.at().where();
+  for (const engine::UnitSuffix& unit : engine::unit_suffixes(Unit::meters))
+    if (const JsonNode* node = object.find(fmt::format("resolution{}", unit.suffix)))
+      spec_.resolution_where = node->where;
+  if (resolution.given()) spec_.resolution_m = resolution.number();
 }
 
 void WorldReader::read_floorplan(const JsonCursor& at) {

@@ -19,8 +19,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given"},
-    {"world", "resolution", no_effect,
-     "edge of the cells of Stage's grid; exact ranges and collisions have no cells"},
+    {"world", "resolution", honoured,
+     "m, from 0.0001 to 100: edge of the grid ray engine's cells; the exact one, and collisions, have no "
+     "cells"},
     {"world", "threads", no_effect,
      "the number of threads is an option of the run and never changes a result"},
     {"world", "test", no_effect, "a debugging aid of Stage's parser"},

@@ -246,6 +246,17 @@ void StageWorld::read_world() {
         values_.error(values_.where(*property),
                       fmt::format("\"interval_sim\" must be at least 0.001 ms; here is {}", *ms));
     }
+  if (const StageProperty* property = world_property("resolution")) {
+    spec_->resolution_where = values_.where(*property);
+    if (const auto metres = values_.number(*property)) {  // whatever unit_length says
+      if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
+        spec_->resolution_m = *metres;
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"resolution\" must be from {} to {} m; here is {}",
+                                  engine::k_min_resolution_m, engine::k_max_resolution_m, *metres));
+    }
+  }
   if (const StageProperty* property = world_property("quit_time"))
     if (const auto seconds = values_.number(*property)) {
       if (*seconds > 0) spec_->quit_time_s = *seconds;
@@ -541,6 +552,7 @@ WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
   WorldSpec spec;
   spec.files = diagnostics.files();
   const Where whole{diagnostics.files()->add(file.string()), 0};
+  spec.resolution_where = whole;
   if (!options.robots.empty())
     diagnostics.error(whole,
                       "--robots needs a world with populations; a .world file lists its robots one by one");

@@ -118,6 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--set", "/count"}),
                    in_run("--set: \"/count\" is not a JSON pointer and a value, as in --set "
                           "/populations/0/count=500")},
+        WrongUsage{room({"--raytracer", "Grid"}), in_run("--raytracer: \"Grid\" is not exact or grid")},
         WrongUsage{room({"--tile-size", "0"}), in_run("--tile-size: \"0\" is not a length in metres, above 0 "
                                                       "(tiles are never smaller than the cells they hold)")},
         WrongUsage{

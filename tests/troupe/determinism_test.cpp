@@ -36,13 +36,14 @@ SimulationOptions options_of(const GoldenRun& run, unsigned threads, double tile
   SimulationOptions options;
   options.threads = threads;
   options.tile_size_m = tile_size_m;
+  if (run.by_grid()) options.ranging = RangingEngine::grid;
   if (run.robots) options.robots = {{"", *run.robots}};
   return options;
 }
 
 /// The lines of the hash log of a run.
 std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double tile_size_m = 0) {
-  Simulation simulation(k_worlds / run.world, options_of(run, threads, tile_size_m));
+  Simulation simulation(k_worlds / run.file(), options_of(run, threads, tile_size_m));
   std::vector<std::string> lines{simulation.hash_log_line()};
   while (simulation.tick() < run.ticks) {
     simulation.step();
@@ -60,7 +61,7 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
   const GoldenRun& run = GetParam();
   const std::vector<std::string> expected = log_of(run, 1, 1.7);
   for (const double tile_size_m : {1.7, 45.1}) {
-    for (const unsigned threads : {1u, 2u, 8u}) {
+    for (const unsigned threads : {1u, 2u, 3u, 8u}) {
       if (threads == 1 && tile_size_m == 1.7) continue;
       const std::vector<std::string> got = log_of(run, threads, tile_size_m);
       for (std::size_t tick = 0; tick < expected.size(); ++tick)
@@ -75,19 +76,27 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10}, {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5}};
-  return {{"hospital.json", {}, 50}, {"cave-complex-laser.json", {}, 50}, {"crowd.json", {}, 50}};
+    return {{"hospital.json", 150, 10},
+            {"cave-complex-laser.json", 12, 10},
+            {"crowd.json", {}, 5},
+            {"hospital.json:grid", 150, 10},
+            {"crowd.json:grid", {}, 5}};
+  return {{"hospital.json", {}, 50},
+          {"cave-complex-laser.json", {}, 50},
+          {"crowd.json", {}, 50},
+          {"hospital.json:grid", 150, 10},
+          {"crowd.json:grid", {}, 50}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {
-  std::string name = fs::path(world.param.world).stem();
+  std::string name = fs::path(world.param.file()).stem().string() + (world.param.by_grid() ? "ByGrid" : "");
   std::erase(name, '-');
   return name;
 });
 
 TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
   const auto golden = test::golden_hashes();
-  for (const char* world : {"hospital.json", "cave-complex-laser.json", "crowd.json"})
+  for (const char* world : {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid"})
     for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
 }
 

@@ -15,9 +15,12 @@ namespace troupe::test {
 
 /// A line of worlds/golden_hashes.txt, which `scripts/prove --golden` makes.
 struct GoldenRun {
-  std::string world;  ///< file name in worlds/
+  std::string world;  ///< file name in worlds/; with ":grid" behind it: by the grid ray engine
   std::optional<std::size_t> robots;
   std::uint64_t ticks = 0;
+
+  std::string file() const { return world.substr(0, world.find(':')); }
+  bool by_grid() const { return world.ends_with(":grid"); }
 
   friend auto operator<=>(const GoldenRun& a, const GoldenRun& b) {
     return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=>

@@ -156,6 +156,24 @@ TEST_F(SimulationTest, EffectiveOptionsSayWhatWasUsed) {
                           Pair("threads", "3"), Pair("tile_m", "6.5"), Pair("set /tick_s", "0.05")));
 }
 
+TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
+  SimulationOptions options;
+  options.ranging = RangingEngine::grid;
+  EXPECT_THAT(json(options).effective_options(),
+              AllOf(Contains(Pair("ranging", "grid")), Contains(Pair("resolution_m", "0.02"))));
+  options.set = {{"/ranging", "\"grid\""}, {"/resolution_m", "0.1"}};
+  options.ranging.reset();
+  Simulation coarse = json(options);
+  EXPECT_THAT(coarse.effective_options(), Contains(Pair("resolution_m", "0.1")));
+  options.ranging = RangingEngine::exact;
+  Simulation exact = json(options);
+  EXPECT_THAT(exact.effective_options(), Contains(Pair("ranging", "exact")));
+  coarse.step();
+  exact.step();
+  EXPECT_NE(coarse.hashes().sensor, exact.hashes().sensor);
+  EXPECT_EQ(coarse.hashes().pose, exact.hashes().pose);
+}
+
 TEST_F(SimulationTest, TheSeedOfTheWorldHoldsUnlessAnotherIsGiven) {
   EXPECT_THAT(json().effective_options(), Contains(Pair("seed", "5")));
   EXPECT_THAT(population().effective_options(), Contains(Pair("seed", "1")));

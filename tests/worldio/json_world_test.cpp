@@ -124,7 +124,7 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
 
 TEST(JsonWorld, SettingsAndUnits) {
   const Loaded loaded(
-      R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "exact",
+      R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "grid", "resolution_cm": 5,
     "seed": 18446744073709551615,
     "types": {"t": {"size_m": [1, 2, 3], "color": [0.5, 0.25, 0, 0.75], "obstacle": false, "ranger_return": -1,
       "drive": {"kind": "car", "wheelbase_cm": 50, "period_ms": 200},
@@ -139,6 +139,9 @@ TEST(JsonWorld, SettingsAndUnits) {
   EXPECT_EQ(spec.seed, ~std::uint64_t{0});
   EXPECT_EQ(spec.tick_s, 50 * 0.001);
   EXPECT_EQ(spec.quit_time_s, 60.0);
+  EXPECT_EQ(spec.ranging, engine::RangingEngine::grid);
+  EXPECT_EQ(spec.resolution_m, 0.05);
+  EXPECT_EQ(spec.resolution_where.line, 1u);
   const engine::TypeSpec& type = spec.types[1];
   EXPECT_EQ(type.parts[0].returns, (engine::Returns{false, -1}));
   EXPECT_EQ(type.drive->period_s, 0.2);
@@ -238,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -259,7 +262,9 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:3: error: /quit_time_s: must be above 0 and at most 1000000000 s, found -1"},
         Wrong{
             R"("seed": 7)", R"("ranging": "exakt")",
-            R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact (did you mean "exact"?))"},
+            R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact, grid (did you mean "exact"?))"},
+        Wrong{R"("seed": 7)", R"("resolution_m": 0)",
+              "maze.json:3: error: /resolution_m: must be from 0.0001 to 100 m, found 0"},
         Wrong{R"("seed": 7)", R"("floorplans": {})",
               "maze.json:3: error: /floorplans: expected a list, found an object"}));
 
@@ -464,7 +469,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
-          "quit_time_s, ranging, seed, tick_ms, tick_s, title, troupe, types"));
+          "quit_time_s, ranging, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, "
+          "troupe, types"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

@@ -83,6 +83,18 @@ TEST_F(StageWorld, RefusesWrongWorldProperties) {
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"seed\" must be 0 or above; here is -1"));
 }
 
+TEST_F(StageWorld, TheResolutionIsOfTheGridEngine) {
+  EXPECT_EQ(load("").resolution_m, 0.02);
+  const engine::WorldSpec spec = load("unit_length \"cm\"\nresolution 0.1\n");
+  EXPECT_EQ(spec.resolution_m, 0.1);  // metres, as in Stage
+  EXPECT_EQ(spec.resolution_where.line, 2u);
+  EXPECT_EQ(spec.ranging, engine::RangingEngine::exact);
+  EXPECT_THAT(messages(), IsEmpty());
+  load("resolution 0");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"resolution\" must be from 0.0001 to 100 m; here is 0"));
+}
+
 TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
       "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
@@ -90,7 +102,7 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
-                  "w.world:1: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+                  "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
                   "threads, friction",
                   "w.world:3: warning: accepted, but only Stage's window would use it: paused, speedup, "
                   "window, gui_nose",
@@ -662,7 +674,7 @@ TEST_F(StageOwnWorld, Simple) {
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "simple.world:15: warning: accepted without effect, docs/stage-worlds.md says why: resolution, "
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
           "blob_return, acceleration_bounds of a position",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
@@ -720,18 +732,16 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
-          "irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
-          "irobot.inc:30: warning: not supported yet: bcount of a bumper",
-          "irobot.inc:31: warning: not supported yet: blength of a bumper",
-          "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
-          "roomba.world:43: warning: not supported yet: localization of a position",
-          "roomba.world:44: warning: not supported yet: localization_origin of a position",
-          "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-          "roomba.world:13: warning: accepted without effect, docs/stage-worlds.md says why: resolution",
-          "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
-          "gui_nose, gui_grid, gui_move, gui_outline"));
+      ElementsAre(k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
+                  "irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
+                  "irobot.inc:30: warning: not supported yet: bcount of a bumper",
+                  "irobot.inc:31: warning: not supported yet: blength of a bumper",
+                  "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
+                  "roomba.world:43: warning: not supported yet: localization of a position",
+                  "roomba.world:44: warning: not supported yet: localization_origin of a position",
+                  "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+                  "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
+                  "gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
   EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
@@ -770,8 +780,8 @@ TEST_F(StageOwnWorld, Cave) {
           "pioneer.inc:116: warning: not supported yet: localization of a position",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "benchmark/cave.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "threads, blob_return, acceleration_bounds of a position",
           "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
@@ -795,8 +805,8 @@ TEST_F(StageOwnWorld, Hospital) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
-          "benchmark/hospital.world:9: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads",
+          "benchmark/hospital.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "threads",
           "benchmark/hospital.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
@@ -861,8 +871,8 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
-          "pioneer_flocking.world:13: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "resolution, threads, blob_return, acceleration_bounds of a position",
+          "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "threads, blob_return, acceleration_bounds of a position",
           "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));

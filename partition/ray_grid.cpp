@@ -1,0 +1,550 @@
+#include "partition/ray_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+namespace troupe::partition {
+namespace {
+
+constexpr unsigned k_region_bits = 6;  // 64 cells an edge
+constexpr std::int32_t k_region = 1 << k_region_bits;
+constexpr std::int32_t k_block = 8;
+constexpr std::uint32_t k_link = 1u << 31;  // a mark that is a link to several surfaces
+constexpr std::uint32_t k_unmarked = ~0u;
+constexpr std::uint32_t k_share = 128;        // outlines a task
+constexpr std::size_t k_batch = 8;            // regions a task
+constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice that still counts in 32 bits
+
+std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
+  return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
+}
+
+/// Bits that are set: without the instruction, which not every x86-64 has, std::popcount is a call.
+std::uint32_t count(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555;
+  word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+  return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
+}
+
+/// How many bits of the word lie below this one.
+std::uint32_t rank(std::uint64_t word, std::uint32_t bit) {
+  return count(word & ((std::uint64_t{1} << bit) - 1));
+}
+
+template <class Visit>
+void for_each_bit(std::uint64_t word, Visit&& visit) {
+  for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(std::countr_zero(word)));
+}
+
+/// The most cells that an edge of this length can draw, however it lies.
+double most_cells(const Vec2& a, const Vec2& b, double resolution) {
+  return 1.41422 * (b - a).norm() / resolution + 3;
+}
+
+std::string too_fine(double resolution, double bytes, double most_bytes) {
+  // Cells along an outline: half the resolution, half the memory.
+  return fmt::format(
+      "cells of {:g} m would take {:.3g} GB, and {:.3g} GB is the most; {:.2g} m or more would do",
+      resolution, bytes / 1e9, most_bytes / 1e9, 1.1 * resolution * bytes / most_bytes);
+}
+
+}  // namespace
+
+/// Draws outlines into a Drawing from a place on. file(region, run) is told of each run as it is closed.
+class RayGrid::Pen {
+ public:
+  Pen(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
+      : geometry_(geometry), drawing_(drawing), cell_(cell), run_(run) {}
+
+  template <class File>
+  void draw(std::span<const Vec2> ring, std::uint32_t surface, File&& file) {
+    begin_ = cell_;
+    surface_ = surface;
+    const std::uint32_t first = cell_;
+    Cell at = geometry_.cell(ring.back());
+    region_ = geometry_.tile(at);
+    for (const Vec2& vertex : ring) {
+      const Cell to = geometry_.cell(vertex);
+      draw_line(at, to, file);
+      at = to;
+    }
+    if (cell_ == first) put(at, file);
+    close(file);
+  }
+
+ private:
+  template <class File>
+  void draw_line(Cell at, Cell to, File& file) {
+    const std::int32_t step_x = to.x > at.x ? 1 : -1;
+    const std::int32_t step_y = to.y > at.y ? 1 : -1;
+    const std::int64_t across = std::abs(std::int64_t{to.x} - at.x);
+    const std::int64_t up = std::abs(std::int64_t{to.y} - at.y);
+    std::int64_t error = up - across;
+    for (std::int64_t n = across + up; n > 0; --n) {
+      put(at, file);
+      if (error < 0) {
+        at.x += step_x;
+        error += 2 * up;
+      } else {
+        at.y += step_y;
+        error -= 2 * across;
+      }
+    }
+  }
+
+  template <class File>
+  void put(Cell at, File& file) {
+    if (const Cell region = geometry_.tile(at); region != region_) {
+      close(file);
+      region_ = region;
+    }
+    drawing_.cells[cell_++] =
+        static_cast<std::uint16_t>((at.y & 0x38) << 6 | (at.x & 0x38) << 3 | (at.y & 7) << 3 | (at.x & 7));
+  }
+
+  template <class File>
+  void close(File& file) {
+    if (cell_ == begin_) return;
+    drawing_.runs[run_] = {k_none, begin_, cell_ - begin_, surface_};
+    file(region_, run_++);
+    begin_ = cell_;
+  }
+
+  const GridGeometry& geometry_;
+  Drawing& drawing_;
+  std::uint32_t cell_;
+  std::uint32_t run_;
+  std::uint32_t begin_ = 0;  // of the run
+  std::uint32_t surface_ = 0;
+  Cell region_;
+};
+
+/// A ray's way through cells, in steps from the one where it starts: i along x, j along y, both counted in
+/// the ray's direction. Step i crosses the i-th border along x, and so for y; the line from the middle of the
+/// first cell crosses them in the order of (2 i - 1) / across and (2 j - 1) / up.
+class RayGrid::Line {
+ public:
+  explicit Line(const Vec2& direction)
+      : step_x(direction.x() < 0 ? -1 : 1),
+        step_y(direction.y() < 0 ? -1 : 1),
+        across(static_cast<std::int64_t>(std::abs(direction.x()) * k_unit + 0.5)),
+        up(static_cast<std::int64_t>(std::abs(direction.y()) * k_unit + 0.5)) {}
+
+  /// Below 0: border i along x comes before border j along y.
+  std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
+  /// Borders along y that are crossed before border i along x; and the other way round.
+  std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
+  std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
+
+  /// Steps from this cell to the far border of its group of `size` cells.
+  std::int64_t x_to_border(std::int32_t x, std::int32_t size) const {
+    return step_x > 0 ? size - (x & (size - 1)) : (x & (size - 1)) + 1;
+  }
+  std::int64_t y_to_border(std::int32_t y, std::int32_t size) const {
+    return step_y > 0 ? size - (y & (size - 1)) : (y & (size - 1)) + 1;
+  }
+
+  const std::int32_t step_x, step_y;
+  const std::int64_t across, up;
+
+ private:
+  static constexpr double k_unit = 1 << 20;  // a millionth of a radian, and 51 bits suffice for order()
+};
+
+RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
+                 std::span<const Vec2> vertices, double resolution_m)
+    : cells_{resolution_m, k_region_bits}, outlines_(std::move(outlines)) {
+  std::erase_if(outlines_, [](const MovingOutline& o) { return o.ranger_return < 0 || o.count == 0; });
+  heights_.resize(outlines_.size());
+  share_out(vertices);
+  draw_fixed(solids);
+}
+
+/// Sets memory aside for the moving bodies, by the most that they can draw.
+void RayGrid::share_out(std::span<const Vec2> vertices) {
+  double cells = 0;
+  double runs = 0;
+  for (std::uint32_t o = 0; o < outlines_.size(); ++o) {
+    if (o % k_share == 0)
+      shares_.push_back({o, static_cast<std::uint32_t>(cells), static_cast<std::uint32_t>(runs)});
+    const std::span<const Vec2> ring = vertices.subspan(outlines_[o].first, outlines_[o].count);
+    double most = 1;
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+      most += most_cells(ring[j], ring[i], cells_.cell_m);
+    cells += most;
+    runs += std::min(most, most / k_region + 2 * static_cast<double>(ring.size()) + 1);
+    const double bytes = cells * (sizeof(std::uint16_t) + sizeof(std::uint32_t)) + runs * sizeof(Run);
+    if (bytes > static_cast<double>(k_most_bytes))
+      throw std::length_error(too_fine(cells_.cell_m, bytes * static_cast<double>(outlines_.size()) / (o + 1),
+                                       static_cast<double>(k_most_bytes)));
+  }
+  shares_.push_back({static_cast<std::uint32_t>(outlines_.size()), static_cast<std::uint32_t>(cells),
+                     static_cast<std::uint32_t>(runs)});
+  drawing_ = {std::unique_ptr<std::uint16_t[]>(new std::uint16_t[shares_.back().cell]),
+              std::unique_ptr<Run[]>(new Run[shares_.back().run])};
+}
+
+void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
+  const auto for_each_ring = [&](auto&& visit) {
+    for (const FixedSolid& solid : solids)
+      if (solid.ranger_return >= 0)
+        for (const Ring& ring : solid.solid.contours)
+          if (!ring.empty()) visit(solid, ring);
+  };
+  const double limit = static_cast<double>(k_farthest) * cells_.cell_m;
+  double cells = 0;
+  double runs = 0;
+  for_each_ring([&](const FixedSolid&, const Ring& ring) {
+    ++cells;
+    ++runs;
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const double most = most_cells(ring[j], ring[i], cells_.cell_m);
+      cells += most;
+      runs += std::min(most, most / k_region + 2);
+      if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
+        constexpr auto k_text =
+            "cells of {:g} m reach {:g} m from the origin, but something stands {:g} m away";
+        throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
+      }
+    }
+  });
+  const auto check = [&](std::size_t regions) {
+    constexpr double k_cell_bytes = sizeof(std::uint16_t) + 2 * sizeof(std::uint32_t);
+    constexpr double k_region_bytes = sizeof(Region) + sizeof(Slot);
+    const double bytes =
+        cells * k_cell_bytes + runs * sizeof(Run) + static_cast<double>(regions) * k_region_bytes;
+    if (bytes <= static_cast<double>(k_most_bytes)) return;
+    // Regions that are not counted yet: a straight wall draws some 64 cells in each.
+    const double with_regions = cells * (k_cell_bytes + k_region_bytes / k_region);
+    throw std::length_error(
+        too_fine(cells_.cell_m, std::max(bytes, with_regions), static_cast<double>(k_most_bytes)));
+  };
+  check(0);
+
+  // Marks and links: those of the fixed cells; for the live ones those again, as they may all be copied, and
+  // one for each cell drawn.
+  const auto fixed = static_cast<std::size_t>(cells);
+  marks_.reset(new std::uint32_t[2 * fixed + shares_.back().cell]);
+  links_.reset(new Link[fixed + shares_.back().cell]);
+  Drawing drawing{std::unique_ptr<std::uint16_t[]>(new std::uint16_t[fixed]),
+                  std::unique_ptr<Run[]>(new Run[static_cast<std::size_t>(runs)])};
+  Pen pen(cells_, drawing, 0, 0);
+  std::map<Surface, std::uint32_t> known;
+  for_each_ring([&](const FixedSolid& solid, const Ring& ring) {
+    const Surface surface{solid.solid.z.min, solid.solid.z.max, solid.ranger_return};
+    const auto [entry, is_new] = known.try_emplace(surface, static_cast<std::uint32_t>(surfaces_.size()));
+    if (is_new) surfaces_.push_back(surface);
+    pen.draw(ring, entry->second, [&](Cell region, std::uint32_t run) {
+      Slot& slot = settle(region);
+      drawing.runs[run].next = slot.runs;
+      slot.runs = run;
+    });
+  });
+  fixed_regions_ = slots_.size();
+  check(fixed_regions_);
+  const Region nothing;
+  for (Slot& slot : slots_) {
+    slot.fixed = std::make_unique<Region>();
+    assemble(*slot.fixed, nothing, drawing, slot);
+    slot.redrawn = 0;
+    slot.seen = slot.fixed.get();
+  }
+  fixed_marks_ = used_marks_;
+  fixed_links_ = used_links_;
+
+  for (std::uint32_t o = 0; o < outlines_.size(); ++o) {
+    if (own_.size() <= outlines_[o].body) own_.resize(outlines_[o].body + 1);
+    Own& own = own_[outlines_[o].body];
+    if (own.count++ == 0) own.first = static_cast<std::uint32_t>(surfaces_.size()) + o;
+  }
+}
+
+/// The slot of a region, made where there is none.
+RayGrid::Slot& RayGrid::settle(Cell region) {
+  const std::uint32_t slot = directory_.insert(region);
+  if (slot == slots_.size()) {
+    slots_.emplace_back();
+    low_ = {std::min(low_.x, region.x), std::min(low_.y, region.y)};
+    high_ = {std::max(high_.x, region.x), std::max(high_.y, region.y)};
+  }
+  return slots_[slot];
+}
+
+void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel) {
+  // Runs are pushed on a list for each region, in whatever order: nothing depends on it.
+  std::vector<Homeless> homeless;
+  std::mutex homeless_mutex;
+  const auto file = [this](Slot& slot, std::uint32_t run) {
+    std::atomic_ref head(slot.runs);
+    drawing_.runs[run].next = head.load(std::memory_order_relaxed);
+    while (!head.compare_exchange_weak(drawing_.runs[run].next, run, std::memory_order_relaxed)) {
+    }
+  };
+  parallel.for_each(shares_.size() - 1, [&](std::size_t s) {
+    Pen pen(cells_, drawing_, shares_[s].cell, shares_[s].run);
+    for (std::uint32_t o = shares_[s].outline; o < shares_[s + 1].outline; ++o) {
+      const MovingOutline& outline = outlines_[o];
+      heights_[o] = poses[outline.body].z;
+      pen.draw(vertices.subspan(outline.first, outline.count),
+               static_cast<std::uint32_t>(surfaces_.size()) + o, [&](Cell region, std::uint32_t run) {
+                 const std::uint32_t slot = directory_.find(region);
+                 if (slot != TileDirectory::k_none && slots_[slot].live)
+                   file(slots_[slot], run);
+                 else {
+                   const std::scoped_lock lock(homeless_mutex);
+                   homeless.push_back({region, run});
+                 }
+               });
+    }
+  });
+  // Bodies seldom enter new ground, so one thread makes it.
+  for (const Homeless& run : homeless) {
+    Slot& slot = settle(run.region);
+    if (!slot.live) {
+      slot.live = slot.fixed ? std::make_unique<Region>(*slot.fixed) : std::make_unique<Region>();
+      live_.push_back(static_cast<std::uint32_t>(&slot - slots_.data()));
+    }
+    file(slot, run.run);
+  }
+
+  static const Region k_nothing;
+  used_marks_ = fixed_marks_;
+  used_links_ = fixed_links_;
+  std::atomic<std::size_t> used = 0;
+  parallel.for_each((live_.size() + k_batch - 1) / k_batch, [&](std::size_t b) {
+    std::size_t busy = 0;
+    for (std::size_t l = b * k_batch; l < std::min(live_.size(), (b + 1) * k_batch); ++l) {
+      Slot& slot = slots_[live_[l]];
+      slot.seen = slot.fixed.get();
+      if (slot.runs == k_none) continue;
+      ++busy;
+      assemble(*slot.live, slot.fixed ? *slot.fixed : k_nothing, drawing_, slot);
+      slot.seen = slot.live.get();
+    }
+    used.fetch_add(busy, std::memory_order_relaxed);
+  });
+  forget_empty_regions(used.load());
+}
+
+/// Draws the slot's runs into a region that was the base, but for the blocks that the last ones redrew.
+void RayGrid::assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot) {
+  for_each_bit(slot.redrawn, [&](std::uint32_t b) {
+    region.cells[b] = base.cells[b];
+    region.marks[b] = base.marks[b];
+    region.owners[b] = k_shared;
+  });
+  const auto for_each_run = [&](auto&& visit) {
+    for (std::uint32_t r = slot.runs; r != k_none; r = drawing.runs[r].next) {
+      const Run& run = drawing.runs[r];
+      visit(std::span(drawing.cells.get() + run.first, run.count), run.surface);
+    }
+  };
+  std::uint64_t redrawn = 0;
+  for_each_run([&](std::span<const std::uint16_t> cells, std::uint32_t surface) {
+    const std::uint32_t owner =
+        surface < surfaces_.size() ? k_shared : outlines_[surface - surfaces_.size()].body;
+    for (const std::uint32_t cell : cells) {
+      const std::uint32_t block = cell >> 6;
+      const bool is_new = (redrawn >> block & 1) == 0;
+      if (is_new ? region.cells[block] == 0 : region.owners[block] == owner)
+        region.owners[block] = owner;
+      else
+        region.owners[block] = k_shared;
+      redrawn |= std::uint64_t{1} << block;
+      region.cells[block] |= std::uint64_t{1} << (cell & 63);
+    }
+  });
+  region.blocks = base.blocks | redrawn;
+  slot.redrawn = redrawn;
+
+  std::uint32_t drawn = 0;
+  for_each_bit(redrawn, [&](std::uint32_t b) { drawn += count(region.cells[b]); });
+  std::uint32_t next = take(used_marks_, drawn);
+  std::fill_n(marks_.get() + next, drawn, k_unmarked);
+  for_each_bit(redrawn, [&](std::uint32_t b) {
+    std::uint32_t from = base.marks[b];
+    for_each_bit(base.cells[b],
+                 [&](std::uint32_t c) { marks_[next + rank(region.cells[b], c)] = marks_[from++]; });
+    region.marks[b] = next;
+    next += count(region.cells[b]);
+  });
+  for_each_run([&](std::span<const std::uint16_t> cells, std::uint32_t surface) {
+    for (const std::uint32_t cell : cells)
+      mark(marks_[region.marks[cell >> 6] + rank(region.cells[cell >> 6], cell & 63)], surface);
+  });
+  slot.runs = k_none;
+}
+
+void RayGrid::mark(std::uint32_t& mark, std::uint32_t surface) {
+  if (mark == k_unmarked) {
+    mark = surface;
+  } else if (mark != surface) {
+    const std::uint32_t link = take(used_links_, 1);
+    links_[link] = {surface, mark};
+    mark = link | k_link;
+  }
+}
+
+/// Gives back regions that bodies have left long ago, when they are many more than those in use.
+void RayGrid::forget_empty_regions(std::size_t used) {
+  if (slots_.size() <= 64 + 4 * (fixed_regions_ + used)) return;
+  std::vector<Slot> slots = std::move(slots_);
+  TileDirectory directory = std::move(directory_);
+  slots_.clear();
+  directory_.clear();
+  live_.clear();
+  for (std::uint32_t s = 0; s < slots.size(); ++s) {
+    Slot& slot = slots[s];
+    if (slot.seen == slot.fixed.get()) slot.live.reset();
+    if (!slot.seen) continue;
+    settle(directory.tile(s)) = std::move(slot);
+    if (slots_.back().live) live_.push_back(static_cast<std::uint32_t>(slots_.size() - 1));
+  }
+}
+
+float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
+  const std::uint32_t own = ray.body < own_.size() ? own_[ray.body].first : 0;
+  const std::uint32_t own_count = ray.body < own_.size() ? own_[ray.body].count : 0;
+  const auto return_of = [&](std::uint32_t surface) {
+    if (surface - own < own_count) return -1.0f;
+    if (surface < surfaces_.size()) {
+      const Surface& fixed = surfaces_[surface];
+      return fixed.z_min <= ray.z && ray.z <= fixed.z_max ? fixed.ranger_return : -1.0f;
+    }
+    const std::size_t o = surface - surfaces_.size();
+    const MovingOutline& outline = outlines_[o];
+    return outline.z.shifted(heights_[o]).contains(ray.z) ? outline.ranger_return : -1.0f;
+  };
+  float most = -1;
+  for (; mark & k_link; mark = links_[mark & ~k_link].next)
+    most = std::max(most, return_of(links_[mark & ~k_link].surface));
+  return std::max(most, return_of(mark));
+}
+
+/// Steps without branches through 8 x 8 cells of a block, or blocks of a region: which border comes next is
+/// as good as random, and a wrong guess costs more than a dozen steps. x in the low half of a byte and y in
+/// the high one move by one addition, and show in their fourth bits when they leave.
+struct RayGrid::Spot {
+  Spot(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
+  bool inside() const { return (at & 0x88) == 0; }
+  std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
+  std::int32_t x() const { return at & 7; }
+  std::int32_t y() const { return at >> 4 & 7; }
+  /// `along_x` is all ones or all zeros.
+  void step(std::int32_t step_x, std::int32_t step_y, std::int64_t along_x) {
+    at += 16 * step_y + ((step_x - 16 * step_y) & static_cast<std::int32_t>(along_x));
+  }
+
+  std::int32_t at;
+};
+
+GridHit RayGrid::cast(const GridRay& ray) const {
+  const Line line(ray.direction);
+  const Cell start = cells_.cell(ray.origin);
+  const GridHit nothing{ray.range_max, 0};
+  // After so many steps all is out of reach.
+  const double reach =
+      (std::abs(ray.direction.x()) + std::abs(ray.direction.y())) * ray.range_max / cells_.cell_m;
+  const auto most_steps = static_cast<std::int64_t>(std::min(reach + 4, static_cast<double>(k_farthest)));
+  const auto cell_at = [&](std::int64_t i, std::int64_t j) {
+    return Cell{start.x + line.step_x * static_cast<std::int32_t>(i),
+                start.y + line.step_y * static_cast<std::int32_t>(j)};
+  };
+
+  std::int64_t i = 0;
+  std::int64_t j = 0;
+  for (;;) {
+    const Cell at = cell_at(i, j);
+    const Cell here = cells_.tile(at);
+    const std::uint32_t slot = directory_.find(here);
+    const Region* region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
+    const std::int32_t size = region ? k_block : k_region;
+    std::int64_t border_i = i + line.x_to_border(at.x, size);
+    std::int64_t border_j = j + line.y_to_border(at.y, size);
+    std::int64_t order = line.order(border_i, border_j);
+    std::int64_t along_x = order >> 63;  // all ones: the next border is one along x
+    if (!region) {
+      // Nothing is drawn beyond the outermost regions.
+      if ((line.step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
+          (line.step_y > 0 ? here.y > high_.y : here.y < low_.y) ||
+          border_i + border_j - k_region > most_steps)
+        return nothing;
+    } else {
+      std::int64_t borders = border_i + border_j;
+      Spot block(at.x >> 3 & 7, at.y >> 3 & 7);
+      for (bool first = true;; first = false) {
+        if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
+          if (!first) {  // where it was entered is worked out only here
+            border_j = borders - border_i;
+            i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
+            j = along_x ? line.y_steps(i) : border_j - k_block;
+          }
+          GridHit hit = nothing;
+          if (met_in_block(*region, block.bit(), ray, line, cell_at(i, j), i, j, hit)) return hit;
+        }
+        if (borders - k_block > most_steps) return nothing;
+        along_x = order >> 63;
+        block.step(line.step_x, line.step_y, along_x);
+        if (!block.inside()) break;
+        borders += k_block;
+        border_i += k_block & along_x;
+        order += (2 * k_block * (line.up + line.across) & along_x) - 2 * k_block * line.across;
+      }
+      border_j = borders - border_i;
+    }
+    i = along_x ? border_i : line.x_steps(border_j);
+    j = along_x ? line.y_steps(i) : border_j;
+  }
+}
+
+/// Walks one block from a cell on; true when the ray ends in it.
+bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line,
+                           Cell at, std::int64_t i, std::int64_t j, GridHit& hit) const {
+  const std::uint64_t drawn = region.cells[block];
+  const Spot entry(at.x & 7, at.y & 7);
+  const std::int32_t step_x = line.step_x;
+  const std::int32_t step_y = line.step_y;
+  const std::int64_t back = 2 * line.across;
+  const std::int64_t both = 2 * line.up + back;
+  std::int64_t order = line.order(i + 1, j + 1);
+  for (Spot cell = entry; cell.inside();) {
+    if (drawn >> cell.bit() & 1) {
+      if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
+        // The distance between the middles of the cells, less a quarter of a cell.
+        const std::int64_t steps =
+            line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
+        const double step_m =
+            cells_.cell_m / std::max(std::abs(ray.direction.x()), std::abs(ray.direction.y()));
+        const auto range = static_cast<float>(std::max(0.0, (static_cast<double>(steps) - 0.25) * step_m));
+        if (range < ray.range_max) hit = {range, most};
+        return true;
+      }
+    }
+    const std::int64_t along_x = order >> 63;
+    cell.step(step_x, step_y, along_x);
+    order += (both & along_x) - back;
+  }
+  return false;
+}
+
+bool RayGrid::is_drawn(const Vec2& point) const {
+  const Cell at = cells_.cell(point);
+  const std::uint32_t slot = directory_.find(cells_.tile(at));
+  if (slot == TileDirectory::k_none || !slots_[slot].seen) return false;
+  const std::uint32_t block = static_cast<std::uint32_t>((at.y >> 3 & 7) << 3 | (at.x >> 3 & 7));
+  return slots_[slot].seen->cells[block] >> ((at.y & 7) << 3 | (at.x & 7)) & 1;
+}
+
+std::size_t RayGrid::fixed_bytes() const {
+  return fixed_regions_ * sizeof(Region) + slots_.size() * sizeof(Slot) +
+         fixed_marks_ * sizeof(std::uint32_t) + fixed_links_ * sizeof(Link);
+}
+
+}  // namespace troupe::partition

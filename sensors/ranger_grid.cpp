@@ -1,0 +1,25 @@
+#include "sensors/ranger_grid.hpp"
+
+namespace troupe::sensors {
+
+void cast_grid(const engine::World& world, const RangerBeams& ranger, std::span<const Row> rows,
+               engine::StateTable& percepts) {
+  const partition::RayGrid& grid = *world.ray_grid();
+  for (const Row row : rows) {
+    const std::span<float> ranges = percepts.cell<float>(world.slot(row), 0);
+    const Transform& transform = world.transform(row);
+    const Vec2 reference = transform * ranger.reference;
+    for (const BeamGroup& group : ranger.groups) {
+      const double z = world.poses()[row.index()].z + group.z;
+      for (std::size_t beam = group.first; beam < group.first + group.count; ++beam) {
+        const Vec2 origin = reference + transform.rotation * Vec2(ranger.ox[beam], ranger.oy[beam]);
+        const Vec2 direction = transform.rotation * Vec2(ranger.dx[beam], ranger.dy[beam]);
+        const partition::GridHit hit = grid.cast({origin, direction, z, ranger.range_max[beam], row.value});
+        ranges[beam] = hit.range;
+        if (ranger.intensity) percepts.cell<float>(world.slot(row), 1)[beam] = hit.ranger_return;
+      }
+    }
+  }
+}
+
+}  // namespace troupe::sensors

@@ -1,0 +1,385 @@
+#include "partition/ray_grid.hpp"
+
+#include "tests/engine/conflict_crowds.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::partition {
+namespace {
+
+using oracle::Draw;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using Place = std::pair<std::int64_t, std::int64_t>;
+
+constexpr std::uint32_t k_nobody = ~0u;
+constexpr std::uint32_t k_fixed = ~0u - 1;
+
+/// Paper and pencil: every cell in a map, every ray a cell at a time.
+class Canvas {
+ public:
+  explicit Canvas(double resolution) : resolution_(resolution) {}
+
+  void outline(const Ring& ring, ZInterval z, float ranger_return, std::uint32_t body) {
+    if (ranger_return < 0) return;
+    const auto mark = [&](Place at) { cells_[at].push_back({z, ranger_return, body}); };
+    bool drawn = false;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Place from = place(ring[k]);
+      const Place to = place(ring[(k + 1) % ring.size()]);
+      const std::int64_t across = std::abs(to.first - from.first);
+      const std::int64_t up = std::abs(to.second - from.second);
+      for (std::int64_t i = 0, j = 0; i + j < across + up; drawn = true) {
+        mark({from.first + (to.first > from.first ? i : -i),
+              from.second + (to.second > from.second ? j : -j)});
+        if (up * (2 * i + 1) < across * (2 * j + 1))
+          ++i;
+        else
+          ++j;
+      }
+    }
+    if (!drawn) mark(place(ring[0]));
+  }
+
+  bool is_drawn(const Vec2& p) const { return cells_.contains(place(p)); }
+
+  GridHit cast(const GridRay& ray) const {
+    const Place from = place(ray.origin);
+    const double cos = std::abs(ray.direction.x());
+    const double sin = std::abs(ray.direction.y());
+    const std::int64_t across = std::lround(cos * 1048576);
+    const std::int64_t up = std::lround(sin * 1048576);
+    for (std::int64_t i = 0, j = 0;;) {
+      const double steps = static_cast<double>(across >= up ? i : j);
+      const auto range =
+          static_cast<float>(std::max(0.0, (steps - 0.25) * (resolution_ / std::max(cos, sin))));
+      if (range >= ray.range_max) return {ray.range_max, 0};
+      const auto cell = cells_.find(
+          {from.first + (ray.direction.x() < 0 ? -i : i), from.second + (ray.direction.y() < 0 ? -j : j)});
+      if (cell != cells_.end()) {
+        float most = -1;
+        for (const Mark& mark : cell->second)
+          if (mark.body != ray.body && mark.z.contains(ray.z)) most = std::max(most, mark.ranger_return);
+        if (most >= 0) return {range, most};
+      }
+      if (up * (2 * i + 1) < across * (2 * j + 1))
+        ++i;
+      else
+        ++j;
+    }
+  }
+
+ private:
+  struct Mark {
+    ZInterval z;
+    float ranger_return;
+    std::uint32_t body;
+  };
+  Place place(const Vec2& p) const {
+    return {static_cast<std::int64_t>(std::floor(p.x() / resolution_)),
+            static_cast<std::int64_t>(std::floor(p.y() / resolution_))};
+  }
+
+  double resolution_;
+  std::map<Place, std::vector<Mark>> cells_;
+};
+
+/// A scene of things that stand and things that move, drawn on paper and in the grid.
+class Scene {
+ public:
+  Scene(Draw& draw, double resolution, double extent) : resolution_(resolution), extent_(extent) {
+    for (std::size_t n = 2 + draw.below(12); n > 0; --n) {
+      FixedSolid fixed{.solid = {}, .body = BodyId(n), .ranger_return = random_return(draw)};
+      const Vec2 at = point(draw);
+      for (const Solid& solid : oracle::random_blocks(draw, draw.scale(2 * resolution, extent))) {
+        fixed.solid = placed(solid, {at.x(), at.y(), draw.real(-0.2, 0.2), draw.real(-3, 3)});
+        solids_.push_back(fixed);
+      }
+    }
+    for (std::size_t n = draw.below(draw.chance(0.1) ? 600 : 60); n > 0; --n, ++bodies_) {
+      const auto add = [&](const Ring& ring, ZInterval z) {
+        outlines_.push_back({bodies_, static_cast<std::uint32_t>(body_vertices_.size()),
+                             static_cast<std::uint32_t>(ring.size()), z, random_return(draw)});
+        body_vertices_.insert(body_vertices_.end(), ring.begin(), ring.end());
+      };
+      for (const Solid& solid : oracle::random_blocks(draw, draw.scale(0.1 * resolution, 0.3 * extent)))
+        for (const Ring& ring : solid.contours) add(ring, solid.z);
+    }
+    poses_.resize(bodies_);
+    vertices_.resize(body_vertices_.size());
+    move(draw, false);
+  }
+
+  /// Everybody to somewhere else; where `away`, far from everything.
+  void move(Draw& draw, bool away) {
+    for (Pose& pose : poses_) {
+      const Vec2 at = point(draw) * (away ? 100 : 1);
+      pose = {at.x(), at.y(), draw.real(-0.2, 0.2), draw.real(-3, 3)};
+    }
+    for (const MovingOutline& o : outlines_)
+      for (std::uint32_t v = o.first; v < o.first + o.count; ++v)
+        vertices_[v] = Transform(poses_[o.body]) * body_vertices_[v];
+  }
+
+  Canvas canvas() const {
+    Canvas canvas(resolution_);
+    for (const FixedSolid& fixed : solids_)
+      for (const Ring& ring : fixed.solid.contours)
+        canvas.outline(ring, fixed.solid.z, fixed.ranger_return, k_fixed);
+    for (const MovingOutline& o : outlines_)
+      canvas.outline({vertices_.begin() + o.first, vertices_.begin() + o.first + o.count},
+                     o.z.shifted(poses_[o.body].z), o.ranger_return, o.body);
+    return canvas;
+  }
+  RayGrid grid() const { return {solids_, outlines_, vertices_, resolution_}; }
+  void redraw(RayGrid& grid, Parallel& parallel) const { grid.redraw(vertices_, poses_, parallel); }
+
+  /// Often from within a body, along an axis, or at a height where something ends.
+  GridRay ray(Draw& draw) const {
+    GridRay ray{point(draw),
+                {},
+                draw.real(0, 0.5),
+                static_cast<float>(draw.chance(0.1) ? draw.scale(resolution_ / 2, extent_) : 3 * extent_),
+                k_nobody};
+    if (bodies_ > 0 && draw.chance(0.6)) {
+      ray.body = static_cast<std::uint32_t>(draw.below(bodies_));
+      ray.origin = poses_[ray.body].position();
+      ray.z = poses_[ray.body].z + 0.3 * static_cast<double>(draw.below(2));
+    }
+    double heading = draw.real(-4, 4);
+    if (draw.chance(0.2)) heading = static_cast<double>(draw.below(9)) * k_pi / 4;
+    ray.direction = {std::cos(heading), std::sin(heading)};
+    if (draw.chance(0.1)) ray.direction = ray.direction.array().round().matrix().normalized();
+    return ray;
+  }
+  Vec2 point(Draw& draw) const { return {draw.real(-extent_, extent_), draw.real(-extent_, extent_)}; }
+
+ private:
+  static float random_return(Draw& draw) {
+    return draw.chance(0.1) ? -1.0f : 0.25f * static_cast<float>(draw.below(5));
+  }
+  double resolution_;
+  double extent_;
+  std::uint32_t bodies_ = 0;
+  std::vector<FixedSolid> solids_;
+  std::vector<MovingOutline> outlines_;
+  Ring body_vertices_;
+  Ring vertices_;
+  std::vector<Pose> poses_;
+};
+
+TEST(RayGrid, SeesWhatPaperAndPencilSee) {
+  std::array<Parallel, 4> parallel{Parallel(1), Parallel(2), Parallel(3), Parallel(8)};
+  std::size_t hits = 0;
+  std::size_t rays = 0;
+  for (std::uint64_t seed = 1; seed <= 100 / oracle::k_thrift; ++seed) {
+    SCOPED_TRACE(seed);
+    Draw draw(seed);
+    const double resolution = draw.chance(0.5) ? 0.02 : draw.scale(0.003, 0.5);
+    Scene scene(draw, resolution, resolution * draw.scale(20, 400));
+    RayGrid grid = scene.grid();
+    for (std::size_t tick = 0; tick < 5; ++tick) {
+      scene.redraw(grid, parallel[(seed + tick) % parallel.size()]);
+      const Canvas canvas = scene.canvas();
+      for (std::size_t n = 0; n < 300; ++n) {
+        const Vec2 point = scene.point(draw);
+        ASSERT_EQ(grid.is_drawn(point), canvas.is_drawn(point)) << point.transpose();
+      }
+      for (std::size_t n = 0; n < 300; ++n) {
+        const GridRay ray = scene.ray(draw);
+        const GridHit expected = canvas.cast(ray);
+        const GridHit got = grid.cast(ray);
+        ASSERT_EQ(got.range, expected.range) << "from " << ray.origin.transpose() << " along "
+                                             << ray.direction.transpose() << ", body " << ray.body;
+        ASSERT_EQ(got.ranger_return, expected.ranger_return);
+        ++rays;
+        hits += got.range < ray.range_max;
+      }
+      scene.move(draw, tick == 2);  // once, everybody leaves: what is empty may be forgotten
+    }
+  }
+  EXPECT_GT(hits, rays / 5);
+  EXPECT_LT(hits, rays * 3 / 4);
+}
+
+double distance(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double t = std::clamp(along.dot(p - a) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (p - a - t * along).norm();
+}
+
+TEST(RayGrid, NoRayLeavesAClosedOutlineAndAHitIsWithinThreeCellsOfIt) {
+  double farthest = 0;
+  for (std::uint64_t seed = 1; seed <= 300 / oracle::k_thrift; ++seed) {
+    SCOPED_TRACE(seed);
+    Draw draw(seed);
+    const double resolution = draw.scale(0.001, 1);
+    const Vec2 middle(draw.real(-1000, 1000), draw.real(-1000, 1000));
+    const Ring ring = oracle::turned(
+        oracle::random_star(draw, 3 + draw.below(30), resolution * draw.scale(10, 500), 0.4), 0, middle);
+    const RayGrid grid({{FixedSolid{{{ring}, {0, 1}}, BodyId(1)}}}, {}, {}, resolution);
+    for (std::size_t n = 0; n < 1000; ++n) {
+      const double heading =
+          draw.chance(0.1) ? static_cast<double>(draw.below(8)) * k_pi / 4 : draw.real(-4, 4);
+      const GridRay ray{middle, {std::cos(heading), std::sin(heading)}, 0.5, 1e4, k_nobody};
+      const float range = grid.cast(ray).range;
+      ASSERT_LT(range, 1e4) << heading;
+      double nearest = 1e300;
+      for (std::size_t i = 0; i < ring.size(); ++i)
+        nearest =
+            std::min(nearest, distance(middle + range * ray.direction, ring[i], ring[(i + 1) % ring.size()]));
+      farthest = std::max(farthest, nearest / resolution);
+    }
+  }
+  EXPECT_LT(farthest, 3);
+  EXPECT_GT(farthest, 2);
+}
+
+/// A grid of 1 m with nothing that moves.
+RayGrid grid_of(std::vector<FixedSolid> solids, double resolution = 1) {
+  return {solids, {}, {}, resolution};
+}
+
+FixedSolid wall(double x0, double y0, double x1, double y1, float ranger_return = 1, ZInterval z = {0, 1}) {
+  return {{{oracle::rectangle(x0, y0, x1, y1)}, z}, BodyId(1), true, ranger_return};
+}
+
+GridRay ray_from(double x, double y, const Vec2& direction, float range_max = 10) {
+  return {{x, y}, direction, 0.5, range_max, k_nobody};
+}
+
+TEST(RayGrid, AnEdgeIsAStaircaseFromItsStartToBeforeItsEnd) {
+  // A triangle: right along y = 0, back and up by one, and down again.
+  const RayGrid grid = grid_of({{{{{{0.5, 0.5}, {3.5, 0.5}, {0.5, 1.5}}}, {0, 1}}, BodyId(1)}});
+  std::string picture;
+  for (int y = 2; y >= -1; --y, picture += '\n')
+    for (int x = -1; x <= 4; ++x) picture += grid.is_drawn({x + 0.5, y + 0.5}) ? '#' : '.';
+  EXPECT_EQ(picture,
+            "......\n"
+            ".###..\n"
+            ".####.\n"
+            "......\n");
+}
+
+TEST(RayGrid, OutlinesAreHollowAndSeenFromBothSides) {
+  const RayGrid grid = grid_of({wall(2.5, -3.5, 6.5, 3.5)});
+  EXPECT_FALSE(grid.is_drawn({4, 0}));
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0})).range, 1.75f);
+  EXPECT_EQ(grid.cast(ray_from(4.5, 0.5, {1, 0})).range, 1.75f);
+  EXPECT_EQ(grid.cast(ray_from(4.5, 0.5, {-1, 0})).range, 1.75f);
+  EXPECT_EQ(grid.cast(ray_from(9.5, 0.5, {-1, 0})).range, 2.75f);
+}
+
+TEST(RayGrid, CellsAreCountedDownwardsBelowTheOrigin) {
+  const RayGrid grid = grid_of({wall(-5.5, -0.5, -4.5, -0.2)});
+  EXPECT_TRUE(grid.is_drawn({-4.1, -0.9}));  // of the cell [-5, -4) x [-1, 0)
+  EXPECT_FALSE(grid.is_drawn({-3.9, -0.9}));
+  EXPECT_FALSE(grid.is_drawn({-4.1, 0.1}));
+  EXPECT_EQ(grid.cast(ray_from(-0.5, -0.5, {-1, 0})).range, 3.75f);
+  EXPECT_EQ(grid.cast(ray_from(-0.5, 0.5, {-1, 0})).range, 10.0f);
+}
+
+TEST(RayGrid, WhatIsSmallerThanACellIsThere) {
+  const RayGrid grid = grid_of({wall(3.2, 0.2, 3.4, 0.3)});
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0})).range, 2.75f);
+}
+
+TEST(RayGrid, ReadsRangeMaxWhereNothingIsNearerAndZeroInTheFirstCell) {
+  const RayGrid grid = grid_of({wall(3.2, 0.2, 3.4, 0.3)});
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0}, 2.75f)).range, 2.75f);
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0}, 2.75f)).ranger_return, 0);
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0}, 2.76f)).ranger_return, 1);
+  EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {0, 1}, 2.76f)).range, 2.76f);
+  EXPECT_EQ(grid.cast(ray_from(3.9, 0.9, {0, 1}, 0.1f)).range, 0);  // shorter than a cell
+}
+
+TEST(RayGrid, OfSeveralInACellTheLargestReturnCounts) {
+  const RayGrid grid = grid_of({wall(3.2, 0.2, 3.4, 0.3, 0.5f), wall(3.2, 0.2, 3.4, 0.3, 0),
+                                wall(3.1, 0, 3.4, 0.3, 2, {0.6, 1}), wall(2.2, 0.2, 2.4, 0.3, -1)});
+  GridRay ray = ray_from(0.5, 0.5, {1, 0});
+  EXPECT_EQ(grid.cast(ray).ranger_return, 0.5f);
+  EXPECT_EQ(grid.cast(ray).range, 2.75f);
+  ray.z = 0.6;
+  EXPECT_EQ(grid.cast(ray).ranger_return, 2);
+  ray.z = 1.01;
+  EXPECT_EQ(grid.cast(ray).range, 10);
+}
+
+TEST(RayGrid, RaysPassTheirOwnBodyOnly) {
+  const Ring ring = oracle::rectangle(-0.5, -0.5, 0.5, 0.5);
+  Ring vertices;
+  std::vector<MovingOutline> outlines;
+  for (std::uint32_t body : {0u, 1u}) {
+    outlines.push_back({body, static_cast<std::uint32_t>(vertices.size()), 4, {0, 1}, 1});
+    for (const Vec2& v : ring) vertices.push_back(v + Vec2(3.0 * body, 0));
+  }
+  RayGrid grid({}, outlines, vertices, 0.1);
+  Parallel parallel(2);
+  grid.redraw(vertices, std::vector<Pose>(2), parallel);
+  GridRay ray = ray_from(0, 0, {1, 0});
+  EXPECT_NEAR(grid.cast(ray).range, 0.475, 1e-6);
+  ray.body = 0;
+  EXPECT_NEAR(grid.cast(ray).range, 2.475, 1e-6);
+}
+
+TEST(RayGrid, GroundThatBodiesHaveLeftIsForgotten) {
+  const Ring ring = oracle::rectangle(0, 0, 0.5, 0.5);
+  RayGrid grid({{wall(-5, -5, 5, 5)}}, {{0, 0, 4, {0, 1}, 1}}, ring, 0.1);
+  const std::size_t fixed = grid.regions();
+  Parallel parallel(2);
+  for (int tick = 0; tick < 1000; ++tick) {
+    const double x = 7.0 * tick;  // more than a region
+    Ring vertices;
+    for (const Vec2& v : ring) vertices.push_back(v + Vec2(x, 0));
+    grid.redraw(vertices, std::vector<Pose>(1), parallel);
+    ASSERT_LE(grid.regions(), 64 + 4 * (fixed + 4)) << tick;
+    ASSERT_TRUE(grid.is_drawn({x, 0})) << tick;
+    ASSERT_TRUE(grid.is_drawn({-5, 0})) << tick;
+    ASSERT_FALSE(grid.is_drawn({x - 7, 0})) << tick;
+  }
+}
+
+TEST(RayGrid, EmptyGroundCostsNothing) {
+  // 100 km of nothing between two poles.
+  const RayGrid grid = grid_of({wall(-5e4, 0, -5e4 + 0.1, 0.1), wall(5e4, 0, 5e4 + 0.1, 0.1)}, 0.02);
+  EXPECT_LT(grid.fixed_bytes(), 10000u);
+  EXPECT_EQ(grid.cast(ray_from(-4.9e4, 0.01, {1, 0}, 10000)).range, 10000);
+  EXPECT_NEAR(grid.cast(ray_from(4.5e4, 0.05, {1, 0}, 10000)).range, 5000, 0.02);
+  EXPECT_EQ(grid.cast(ray_from(1e7, 1e7, {1, 0}, 10000)).range, 10000);
+  EXPECT_EQ(grid.cast(ray_from(1e300, -1e300, {1, 0}, 10000)).range, 10000);
+}
+
+std::string fault_of(const std::vector<FixedSolid>& solids, const Ring& body, double resolution) {
+  try {
+    const auto count = static_cast<std::uint32_t>(body.size());
+    const RayGrid grid(solids, {{0, 0, count, {0, 1}, 1}}, body, resolution);
+  } catch (const std::length_error& fault) {
+    return fault.what();
+  }
+  return "";
+}
+
+TEST(RayGrid, CellsThatMemoryCannotHoldAreRefused) {
+  const Ring small = oracle::rectangle(0, 0, 1, 1);
+  EXPECT_EQ(fault_of({wall(0, 0, 1000, 1000)}, small, 0.001), "");
+  EXPECT_THAT(
+      fault_of({wall(0, 0, 4e4, 4e4)}, small, 1e-4),
+      MatchesRegex(
+          "cells of 0.0001 m would take ..\\.. GB, and 2.15 GB is the most; 0.00.. m or more would do"));
+  EXPECT_THAT(fault_of({}, oracle::rectangle(0, 0, 4e4, 4e4), 1e-4), HasSubstr("m or more would do"));
+  EXPECT_THAT(fault_of({wall(1e8, 0, 1e8 + 1, 1)}, small, 0.1),
+              "cells of 0.1 m reach 5.36871e+07 m from the origin, but something stands 1e+08 m away");
+}
+
+}  // namespace
+}  // namespace troupe::partition
