@@ -177,6 +177,10 @@ void World::move() {
 void World::propose() {
   const double dt = spec_.tick_s;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    std::array<Motion*, k_block> turning;
+    std::array<double, k_block> headings;
+    std::array<SinCos, k_block> rotations;
+    std::size_t count = 0;
     for (const Row row : rows) {
       const Velocity& v = velocities()[row.index()];
       Motion& motion = motions_[row.index()];
@@ -187,8 +191,13 @@ void World::propose() {
       motion.turn = v.turn * dt;
       const Pose to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
       motion.to = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
-      motion.rotation = to.heading == from.heading ? transform(row).rotation : Rotation(to.heading);
+      motion.rotation = transform(row).rotation;
+      if (to.heading == from.heading) continue;
+      turning[count] = &motion;
+      headings[count++] = motion.to.heading;
     }
+    sincos({headings.data(), count}, {rotations.data(), count});
+    for (std::size_t i = 0; i < count; ++i) turning[i]->rotation = Rotation(rotations[i]);
   });
 }
 

@@ -6,9 +6,9 @@
 namespace troupe::partition {
 namespace {
 
-constexpr std::size_t k_least_part = 1024;  // rows
+constexpr std::size_t k_least_part = 512;  // rows
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 2048;  // rows that a task sorts into cells, at least
+constexpr std::size_t k_sorted = 1024;  // rows that a task sorts into cells, at least
 constexpr std::size_t k_empty = 32;     // a tile costs as much as so many rows
 constexpr std::size_t k_summed = 256;   // tiles that a task sums up
 
@@ -126,7 +126,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
-  if (directory_.size() > 64 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
+  if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
