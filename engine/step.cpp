@@ -111,15 +111,15 @@ void World::sense() {
 }
 
 void World::decide() {
-  std::atomic<std::uint32_t> faulty = Row().value;  // the lowest row whose velocity is no number
+  std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
     for (const BodyType::Controller& controller : type.controllers)
       if (due(tick_, controller.period)) decide(rows, type, controller);
   });
-  if (const Row row(faulty.load()); row.valid()) {
+  if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
-                                tick_, spec_.name(body(row))));
+                                tick_, spec_.name(id)));
   }
 }
 
@@ -133,7 +133,8 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     const Velocity& v = velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
       std::uint32_t lowest = faulty.load();
-      while (rows[i].value < lowest && !faulty.compare_exchange_weak(lowest, rows[i].value)) {
+      const std::uint32_t id = body(rows[i]).value;
+      while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
       }
       continue;
     }
