@@ -219,20 +219,36 @@ double atan_of_ratio(double numerator, double denominator, const Sum& base, std:
 
 }  // namespace
 
-SinCos sincos(double radians) {
+namespace {
+
+inline SinCos sincos_near(double radians) {
   const double angle = magnitude(radians);
-  Reduced reduced;
-  if (angle <= k_near) [[likely]] {
-    const Rounded n = nearest(angle * k_two_over_pi);
-    reduced = {minus_half_pis(angle, n.value), static_cast<std::uint32_t>(n.integer) & 3};
-  } else if (angle < k_infinity) {
-    reduced = reduce_far(angle);
-  } else {
-    return {k_nan, k_nan};
-  }
-  SinCos result = sincos_reduced(reduced);
+  const Rounded n = nearest(angle * k_two_over_pi);
+  SinCos result = sincos_reduced({minus_half_pis(angle, n.value), static_cast<std::uint32_t>(n.integer) & 3});
   result.sin = with_sign(result.sin, sign_of(radians));
   return result;
+}
+
+}  // namespace
+
+SinCos sincos(double radians) {
+  const double angle = magnitude(radians);
+  if (angle <= k_near) [[likely]]
+    return sincos_near(radians);
+  if (!(angle < k_infinity)) return {k_nan, k_nan};
+  SinCos result = sincos_reduced(reduce_far(angle));
+  result.sin = with_sign(result.sin, sign_of(radians));
+  return result;
+}
+
+void sincos(std::span<const double> radians, std::span<SinCos> out) {
+  TROUPE_ASSERT(radians.size() == out.size());
+  bool near = true;
+  for (const double angle : radians) near = near && magnitude(angle) <= k_near;
+  if (near)
+    for (std::size_t i = 0; i < radians.size(); ++i) out[i] = sincos_near(radians[i]);
+  else
+    for (std::size_t i = 0; i < radians.size(); ++i) out[i] = sincos(radians[i]);
 }
 
 double sin(double radians) { return sincos(radians).sin; }

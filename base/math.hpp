@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace troupe {
 
@@ -27,6 +28,10 @@ struct SinCos {
 };
 /// Both at once: one argument reduction. The same bits as sin() and cos().
 SinCos sincos(double radians);
+
+/// Of many angles: the same bits in half the time, because the compiler takes several at once. (Of atan2,
+/// with its three divisions, there is no such form: it gained nothing.) Sizes are equal.
+void sincos(std::span<const double> radians, std::span<SinCos> out);
 
 /// The angle wrapped into [-pi, pi] (the doubles). Angles already inside come back unchanged, bit for bit;
 /// others lose the nearest multiple of 2 pi, to within 1 ulp of the result. NaN and +-inf give NaN.

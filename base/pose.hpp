@@ -27,11 +27,8 @@ struct Rotation {
   double sin = 0;
 
   Rotation() = default;
-  explicit Rotation(double heading) {
-    const SinCos s = sincos(heading);
-    cos = s.cos;
-    sin = s.sin;
-  }
+  explicit Rotation(double heading) : Rotation(sincos(heading)) {}
+  explicit Rotation(const SinCos& heading) : cos(heading.cos), sin(heading.sin) {}
   Vec2 operator*(const Vec2& v) const { return {v.x() * cos - v.y() * sin, v.x() * sin + v.y() * cos}; }
 };
 

@@ -56,7 +56,7 @@ class Conflicts {
     std::span<const Transform> transforms;  ///< of the poses
     std::span<const Motion> motions;
     std::span<const partition::ObstacleShape* const> shapes;
-    std::span<const std::uint32_t> ids;  ///< ascending with the rows
+    std::span<const std::uint32_t> ids;  ///< no two alike
     /// What is known of the static scene around each: kept by the caller from tick to tick while the scene is
     /// the same, and changed here. It is no state: starting again with empty circles gives the same outcomes.
     std::span<FreeCircle> free;

@@ -86,6 +86,22 @@ struct MemoryOf<C> {
   using type = typename C::Memory;
 };
 
+template <class Memory, class C>
+void decide_one_by_one(const C& controller, const DecideBatch& batch) {
+  std::array<std::span<const float>, k_most_sensors_read> ranges;
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}};
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    percept.body = batch.body(i);
+    for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
+    Random random = batch.random(i);
+    Actions actions{batch.command(i)};
+    if constexpr (std::is_same_v<Memory, NoMemory>)
+      controller(percept, random, actions);
+    else
+      controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
+  }
+}
+
 }  // namespace detail
 
 /// The state fields of a memory struct, with their places in it.
@@ -122,7 +138,9 @@ std::vector<StateField> memory_fields() {
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
 ///   static C make(const Record& params);
 ///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string&
-///   fault); void operator()([Memory&,] const Percept&, Random&, Actions&) const;
+///   fault);
+///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
+///   void operator()(const DecideBatch&) const;                               for many at once
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
@@ -138,18 +156,10 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);
-    std::array<std::span<const float>, k_most_sensors_read> ranges;
-    Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}};
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      percept.body = batch.body(i);
-      for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
-      Random random = batch.random(i);
-      Actions actions{batch.command(i)};
-      if constexpr (std::is_same_v<Memory, detail::NoMemory>)
-        controller(percept, random, actions);
-      else
-        controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
-    }
+    if constexpr (requires { controller(batch); })
+      controller(batch);
+    else
+      detail::decide_one_by_one<Memory>(controller, batch);
   };
   return kind;
 }

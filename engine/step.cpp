@@ -111,15 +111,15 @@ void World::sense() {
 }
 
 void World::decide() {
-  std::atomic<std::uint32_t> faulty = Row().value;  // the lowest row whose velocity is no number
+  std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
     for (const BodyType::Controller& controller : type.controllers)
       if (due(tick_, controller.period)) decide(rows, type, controller);
   });
-  if (const Row row(faulty.load()); row.valid()) {
+  if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
-                                tick_, spec_.name(body(row))));
+                                tick_, spec_.name(id)));
   }
 }
 
@@ -133,7 +133,8 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     const Velocity& v = velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
       std::uint32_t lowest = faulty.load();
-      while (rows[i].value < lowest && !faulty.compare_exchange_weak(lowest, rows[i].value)) {
+      const std::uint32_t id = body(rows[i]).value;
+      while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
       }
       continue;
     }
@@ -177,6 +178,10 @@ void World::move() {
 void World::propose() {
   const double dt = spec_.tick_s;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    std::array<Motion*, k_block> turning;
+    std::array<double, k_block> headings;
+    std::array<SinCos, k_block> rotations;
+    std::size_t count = 0;
     for (const Row row : rows) {
       const Velocity& v = velocities()[row.index()];
       Motion& motion = motions_[row.index()];
@@ -187,8 +192,13 @@ void World::propose() {
       motion.turn = v.turn * dt;
       const Pose to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
       motion.to = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
-      motion.rotation = to.heading == from.heading ? transform(row).rotation : Rotation(to.heading);
+      motion.rotation = transform(row).rotation;
+      if (to.heading == from.heading) continue;
+      turning[count] = &motion;
+      headings[count++] = motion.to.heading;
     }
+    sincos({headings.data(), count}, {rotations.data(), count});
+    for (std::size_t i = 0; i < count; ++i) turning[i]->rotation = Rotation(rotations[i]);
   });
 }
 

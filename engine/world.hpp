@@ -72,7 +72,7 @@ class World {
   const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
   const partition::GridGeometry& geometry() const { return geometry_; }
   partition::Parallel& parallel() { return parallel_; }
-  /// Rows: the bodies that can move, sense or decide, in id order.
+  /// Rows: the bodies that can move, sense or decide, by where they stand at tick 0.
   std::size_t rows() const { return row_bodies_.size(); }
   /// Robots: the rows that have a drive.
   std::size_t robots() const { return robots_; }
@@ -139,6 +139,7 @@ class World {
   std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
+  std::vector<BodyId> rows_by_place() const;
   void build_rows();
   void build_scene();
   void build_tables();

@@ -6,21 +6,23 @@
 namespace troupe::partition {
 namespace {
 
-constexpr std::size_t k_least_part = 1024;  // rows
+constexpr std::size_t k_least_part = 512;  // rows
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 2048;  // rows that a task sorts into cells, at least
+constexpr std::size_t k_sorted = 1024;  // rows that a task sorts into cells, at least
 constexpr std::size_t k_empty = 32;     // a tile costs as much as so many rows
 constexpr std::size_t k_summed = 256;   // tiles that a task sums up
 
-/// visit(cell in its tile), block by block.
+/// visit(first cell in its tile, one past the last), a line of a block's cells after another.
 template <class Visit>
-void for_each_cell_in_blocks(const GridGeometry& grid, Visit&& visit) {
+void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
   const std::int32_t tile = 1 << grid.tile_bits;
   const std::int32_t block = 1 << grid.block_bits();
   for (std::int32_t by = 0; by < tile; by += block)
     for (std::int32_t bx = 0; bx < tile; bx += block)
-      for (std::int32_t y = by; y < by + block; ++y)
-        for (std::int32_t x = bx; x < bx + block; ++x) visit(grid.in_tile({x, y}));
+      for (std::int32_t y = by; y < by + block; ++y) {
+        const std::size_t first = grid.in_tile({bx, y});
+        visit(first, first + static_cast<std::size_t>(block));
+      }
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
   if (!is_wide(row)) {
-    visit(homes_[row] % geometry_.cells_per_tile(), true);
+    visit(homes_[row] & (geometry_.cells_per_tile() - 1), true);
     return;
   }
   const Cell home = home_cell(row);
@@ -126,7 +128,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
-  if (directory_.size() > 64 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
+  if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -169,7 +171,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for (std::uint32_t row = part.first; row < part.last; ++row) {
       const BodyCircle circle = enclosing_circle(places_[row].position, radii_[row], row);
       if (!part.has_wide || !is_wide(row))
-        put(homes_[row] / cells, circle);
+        put(homes_[row] >> (2 * geometry_.tile_bits), circle);
       else
         for_each_tile_of(row, [&](Cell tile) { put(directory_.find(tile), circle); });
     }
@@ -244,7 +246,7 @@ void BodyIndex::sort_tile(std::size_t slot) {
     if (has_wide_)
       for_each_cell_within(row, tile, visit);
     else
-      visit(homes_[row] % cells, true);
+      visit(homes_[row] & (cells - 1), true);  // a power of two
   };
   std::ranges::fill(begins, 0);
   for (const BodyCircle& circle : rows)
@@ -257,10 +259,15 @@ void BodyIndex::sort_tile(std::size_t slot) {
   begins[0] = tiles_[slot].circles;
 
   std::uint32_t* out = order_.data() + tiles_[slot].homes;
-  for_each_cell_in_blocks(geometry_, [&](std::size_t cell) {
-    const std::uint32_t end = cell + 1 < cells ? begins[cell + 1] : sum;
-    for (std::uint32_t i = begins[cell]; i < end; ++i)
-      if (!has_wide_ || homes_[circles_[i].row] == slot * cells + cell) *out++ = circles_[i].row;
+  for_each_line_in_blocks(geometry_, [&](std::size_t first, std::size_t last) {
+    const auto begin = [&](std::size_t cell) { return cell < cells ? begins[cell] : sum; };
+    if (!has_wide_) {
+      for (std::uint32_t i = begin(first); i < begin(last); ++i) *out++ = circles_[i].row;
+      return;
+    }
+    for (std::size_t cell = first; cell < last; ++cell)
+      for (std::uint32_t i = begin(cell); i < begin(cell + 1); ++i)
+        if (homes_[circles_[i].row] == slot * cells + cell) *out++ = circles_[i].row;
   });
 }
 

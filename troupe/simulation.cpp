@@ -219,9 +219,10 @@ Model Simulation::find(std::string_view name) {
 
 std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;
-  for (std::size_t r = 0; r < impl_->world->rows(); ++r)
-    if (impl_->world->type(Row(r)).drive)
-      names.push_back(impl_->world->spec().name(impl_->world->body(Row(r))));
+  const engine::World& world = *impl_->world;
+  for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
+    if (const Row row = world.row(BodyId(b)); row.valid() && world.type(row).drive)
+      names.push_back(world.spec().name(BodyId(b)));
   return names;
 }
 

@@ -207,6 +207,28 @@ TEST(Math, EdgesOfExponentialAndLogarithm) {
   EXPECT_TRUE(std::isnan(log(k_nan)));
 }
 
+TEST(Math, ManyAnglesAtOnceHaveTheBitsOfEach) {
+  Random random(10, 0, 0, 0);
+  for (const bool far : {false, true}) {
+    for (std::size_t count : {0u, 1u, 2u, 3u, 64u, 255u, 10'000u}) {
+      std::vector<double> angles;
+      for (std::size_t i = 0; i < count; ++i)
+        angles.push_back(far && i % 7 == 0 ? any_finite(random) : random.uniform(-4, 4));
+      if (count > 2) angles[1] = -0.0;
+      if (far && count > 2) angles[2] = k_nan;
+      std::vector<SinCos> out(count);
+      sincos(angles, out);
+      for (std::size_t i = 0; i < count; ++i) {
+        const SinCos each = sincos(angles[i]);
+        ASSERT_TRUE(std::isnan(angles[i])
+                        ? std::isnan(out[i].sin) && std::isnan(out[i].cos)
+                        : same_bits(out[i].sin, each.sin) && same_bits(out[i].cos, each.cos))
+            << angles[i];
+      }
+    }
+  }
+}
+
 TEST(Math, SymmetriesHoldBitForBit) {
   Random random(9, 0, 0, 0);
   for (int i = 0; i < 100'000; ++i) {
