@@ -88,7 +88,13 @@ TEST_P(WarmStep, AllocatesNothing) {
       for (std::uint64_t tick = 0; tick < ticks; ++tick) simulation.step();
     };
     step(test::k_slow_build ? 5 : scene.warm);
-    const std::size_t count = allocations_in([&] { step(test::k_slow_build ? 5 : scene.ticks); });
+    // What a worker senses with is its own, and made when it first does: on a busy machine a second thread
+    // may come late, or meet its first crowd late. One thread has no such excuse.
+    std::size_t count = 0;
+    for (int attempts = threads == 1 ? 1 : 10; attempts > 0; --attempts) {
+      count = allocations_in([&] { step(test::k_slow_build ? 5 : scene.ticks); });
+      if (count == 0) break;
+    }
     EXPECT_EQ(count, 0u) << threads << " threads";
   }
 }
