@@ -48,7 +48,7 @@ bool bounds_its_polygon(const Polygon& p, std::size_t j, const Vec2& edge) {
 template <class P, class Q>
 bool separated_by_edges_of(const P& p, const Q& q) {
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
-    const Vec2 start = p[j];
+    const Vec2& start = p[j];
     const Vec2 edge = p[i] - start;
     bool separates = true;
     for (std::size_t k = 0; k < q.size(); ++k) {
@@ -74,7 +74,7 @@ bool enters(const Vec2& s0, const Vec2& s1, const Polygon& polygon) {
   }
   if (!left || !right) return false;  // the segment's line does not enter the polygon
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Vec2 start = polygon[j];
+    const Vec2& start = polygon[j];
     const Vec2 edge = polygon[i] - start;
     if (cross(edge, s0 - start) <= 0 && cross(edge, s1 - start) <= 0 && bounds_its_polygon(polygon, j, edge))
       return false;
