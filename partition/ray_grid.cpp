@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 namespace troupe::partition {
 namespace {
@@ -395,10 +396,8 @@ void RayGrid::mark(std::uint32_t& mark, std::uint32_t surface) {
 /// Gives back regions that bodies have left long ago, when they are many more than those in use.
 void RayGrid::forget_empty_regions(std::size_t used) {
   if (slots_.size() <= 64 + 4 * (fixed_regions_ + used)) return;
-  std::vector<Slot> slots = std::move(slots_);
-  TileDirectory directory = std::move(directory_);
-  slots_.clear();
-  directory_.clear();
+  std::vector<Slot> slots = std::exchange(slots_, std::vector<Slot>());
+  const TileDirectory directory = std::exchange(directory_, TileDirectory());
   live_.clear();
   for (std::uint32_t s = 0; s < slots.size(); ++s) {
     Slot& slot = slots[s];
