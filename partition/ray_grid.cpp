@@ -135,8 +135,8 @@ class RayGrid::Line {
   explicit Line(const Vec2& direction)
       : step_x(direction.x() < 0 ? -1 : 1),
         step_y(direction.y() < 0 ? -1 : 1),
-        across(static_cast<std::int64_t>(std::abs(direction.x()) * k_unit + 0.5)),
-        up(static_cast<std::int64_t>(std::abs(direction.y()) * k_unit + 0.5)) {}
+        across(units(direction.x())),
+        up(units(direction.y())) {}
 
   /// Below 0: border i along x comes before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
@@ -156,7 +156,10 @@ class RayGrid::Line {
   const std::int64_t across, up;
 
  private:
-  static constexpr double k_unit = 1 << 20;  // a millionth of a radian, and 51 bits suffice for order()
+  /// In 2^-20, to the nearest: a millionth of a radian, and 51 bits suffice for order().
+  static std::int64_t units(double component) {
+    return (static_cast<std::int64_t>(std::abs(component) * (2 << 20)) + 1) / 2;
+  }
 };
 
 RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
