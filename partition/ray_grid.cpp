@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 namespace troupe::partition {
 namespace {
@@ -134,8 +135,8 @@ class RayGrid::Line {
   explicit Line(const Vec2& direction)
       : step_x(direction.x() < 0 ? -1 : 1),
         step_y(direction.y() < 0 ? -1 : 1),
-        across(static_cast<std::int64_t>(std::abs(direction.x()) * k_unit + 0.5)),
-        up(static_cast<std::int64_t>(std::abs(direction.y()) * k_unit + 0.5)) {}
+        across(units(direction.x())),
+        up(units(direction.y())) {}
 
   /// Below 0: border i along x comes before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
@@ -155,7 +156,10 @@ class RayGrid::Line {
   const std::int64_t across, up;
 
  private:
-  static constexpr double k_unit = 1 << 20;  // a millionth of a radian, and 51 bits suffice for order()
+  /// In 2^-20, to the nearest: a millionth of a radian, and 51 bits suffice for order().
+  static std::int64_t units(double component) {
+    return (static_cast<std::int64_t>(std::abs(component) * (2 << 20)) + 1) / 2;
+  }
 };
 
 RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
@@ -395,10 +399,8 @@ void RayGrid::mark(std::uint32_t& mark, std::uint32_t surface) {
 /// Gives back regions that bodies have left long ago, when they are many more than those in use.
 void RayGrid::forget_empty_regions(std::size_t used) {
   if (slots_.size() <= 64 + 4 * (fixed_regions_ + used)) return;
-  std::vector<Slot> slots = std::move(slots_);
-  TileDirectory directory = std::move(directory_);
-  slots_.clear();
-  directory_.clear();
+  std::vector<Slot> slots = std::exchange(slots_, std::vector<Slot>());
+  const TileDirectory directory = std::exchange(directory_, TileDirectory());
   live_.clear();
   for (std::uint32_t s = 0; s < slots.size(); ++s) {
     Slot& slot = slots[s];
