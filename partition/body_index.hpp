@@ -94,6 +94,7 @@ class BodyIndex {
   /// cell where it is equal. Until the next rebuild.
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
   std::size_t tiles() const { return directory_.size(); }
+  const GridGeometry& geometry() const { return geometry_; }
   double largest_small_radius() const { return small_radius_; }
 
  private:

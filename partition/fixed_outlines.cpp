@@ -9,7 +9,7 @@
 namespace troupe::partition {
 namespace {
 
-constexpr double k_piece = 0.5;  // radius of a piece at most, over a cell
+constexpr unsigned k_tile_bits = 3;
 
 struct PieceCircle {
   Vec2 center;
@@ -19,11 +19,11 @@ struct PieceCircle {
 
 }  // namespace
 
-FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, const GridGeometry& geometry)
-    : geometry_(geometry) {
+FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
+    : geometry_{piece_m, k_tile_bits} {
   edges_.reserve(edges.size());
   for (const FixedEdge& edge : edges) edges_.push_back({edge.a, edge.b});
-  const double most = k_piece * geometry_.cell_m;
+  const double most = 0.5 * piece_m;
   std::vector<PieceCircle> circles;
   const auto close = [&](const Box& box, std::uint32_t first, std::uint32_t count) {
     const auto piece = static_cast<std::uint32_t>(pieces_.size());

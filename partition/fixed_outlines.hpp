@@ -23,9 +23,11 @@ struct FixedEdge {
 class FixedOutlines {
  public:
   FixedOutlines() = default;
-  /// edges: those of one outline one after another. Pieces are no longer than a few cells; how long never
-  /// changes a reading.
-  FixedOutlines(std::span<const FixedEdge> edges, const GridGeometry& geometry);
+  /// edges: those of one outline one after another. Pieces are no wider than piece_m; how wide never changes
+  /// a reading.
+  FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
+
+  const GridGeometry& geometry() const { return geometry_; }
 
   /// visit(span of circles) for the runs of cells from low to high; a circle's row is the number of its
   /// piece.

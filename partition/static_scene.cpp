@@ -147,7 +147,8 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
                 });
     cover_cells(fixed.solid, strips);
   }
-  outlines_ = FixedOutlines(seen, geometry);
+  constexpr double k_piece = 4;  // width of the pieces that rangers look up, over a cell
+  outlines_ = FixedOutlines(seen, k_piece * cell_m);
   std::vector<Box> boxes;
   for (const Strips& strips : strips_) boxes.push_back(strips.box);
   boxes_ = BoxGrid(boxes);

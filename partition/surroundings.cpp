@@ -59,7 +59,7 @@ void Surroundings::gather(std::size_t band) {
     // A hair less, so that a band that ends at the border of a cell does not touch the next.
     const auto around = [&](double radius) {
       const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
-      return std::pair(geometry_.cell(box.min), geometry_.cell(box.max));
+      return std::pair(grid.geometry().cell(box.min), grid.geometry().cell(box.max));
     };
     const auto [low, high] = around(radii_[band]);
     if (band == 0) {
@@ -75,8 +75,9 @@ void Surroundings::gather(std::size_t band) {
   look(*fixed_, fixed_->largest_radius(), k_fixed);
   if (band == 0) {
     const double side = block.size().x() + 2 * radii_[0];
-    const double density = std::max<double>(1, static_cast<double>(size - begin)) / (side * side);
-    at_hand_ = std::min(radii_[0], sqrt(k_at_hand / (k_pi * density)));
+    const double found = static_cast<double>(size - begin);
+    at_hand_ = found <= k_few ? std::numeric_limits<double>::infinity()
+                              : std::min(radii_[0], side * sqrt(k_at_hand / (k_pi * found)));
   }
   circles_.make_room(size + k_circle_padding);
   while (size % k_circle_padding != 0)

@@ -58,9 +58,11 @@ class Surroundings {
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
   }
   const CircleArrays& circles() const { return circles_; }
-  /// A distance within which some k_at_hand circles lie, in the mean, and no more than radius(0).
+  /// What to look at first in the first band, m: a distance within which some k_at_hand circles lie in the
+  /// mean, but no more than radius(0). Infinite where there are so few that one look is best.
   double at_hand() const { return at_hand_; }
   static constexpr double k_at_hand = 20;
+  static constexpr double k_few = 48;
 
  private:
   void gather(std::size_t band);

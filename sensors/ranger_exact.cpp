@@ -54,9 +54,9 @@ class Caster {
     surroundings_.look_from(reference_);
     limit();
     const Surroundings::Band first = surroundings_.band(0);
-    const auto at_hand = static_cast<float>(surroundings_.at_hand());
+    const auto at_hand = std::min(farthest_, static_cast<float>(surroundings_.at_hand()));
     look(first, -std::numeric_limits<float>::infinity(), at_hand);
-    look(first, at_hand, farthest_);
+    if (at_hand < farthest_) look(first, at_hand, farthest_);
     for (std::size_t band = 1; band < surroundings_.bands(); ++band) {
       if (farthest_ <= surroundings_.radius(band - 1)) break;
       look(surroundings_.band(band), -std::numeric_limits<float>::infinity(), farthest_);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace troupe::partition {
@@ -50,7 +51,7 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
     const GridGeometry grid{random.uniform(0.05, 3), random.below(6)};
     BodyIndex bodies(grid);
     bodies.rebuild(scene.places, scene.radii, parallel);
-    const FixedOutlines fixed(scene.edges, grid);
+    const FixedOutlines fixed(scene.edges, random.uniform(0.05, 5));
     Surroundings surroundings;
     surroundings.begin(bodies, fixed, grid, random.uniform(0.1, 6));
     for (int look = 0; look < 5; ++look) {
@@ -84,7 +85,7 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
           ++found;
         }
       }
-      EXPECT_LE(surroundings.at_hand(), surroundings.radius(0));
+      EXPECT_TRUE(surroundings.at_hand() <= surroundings.radius(0) || std::isinf(surroundings.at_hand()));
     }
   }
   EXPECT_GT(found, 10000u);
@@ -94,8 +95,8 @@ TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
   for (std::uint32_t trial = 0; trial < 200; ++trial) {
     Random random(1, 2, 0, trial);
     const Scene scene = any_scene(random);
-    const GridGeometry grid{random.uniform(0.05, 3), 3};
-    const FixedOutlines fixed(scene.edges, grid);
+    const FixedOutlines fixed(scene.edges, random.uniform(0.05, 5));
+    const GridGeometry& grid = fixed.geometry();
     std::vector<BodyCircle> circles;
     const Cell low = grid.cell({-5000, -5000}), high = grid.cell({5000, 5000});
     fixed.for_each_run(low, high, [&](std::span<const BodyCircle> run) {
