@@ -58,7 +58,7 @@ std::vector<Blocks> placed_walls(const TestCrowd& crowd) {
 }
 
 TEST(ConflictTicks, BodiesThatWereApartStayApart) {
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (k_thrift > 1 ? 3 : 8); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(3'000'000 + seed);
     TestCrowd crowd = random_crowd(draw, {.most_bodies = 120,

@@ -1,6 +1,7 @@
 #include "partition/surroundings.hpp"
 
 #include "base/random.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,8 @@
 
 namespace troupe::partition {
 namespace {
+
+constexpr std::uint32_t k_thrift = test::k_slow_build ? 10 : 1;
 
 double distance(const Vec2& p, const FixedEdge& edge) {
   const Vec2 along = edge.b - edge.a;
@@ -45,7 +48,7 @@ Scene any_scene(Random& random) {
 TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
   Parallel parallel(1);
   std::size_t found = 0;
-  for (std::uint32_t trial = 0; trial < 400; ++trial) {
+  for (std::uint32_t trial = 0; trial < 400 / k_thrift; ++trial) {
     Random random(1, 1, 0, trial);
     const Scene scene = any_scene(random);
     const GridGeometry grid{random.uniform(0.05, 3), random.below(6)};
@@ -88,11 +91,11 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
       EXPECT_TRUE(surroundings.at_hand() <= surroundings.radius(0) || std::isinf(surroundings.at_hand()));
     }
   }
-  EXPECT_GT(found, 10000u);
+  EXPECT_GT(found, 10000u / k_thrift);
 }
 
 TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
-  for (std::uint32_t trial = 0; trial < 200; ++trial) {
+  for (std::uint32_t trial = 0; trial < 200 / k_thrift; ++trial) {
     Random random(1, 2, 0, trial);
     const Scene scene = any_scene(random);
     const FixedOutlines fixed(scene.edges, random.uniform(0.05, 5));
