@@ -205,7 +205,8 @@ Reference read_reference(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be read", file.string()));
   Reference reference;
-  for (const auto& series : nlohmann::json::parse(stream).at("series"))
+  const nlohmann::json known = nlohmann::json::parse(stream);
+  for (const auto& series : known.at("series"))
     for (const auto& point : series.at("points"))
       if (point.contains("scene"))
         reference[series.at("column")][point.at("scene")] = point.at("times_real_time");
