@@ -26,7 +26,6 @@ using hn::Mask;
 using hn::Rebind;
 using hn::Vec;
 
-using hn::BitCast;
 using hn::GetLane;
 using hn::Lanes;
 using hn::Load;
@@ -56,7 +55,6 @@ using hn::AllFalse;
 using hn::And;
 using hn::CountTrue;
 using hn::Eq;
-using hn::FirstN;
 using hn::Ge;
 using hn::Gt;
 using hn::IfThenElse;
@@ -66,7 +64,6 @@ using hn::Le;
 using hn::Lt;
 using hn::Or;
 using hn::RebindMask;
-using hn::StoreMaskBits;
 using hn::Xor;
 
 using hn::Compress;
