@@ -1,5 +1,7 @@
 #include "engine/world.hpp"
 
+#include "partition/ranging.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -113,7 +115,8 @@ void World::build_rows() {
     robots_ += type.drive.has_value();
   }
   transforms_.resize(rows());
-  outlines_.resize(vertices);
+  outlines_.resize(vertices + partition::EdgeBlock::k_piece,
+                   Vec2::Zero());  // rangers copy more than there is
   motions_.resize(rows());
   free_circles_.resize(rows());
 }

@@ -180,7 +180,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
     place_tiles(parallel);
   }
-  circles_.resize(tiles_[slots].circles);
+  circles_.resize(tiles_[slots].circles + 3);  // which unpack() may read
   order_.resize(rows);
   begins_.resize(slots * cells + 1);
   begins_.back() = tiles_[slots].circles;

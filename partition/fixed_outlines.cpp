@@ -21,19 +21,20 @@ struct PieceCircle {
 
 FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
     : geometry_{piece_m, k_tile_bits} {
-  edges_.reserve(edges.size());
-  for (const FixedEdge& edge : edges) edges_.push_back({edge.a, edge.b});
+  vertices_.reserve(edges.size() + edges.size() / k_most_edges);
   const double most = 0.5 * piece_m;
   std::vector<PieceCircle> circles;
   const auto close = [&](const Box& box, std::uint32_t first, std::uint32_t count) {
     const auto piece = static_cast<std::uint32_t>(pieces_.size());
-    pieces_.push_back({first, count, edges[first].solid});
-    if (count > 1 || 0.5 * (edges_[first].b - edges_[first].a).norm() <= most) {
+    pieces_.push_back({static_cast<std::uint32_t>(vertices_.size()), count + 1, edges[first].solid});
+    vertices_.push_back(edges[first].a);
+    for (const FixedEdge& edge : edges.subspan(first, count)) vertices_.push_back(edge.b);
+    const FixedEdge& edge = edges[first];
+    const double length = (edge.b - edge.a).norm();
+    if (count > 1 || 0.5 * length <= most) {
       circles.push_back({box.center(), 0.5 * box.size().norm(), piece});
       return;
     }
-    const Ends& edge = edges_[first];
-    const double length = (edge.b - edge.a).norm();
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
     // Whether a beam passes an edge is known to float rounding at its ends, so far ends count.
     constexpr double k_ends = 8e-6;
@@ -43,22 +44,25 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   };
   Box box;
   std::uint32_t first = 0;
-  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+  for (std::uint32_t i = 0; i < edges.size(); ++i) {
     Box wider = box;
-    wider.extend(edges_[i].a);
-    wider.extend(edges_[i].b);
-    const bool joins = i > first && edges[i].solid == edges[first].solid && i - first < k_most_edges &&
-                       0.5 * wider.size().norm() <= most;
+    wider.extend(edges[i].a);
+    wider.extend(edges[i].b);
+    const bool joins = i > first && edges[i].solid == edges[first].solid && edges[i].a == edges[i - 1].b &&
+                       i - first < k_most_edges && 0.5 * wider.size().norm() <= most;
     if (!joins) {
       if (i > first) close(box, first, i - first);
       first = i;
       wider = Box();
-      wider.extend(edges_[i].a);
-      wider.extend(edges_[i].b);
+      wider.extend(edges[i].a);
+      wider.extend(edges[i].b);
     }
     box = wider;
   }
-  if (first < edges_.size()) close(box, first, static_cast<std::uint32_t>(edges_.size()) - first);
+  if (first < edges.size()) close(box, first, static_cast<std::uint32_t>(edges.size()) - first);
+
+  vertices_.resize(vertices_.size() + k_most_edges,
+                   Vec2::Zero());  // chains are copied with what lies behind them
 
   // A counting sort by cell.
   const std::size_t cells = geometry_.cells_per_tile();
@@ -73,7 +77,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   };
   for (const PieceCircle& c : circles) ++begins_[place(c) + 1];
   for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
-  circles_.resize(circles.size());
+  circles_.resize(circles.size() + 3);  // which unpack() may read
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
   for (const PieceCircle& c : circles)
     circles_[next[place(c)]++] = enclosing_circle(c.center, c.radius, c.piece);

@@ -16,7 +16,7 @@ struct FixedEdge {
   std::uint32_t solid;
 };
 
-/// The outlines of what never moves, for rangers: cut into short pieces of a few edges, each with a circle
+/// The outlines of what never moves, for rangers: cut into short chains of a few edges, each with a circle
 /// that encloses it, and the circles by the cell of their centre. To a ranger a piece is like a body: a
 /// circle that it may leave out, and edges. An edge longer than a piece has several circles, and is never
 /// cut itself: that would change bits.
@@ -41,12 +41,9 @@ class FixedOutlines {
                             });
   }
 
-  struct Ends {
-    Vec2 a, b;
-  };
-  /// The edges of a piece, all of one solid.
-  std::span<const Ends> edges(std::uint32_t piece) const {
-    return {&edges_[pieces_[piece].first], pieces_[piece].count};
+  /// The edges of a piece, all of one solid: from each vertex to the next.
+  std::span<const Vec2> chain(std::uint32_t piece) const {
+    return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }
   std::uint32_t solid(std::uint32_t piece) const { return pieces_[piece].solid; }
   static constexpr std::uint32_t k_most_edges = 8;  ///< of a piece
@@ -56,7 +53,7 @@ class FixedOutlines {
  private:
   struct Piece {
     std::uint32_t first;
-    std::uint32_t count;
+    std::uint32_t vertices;
     std::uint32_t solid;
   };
 
@@ -66,7 +63,7 @@ class FixedOutlines {
   std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into circles_
   std::vector<BodyCircle> circles_;
   std::vector<Piece> pieces_;
-  std::vector<Ends> edges_;
+  std::vector<Vec2> vertices_;
 };
 
 }  // namespace troupe::partition

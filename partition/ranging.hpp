@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 #include <span>
 
 namespace troupe::partition {
@@ -39,9 +41,19 @@ constexpr std::size_t padded_beams(std::size_t count) {
   return (count + k_beam_padding - 1) / k_beam_padding * k_beam_padding;
 }
 
-/// A fan of beams at one height. Beam i starts at (ox, oy) and runs along the unit vector (dx, dy), both in
-/// the world's orientation, relative to the reference point. Each array has padded_beams(count) entries, of
-/// which those beyond count repeat the last.
+/// Beams from one origin at equal angles, counter-clockwise: a scanner's, of which there are many.
+struct Scan {
+  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
+  float fov = 0;                ///< between the first and the last beam, rad
+  float step = 0;               ///< between neighbours, rad
+};
+
+/// Most beams of a fan that is no scan.
+inline constexpr std::size_t k_most_beams = 32;
+
+/// A fan of beams at one height. Beam i starts at (ox, oy) and
+/// runs along the unit vector (dx, dy), both in the world's orientation, relative to the reference point.
+/// Each array has padded_beams(count) entries, of which those beyond count repeat the last.
 struct Fan {
   const float* dx = nullptr;
   const float* dy = nullptr;
@@ -50,6 +62,7 @@ struct Fan {
   std::size_t count = 0;
   bool common_origin = false;  ///< all origins are 0
   bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
+  const Scan* scan = nullptr;  ///< what is known of the beams where they are a scan
 
   std::size_t padded() const { return padded_beams(count); }
 };
@@ -95,46 +108,75 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
-/// Edges in the world's frame on their way to a fan.
+/// Some beams of a fan, a bit for each. Of a scan it says nothing: its beams are found by their angles.
+using BeamSet = std::uint32_t;
+inline BeamSet all_beams(const Fan& fan) {
+  return fan.scan != nullptr ? ~0u : ~0u >> (k_most_beams - fan.count);
+}
+
+/// Outlines in the world's frame on their way to a fan: chains of vertices, so that edges share what is
+/// worked out of a vertex. Edge j runs from vertex j to vertex j + 1; where one chain ends and the next
+/// begins there is none, and open(j) is infinite.
 class EdgeBlock {
  public:
-  static constexpr std::size_t k_capacity = 128;
+  static constexpr std::size_t k_capacity = 128;  ///< vertices
+  /// A piece: some edges side by side that one circle encloses, as many as kernels take at a time or fewer.
+  static constexpr std::size_t k_piece = 8;
+  struct Piece {
+    std::uint32_t first;
+    BeamSet met_by;  ///< the beams that may meet one of its edges
+  };
 
-  void clear() { count_ = 0; }
-  std::size_t count() const { return count_; }
-  /// How many more it takes.
-  std::size_t room() const { return k_capacity - count_; }
-  void add(const Vec2& a, const Vec2& b, float ranger_return) {
-    Eigen::Map<Eigen::Matrix<double, 4, 1>>(&ends_[4 * count_]) << a, b;
-    returns_[count_++] = ranger_return;
+  EdgeBlock() { open_.fill(k_gap); }
+  void clear() {
+    std::fill_n(open_.begin(), vertices_, k_gap);
+    vertices_ = pieces_count_ = 0;
+  }
+  bool empty() const { return vertices_ == 0; }
+  std::size_t vertices() const { return vertices_; }
+  /// How many edges a chain may have.
+  std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
+
+  /// A chain of so many edges that one circle encloses: from `first` to rest[0], to rest[1] and so on.
+  /// rest  is copied by whole pieces: k_piece - 1 more vertices can be read behind it
+  void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
+    double* out = &xy_[2 * vertices_];
+    out[0] = first.x();
+    out[1] = first.y();
+    for (std::size_t i = 0; i < edges; i += k_piece) {
+      // How many are left is not to be foretold, so always a whole piece: the next one writes over the rest.
+      const std::size_t at = vertices_ + i;
+      std::memcpy(out + 2 + 2 * i, rest + i, k_piece * sizeof(Vec2));
+      std::memcpy(&open_[at], &k_open_then_gap[k_piece - std::min(edges - i, k_piece)],
+                  k_piece * sizeof(float));
+      std::fill_n(&returns_[at], k_piece, ranger_return);
+      pieces_[pieces_count_++] = {static_cast<std::uint32_t>(at), met_by};
+    }
+    vertices_ += edges + 1;
   }
 
-  /// ends: ax, ay, bx, by of so many.
-  void add(const double* ends, std::size_t count, float ranger_return) {
-    std::copy_n(ends, 4 * count, &ends_[4 * count_]);
-    std::fill_n(&returns_[count_], count, ranger_return);
-    count_ += count;
-  }
-
-  const double* ends() const { return ends_.data(); }  ///< ax, ay, bx, by of each, aligned to 64 bytes
-  float ranger_return(std::size_t i) const { return returns_[i]; }
-  RayEdge relative(std::size_t i, const Vec2& reference) const {
-    const double* e = &ends_[4 * i];
-    return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, returns_[i]);
+  // Kernels read whole vectors, beyond the last vertex too.
+  const double* xy() const { return xy_.data(); }           ///< x and y of each, aligned to 64 bytes
+  const float* open() const { return open_.data(); }        ///< of each edge: 0; NaN where there is none
+  const float* returns() const { return returns_.data(); }  ///< of each edge
+  std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
+  RayEdge relative(std::size_t j, const Vec2& reference) const {
+    const double* e = &xy_[2 * j];
+    return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, returns_[j]);
   }
 
  private:
-  alignas(64) std::array<double, 4 * k_capacity> ends_{};
-  std::array<float, k_capacity> returns_{};
-  std::size_t count_ = 0;
-};
+  static constexpr float k_gap = std::numeric_limits<float>::quiet_NaN();
+  static constexpr std::array<float, 2 * k_piece> k_open_then_gap{
+      0, 0, 0, 0, 0, 0, 0, 0, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap};
+  static constexpr std::size_t k_size = k_capacity + 3 * k_piece;
 
-/// Beams from one origin at equal angles, counter-clockwise: a scanner's, of which there are many. Then an
-/// edge is projected only on the beams that it spans.
-struct Scan {
-  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
-  float fov = 0;                ///< between the first and the last beam, rad
-  float step = 0;               ///< between neighbours, rad
+  alignas(64) std::array<double, 2 * k_size> xy_{};
+  alignas(64) std::array<float, k_size> open_;
+  std::array<float, k_size> returns_{};
+  std::array<Piece, k_capacity> pieces_{};
+  std::size_t vertices_ = 0;
+  std::size_t pieces_count_ = 0;
 };
 
 /// Turns unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
@@ -146,9 +188,6 @@ void turn(const Rotation& rotation, const double* x, const double* y, std::size_
 /// returns  as many, or null: becomes the ranger_return of the edge that is met; of two at one range, the
 ///          larger
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
-/// The same, bit for bit, for a fan that is a scan.
-void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, const Scan& scan, float* inverse,
-             float* returns);
 
 /// How far each beam can still go, m: its range so far or range_max, with the slack that culls leave. Returns
 /// the farthest.
@@ -158,17 +197,23 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 /// The readings: range_of() of each beam. All arrays but ranges are padded.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// Culls circles: leaves in met.row those of [begin, end) that some beam may meet before its limit and whose
-/// nearest point lies from `low` to `high` away from the reference, and returns their number. Margins are far
-/// above rounding: it leaves out none that counts.
+/// What beams may meet: circles that were not culled.
+struct MetCircles : CircleArrays {
+  std::vector<BeamSet> beams;
+
+  void make_room(std::size_t size) {
+    CircleArrays::make_room(size);
+    beams.resize(row.size());
+  }
+};
+
+/// Culls circles: leaves in `met` the rows and the beams of those of [begin, end) that some beam may meet
+/// before its limit and whose nearest point lies from `low` to `high` away from the reference, and returns
+/// their number. Margins are far above rounding: it leaves out none that counts.
 /// begin, end  multiples of k_circle_padding; circles with negative infinite radius are never met
 inline constexpr std::size_t k_circle_padding = 16;
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
-                     const Fan& fan, const float* limits, float low, float high, CircleArrays& met);
-/// The same for a fan that is a scan; it keeps a few more.
-std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
-                     const Fan& fan, const Scan& scan, const float* limits, float low, float high,
-                     CircleArrays& met);
+                     const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
 /// The inverse range of one beam and one edge: the formula itself, 0 where they do not meet. Infinity when
 /// the beam starts on the edge.

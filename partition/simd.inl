@@ -27,8 +27,10 @@ using hn::Rebind;
 using hn::Vec;
 
 using hn::GetLane;
+using hn::Iota;
 using hn::Lanes;
 using hn::Load;
+using hn::LoadInterleaved2;
 using hn::LoadInterleaved4;
 using hn::LoadU;
 using hn::Set;
@@ -53,6 +55,8 @@ using hn::Sub;
 
 using hn::AllFalse;
 using hn::And;
+using hn::AndNot;
+using hn::BitCast;
 using hn::CountTrue;
 using hn::Eq;
 using hn::Ge;
@@ -62,8 +66,10 @@ using hn::IfThenElseZero;
 using hn::IfThenZeroElse;
 using hn::Le;
 using hn::Lt;
+using hn::Ne;
 using hn::Or;
 using hn::RebindMask;
+using hn::ShiftLeft;
 using hn::Xor;
 
 using hn::Compress;

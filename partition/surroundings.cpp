@@ -51,10 +51,18 @@ void Surroundings::gather(std::size_t band) {
   const Box block = geometry_.box_of_block(*home_);
   std::size_t size = ends_.empty() ? 0 : ends_.back();
   const auto look = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
-    const auto append = [&](std::span<const BodyCircle> run) {
-      circles_.make_room(size + run.size());
-      for (const BodyCircle& circle : run)
-        circles_.set(size++, {circle.x, circle.y, circle.radius, circle.row | mark});
+    std::size_t runs = 0;
+    std::size_t unpacked = size;
+    const auto unpack_runs = [&] {
+      circles_.make_room(size + k_circle_padding);
+      unpack({runs_.data(), runs}, mark, unpacked, circles_);
+      unpacked = size;
+      runs = 0;
+    };
+    const auto append = [&](CircleRun run) {
+      if (runs == runs_.size()) unpack_runs();
+      runs_[runs++] = run;
+      size += run.size();
     };
     // A hair less, so that a band that ends at the border of a cell does not touch the next.
     const auto around = [&](double radius) {
@@ -64,11 +72,12 @@ void Surroundings::gather(std::size_t band) {
     const auto [low, high] = around(radii_[band]);
     if (band == 0) {
       grid.for_each_run(low, high, append);
-      return;
+    } else {
+      const auto [inner_low, inner_high] = around(radii_[band - 1]);
+      for_each_rectangle(low, high, inner_low, inner_high,
+                         [&](Cell from, Cell to) { grid.for_each_run(from, to, append); });
     }
-    const auto [inner_low, inner_high] = around(radii_[band - 1]);
-    for_each_rectangle(low, high, inner_low, inner_high,
-                       [&](Cell from, Cell to) { grid.for_each_run(from, to, append); });
+    unpack_runs();
   };
   const std::size_t begin = size;
   look(*bodies_, bodies_->largest_small_radius(), 0);
@@ -79,7 +88,6 @@ void Surroundings::gather(std::size_t band) {
     at_hand_ = found <= k_few ? std::numeric_limits<double>::infinity()
                               : std::min(radii_[0], side * sqrt(k_at_hand / (k_pi * found)));
   }
-  circles_.make_room(size + k_circle_padding);
   while (size % k_circle_padding != 0)
     circles_.set(size++, {0, 0, -std::numeric_limits<float>::infinity(), 0});
   ends_.push_back(size);

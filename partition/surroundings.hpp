@@ -3,6 +3,7 @@
 #include "partition/body_index.hpp"
 #include "partition/fixed_outlines.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,6 +31,12 @@ struct CircleArrays {
     row[i] = circle.row;
   }
 };
+
+/// Circles that lie side by side; behind them three more can be read.
+using CircleRun = std::span<const BodyCircle>;
+/// Sets out[size], out[size + 1] ... to the circles of the runs, their rows with the bits of `mark`. There is
+/// room for them and three more.
+void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
 /// What sensors in one block of cells may meet: the circles of bodies and of pieces of fixed outlines, in
 /// bands from near to far. A band is looked up when the first sensor asks for it and serves all that follow
@@ -73,7 +80,8 @@ class Surroundings {
   double reach_ = 0;
   double at_hand_ = 0;
   std::vector<double> radii_;
-  std::optional<Cell> home_;  // in blocks
+  std::optional<Cell> home_;        // in blocks
+  std::array<CircleRun, 64> runs_;  // found, not yet unpacked
   CircleArrays circles_;
   std::vector<std::size_t> ends_;  // of the bands looked up so far
 };

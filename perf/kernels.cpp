@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,23 +34,35 @@ struct Scattered {
     }
     for (std::vector<float>* array : {&zero, &inverse, &limits}) array->resize(padded);
     range_max.resize(padded, 2.0f);
-    fan = {dx.data(), dy.data(), zero.data(), zero.data(), beams, true, beams % 2 == 0};
+    fan = {dx.data(), dy.data(), zero.data(),    zero.data(),
+           beams,     true,      beams % 2 == 0, beams > partition::k_most_beams ? &scan : nullptr};
     scan = {Vec2::UnitX(), static_cast<float>(2 * k_pi - step), static_cast<float>(step)};
     Random random(1, 2, 3, 4);
     circles.make_room(k_circles);
+    std::vector<Vec2> ends;
     for (std::uint32_t i = 0; i < k_circles; ++i) {
       const Vec2 at(random.uniform(-2, 2), random.uniform(-2, 2));
-      circles.set(i, partition::enclosing_circle(at, 0.07, i));
-      if (edges.room() == 0) continue;
-      edges.add(at, at + Vec2(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)), 1);
+      const Vec2 half(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05));
+      ends.insert(ends.end(), {at - half, at + half});
+      circles.set(i, partition::enclosing_circle(at, half.norm(), i));
     }
+    ends.resize(ends.size() + partition::EdgeBlock::k_piece);
+    const std::size_t count = cull();
+    for (std::size_t i = 0; i < count && edges.room() > 0; ++i)
+      edges.add(ends[2 * met.row[i]], &ends[2 * met.row[i] + 1], 1, 1, met.beams[i]);
+  }
+  std::size_t cull() {
+    const float farthest = partition::limits_of(fan, inverse.data(), range_max.data(), limits.data());
+    return partition::may_meet(circles, 0, k_circles, Vec2::Zero(), fan, limits.data(),
+                               -std::numeric_limits<float>::infinity(), farthest, met);
   }
   static constexpr std::size_t k_circles = 256;
   std::vector<float> dx, dy, zero, inverse, limits, range_max;
-  partition::Fan fan;
   partition::Scan scan;
+  partition::Fan fan;
   partition::EdgeBlock edges;
-  partition::CircleArrays circles, met;
+  partition::CircleArrays circles;
+  partition::MetCircles met;
 };
 
 void project_edges(benchmark::State& state) {
@@ -59,29 +72,13 @@ void project_edges(benchmark::State& state) {
     partition::project(s.edges, Vec2::Zero(), s.fan, s.inverse.data(), nullptr);
     benchmark::DoNotOptimize(s.inverse.data());
   }
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.edges.count()));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.edges.pieces().size()));
 }
-BENCHMARK(project_edges)->Arg(12)->Arg(16)->Arg(180)->Name("cast/project on a fan (items: edges)");
-
-void project_scan(benchmark::State& state) {
-  Scattered s(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
-    std::ranges::fill(s.inverse, 0.0f);
-    partition::project(s.edges, Vec2::Zero(), s.fan, s.scan, s.inverse.data(), nullptr);
-    benchmark::DoNotOptimize(s.inverse.data());
-  }
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.edges.count()));
-}
-BENCHMARK(project_scan)->Arg(180)->Arg(1000)->Name("cast/project on a scan (items: edges)");
+BENCHMARK(project_edges)->Arg(12)->Arg(16)->Arg(180)->Name("cast/project (items: edges)");
 
 void cull_circles(benchmark::State& state) {
   Scattered s(static_cast<std::size_t>(state.range(0)));
-  const float farthest = partition::limits_of(s.fan, s.inverse.data(), s.range_max.data(), s.limits.data());
-  const auto cull = [&](auto&&... scan) {
-    return partition::may_meet(s.circles, 0, Scattered::k_circles, Vec2::Zero(), s.fan, scan...,
-                               s.limits.data(), -1.0f, farthest, s.met);
-  };
-  for (auto _ : state) benchmark::DoNotOptimize(state.range(0) > 32 ? cull(s.scan) : cull());
+  for (auto _ : state) benchmark::DoNotOptimize(s.cull());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(Scattered::k_circles));
 }
 BENCHMARK(cull_circles)->Arg(12)->Arg(16)->Arg(180)->Name("sweep/cull circles (items: circles)");

@@ -50,90 +50,106 @@ const FieldTable& transducer_fields() {
   return table;
 }
 
-constexpr std::size_t k_fan = 32;  // beams cast together at most, where they are no scan
-
 /// Whether the second half of the beams looks in the opposite directions of the first.
-bool mirrored(const RangerBeams& ranger, const BeamGroup& group) {
+bool mirrored(const BeamGroup& group) {
   constexpr double k_same = 1e-9;
   const std::size_t half = group.count / 2;
-  bool same = ranger.common_origin && group.count % 2 == 0;
-  for (std::size_t i = group.first; i < group.first + half; ++i)
-    same = same && std::abs(ranger.dx[i] + ranger.dx[i + half]) < k_same &&
-           std::abs(ranger.dy[i] + ranger.dy[i + half]) < k_same;
+  bool same = group.count % 2 == 0;
+  for (std::size_t i = 0; i < half; ++i)
+    same = same && std::abs(group.dx[i] + group.dx[i + half]) < k_same &&
+           std::abs(group.dy[i] + group.dy[i + half]) < k_same;
   return same;
 }
 
+/// One transducer as its parameters say.
+struct Transducer {
+  Pose pose;  // body frame
+  double range_max;
+  double fov;
+  std::size_t samples;
+
+  /// Of beam i, from the transducer's heading, rad.
+  double bearing(std::size_t i) const {
+    return samples == 1 ? 0.0 : -fov / 2 + static_cast<double>(i) * (fov / static_cast<double>(samples - 1));
+  }
+};
+
+void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, const Vec2& reference) {
+  const SinCos direction = sincos(transducer.pose.heading + transducer.bearing(i));
+  group.dx.push_back(direction.cos);
+  group.dy.push_back(direction.sin);
+  group.ox.push_back(transducer.pose.x - reference.x());
+  group.oy.push_back(transducer.pose.y - reference.y());
+  group.range_max.push_back(static_cast<float>(transducer.range_max));
+  ++group.count;
+}
+
 /// Adds the beams of one transducer to the groups.
-void group_beams(RangerBeams& ranger, std::size_t first, std::size_t count, const Pose& pose, double fov) {
-  if (ranger.common_origin && count > k_fan) {
-    const SinCos middle = sincos(pose.heading);
-    ranger.groups.push_back({.first = first,
-                             .count = count,
-                             .z = pose.z,
-                             .scan = true,
-                             .middle = {middle.cos, middle.sin},
-                             .fov = fov,
-                             .step = fov / static_cast<double>(count - 1)});
-    return;
+void group_beams(RangerBeams& ranger, const Transducer& transducer) {
+  const bool scan = ranger.common_origin && transducer.samples > partition::k_most_beams;
+  for (std::size_t i = 0; i < transducer.samples; ++i) {
+    const BeamGroup* last = ranger.groups.empty() ? nullptr : &ranger.groups.back();
+    const bool joins = scan ? i > 0
+                            : last != nullptr && !last->scan && last->z == transducer.pose.z &&
+                                  last->count < partition::k_most_beams;
+    if (!joins) {
+      ranger.groups.push_back({.first = ranger.count, .z = transducer.pose.z, .scan = scan});
+      if (scan) {
+        BeamGroup& group = ranger.groups.back();
+        const SinCos middle = sincos(transducer.pose.heading);
+        group.middle = {middle.cos, middle.sin};
+        group.fov = transducer.fov;
+        group.step = transducer.fov / static_cast<double>(transducer.samples - 1);
+      }
+    }
+    add_beam(ranger.groups.back(), transducer, i, ranger.reference);
+    ++ranger.count;
   }
-  for (std::size_t i = first; i < first + count; ++i) {
-    const bool joins = !ranger.groups.empty() && !ranger.groups.back().scan &&
-                       ranger.groups.back().z == pose.z && ranger.groups.back().count < k_fan;
-    if (!joins) ranger.groups.push_back({.first = i, .z = pose.z});
-    ++ranger.groups.back().count;
-  }
+}
+
+/// What is the same in every cast.
+void finish(BeamGroup& group, bool common_origin) {
+  group.mirrored = common_origin && mirrored(group);
+  const std::size_t padded = partition::padded_beams(group.count);
+  for (std::vector<double>* array : {&group.dx, &group.dy, &group.ox, &group.oy})
+    array->resize(padded, array->back());
+  group.range_max.resize(padded, group.range_max.back());
+  group.limits.resize(padded);
+  const std::vector<float> nothing_met(padded);
+  group.farthest = partition::limits_of({.count = group.count}, nothing_met.data(), group.range_max.data(),
+                                        group.limits.data());
 }
 
 engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
   engine::SensorKind::Prepared out;
   RangerBeams ranger;
   ranger.intensity = params[1].boolean();
-  std::vector<Pose> poses;  // of the transducers, body frame
+  std::vector<Transducer> transducers;
   double farthest = 0;
-  for (const engine::Record& transducer : params[0].records()) {
-    const engine::Record& p = transducer[0].records().front();
+  for (const engine::Record& record : params[0].records()) {
+    const engine::Record& p = record[0].records().front();
     const Pose pose_sensor_transducer{p[0].number(), p[1].number(), p[2].number(), p[3].number()};
-    const Pose pose = compose(pose_body_sensor, pose_sensor_transducer);
-    const double range_max = transducer[2].number();
-    const double fov = transducer[3].number();
-    const auto samples = static_cast<std::size_t>(transducer[4].integer());
+    const Transducer transducer{compose(pose_body_sensor, pose_sensor_transducer), record[2].number(),
+                                record[3].number(), static_cast<std::size_t>(record[4].integer())};
     out.transducers.push_back(out.bearings.size());
     out.transducer_headings.push_back(pose_sensor_transducer.heading);
-    poses.push_back(pose);
-    for (std::size_t i = 0; i < samples; ++i) {
-      const double within =
-          samples == 1 ? 0.0 : -fov / 2 + static_cast<double>(i) * (fov / static_cast<double>(samples - 1));
-      out.bearings.push_back(pose_sensor_transducer.heading + within);
-      const SinCos direction = sincos(pose.heading + within);
-      ranger.dx.push_back(direction.cos);
-      ranger.dy.push_back(direction.sin);
-      ranger.ox.push_back(pose.x);
-      ranger.oy.push_back(pose.y);
-      ranger.range_max.push_back(static_cast<float>(range_max));
-    }
-    farthest = std::max(farthest, range_max);
+    for (std::size_t i = 0; i < transducer.samples; ++i)
+      out.bearings.push_back(pose_sensor_transducer.heading + transducer.bearing(i));
+    farthest = std::max(farthest, transducer.range_max);
+    transducers.push_back(transducer);
   }
-  ranger.reference = poses.empty() ? pose_body_sensor.position() : poses.front().position();
-  for (const Pose& pose : poses)
-    ranger.common_origin = ranger.common_origin && pose.position() == ranger.reference;
+  ranger.reference = transducers.empty() ? pose_body_sensor.position() : transducers.front().pose.position();
+  for (const Transducer& transducer : transducers)
+    ranger.common_origin = ranger.common_origin && transducer.pose.position() == ranger.reference;
   if (!ranger.common_origin) ranger.reference = pose_body_sensor.position();
-  for (std::size_t i = 0; i < ranger.dx.size(); ++i) {
-    const Vec2 offset(ranger.ox[i] - ranger.reference.x(), ranger.oy[i] - ranger.reference.y());
-    ranger.ox[i] = offset.x();
-    ranger.oy[i] = offset.y();
-    ranger.spread = std::max(ranger.spread, offset.norm());
+  for (const Transducer& transducer : transducers) {
+    ranger.spread = std::max(ranger.spread, (transducer.pose.position() - ranger.reference).norm());
+    group_beams(ranger, transducer);
   }
   ranger.reach = ranger.spread + farthest;
-  for (std::size_t t = 0; t < poses.size(); ++t) {
-    const std::size_t end = t + 1 < poses.size() ? out.transducers[t + 1] : ranger.dx.size();
-    group_beams(ranger, out.transducers[t], end - out.transducers[t], poses[t],
-                params[0].records()[t][3].number());
-  }
-  for (BeamGroup& group : ranger.groups) group.mirrored = mirrored(ranger, group);
+  for (BeamGroup& group : ranger.groups) finish(group, ranger.common_origin);
 
-  out.beams = ranger.count = ranger.dx.size();
-  for (std::vector<double>* array : {&ranger.dx, &ranger.dy, &ranger.ox, &ranger.oy})
-    array->resize(array->size() + partition::k_beam_padding);
+  out.beams = ranger.count;
   out.reach_m = ranger.reference.norm() + ranger.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);
   out.percepts.push_back(

@@ -7,11 +7,17 @@
 
 namespace troupe::sensors {
 
-/// Beams of one height that are cast together.
+/// Beams of one height that are cast together. Each array has an entry a beam, and repeats the last up to
+/// whole vectors.
 struct BeamGroup {
-  std::size_t first = 0;
+  std::size_t first = 0;  ///< column of the first beam in the readings
   std::size_t count = 0;
-  double z = 0;           ///< body frame, m
+  double z = 0;                ///< body frame, m
+  std::vector<double> dx, dy;  ///< direction, body frame
+  std::vector<double> ox, oy;  ///< origin less the ranger's reference, body frame, m
+  std::vector<float> range_max;
+  std::vector<float> limits;  ///< limits_of() beams that have met nothing yet
+  float farthest = 0;         ///< of those limits
   bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
   bool scan = false;      ///< many beams at equal angles from the reference; the three below are theirs
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last, body frame
@@ -21,10 +27,6 @@ struct BeamGroup {
 
 /// A ranger's beams, made once from its parameters: what both ray engines cast.
 struct RangerBeams {
-  // One entry a beam, body frame, and room for whole vectors of them after the last.
-  std::vector<double> dx, dy;  ///< direction
-  std::vector<double> ox, oy;  ///< origin less `reference`, m
-  std::vector<float> range_max;
   std::size_t count = 0;
   std::vector<BeamGroup> groups;
   Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to

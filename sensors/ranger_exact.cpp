@@ -23,7 +23,7 @@ class Caster {
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
     for (const BeamGroup& group : ranger.groups) most = std::max(most, partition::padded_beams(group.count));
-    for (std::vector<float>* array : {&dx_, &dy_, &ox_, &oy_, &range_max_, &limits_, &inverse_, &returns_})
+    for (std::vector<float>* array : {&dx_, &dy_, &ox_, &oy_, &limits_, &inverse_, &returns_})
       array->resize(std::max(array->size(), most));
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
@@ -35,11 +35,11 @@ class Caster {
       for (const BeamGroup& group : ranger.groups) {
         cast(group, row);
         const auto ranges = percepts.cell<float>(slot, 0).subspan(group.first, group.count);
-        partition::ranges_of(fan_, inverse_.data(), range_max_.data(), ranges.data());
+        partition::ranges_of(fan_, inverse_.data(), group.range_max.data(), ranges.data());
         if (!ranger.intensity) continue;
         const auto intensities = percepts.cell<float>(slot, 1).subspan(group.first, group.count);
         for (std::size_t i = 0; i < group.count; ++i)
-          intensities[i] = inverse_[i] > 1.0f / range_max_[i] ? returns_[i] : 0;
+          intensities[i] = inverse_[i] > 1.0f / group.range_max[i] ? returns_[i] : 0;
       }
     }
   }
@@ -52,7 +52,6 @@ class Caster {
     z_ = world_->poses()[row.index()].z + group.z;
     aim(group, world_->transform(row));
     surroundings_.look_from(reference_);
-    limit();
     const Surroundings::Band first = surroundings_.band(0);
     const auto at_hand = std::min(farthest_, static_cast<float>(surroundings_.at_hand()));
     look(first, -std::numeric_limits<float>::infinity(), at_hand);
@@ -66,80 +65,76 @@ class Caster {
   /// Turns the group's beams into the world's frame; nothing is met yet.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
-    partition::turn(pose.rotation, &ranger_->dx[group.first], &ranger_->dy[group.first], group.count,
-                    dx_.data(), dy_.data());
+    partition::turn(pose.rotation, group.dx.data(), group.dy.data(), group.count, dx_.data(), dy_.data());
     if (!ranger_->common_origin)
-      partition::turn(pose.rotation, &ranger_->ox[group.first], &ranger_->oy[group.first], group.count,
-                      ox_.data(), oy_.data());
+      partition::turn(pose.rotation, group.ox.data(), group.oy.data(), group.count, ox_.data(), oy_.data());
     const std::size_t padded = partition::padded_beams(group.count);
-    const auto range_max = ranger_->range_max.begin() + static_cast<std::ptrdiff_t>(group.first);
-    std::copy_n(range_max, group.count, range_max_.begin());
-    for (std::vector<float>* array : {&dx_, &dy_, &ox_, &oy_, &range_max_})
-      std::fill(array->begin() + static_cast<std::ptrdiff_t>(group.count),
-                array->begin() + static_cast<std::ptrdiff_t>(padded), (*array)[group.count - 1]);
     std::fill_n(inverse_.begin(), padded, 0.0f);
     if (ranger_->intensity) std::fill_n(returns_.begin(), padded, 0.0f);
-    fan_ = {dx_.data(),    dy_.data(), ox_.data(), oy_.data(), group.count, ranger_->common_origin,
-            group.mirrored};
-    is_scan_ = group.scan;
+    range_max_ = group.range_max.data();
+    limits_now_ = group.limits.data();
+    farthest_ = group.farthest + slack_spread_;
     if (group.scan)
       scan_ = {pose.rotation * group.middle, static_cast<float>(group.fov), static_cast<float>(group.step)};
+    fan_ = {dx_.data(),     dy_.data(),
+            ox_.data(),     oy_.data(),
+            group.count,    ranger_->common_origin,
+            group.mirrored, group.scan ? &scan_ : nullptr};
   }
 
   /// How far from the reference anything may be for a beam still to meet it.
   void limit() {
-    farthest_ =
-        partition::limits_of(fan_, inverse_.data(), range_max_.data(), limits_.data()) + slack_spread_;
+    farthest_ = partition::limits_of(fan_, inverse_.data(), range_max_, limits_.data()) + slack_spread_;
+    limits_now_ = limits_.data();
   }
 
   /// Projects what lies from low to high away and may be met.
   void look(Surroundings::Band band, float low, float high) {
     const auto& circles = surroundings_.circles();
-    const std::size_t count = is_scan_ ? partition::may_meet(circles, band.begin, band.end, reference_, fan_,
-                                                             scan_, limits_.data(), low, high, met_)
-                                       : partition::may_meet(circles, band.begin, band.end, reference_, fan_,
-                                                             limits_.data(), low, high, met_);
+    const std::size_t count =
+        partition::may_meet(circles, band.begin, band.end, reference_, fan_, limits_now_, low, high, met_);
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t row = met_.row[i];
       if (row >= Surroundings::k_fixed)
-        add_fixed(row - Surroundings::k_fixed);
+        add_fixed(row - Surroundings::k_fixed, met_.beams[i]);
       else if (row != self_.value)
-        add_body(Row(row));
+        add_body(Row(row), met_.beams[i]);
     }
-    if (edges_.count() == 0) return;
+    if (edges_.empty()) return;
     project();
     limit();
   }
 
-  void add_fixed(std::uint32_t piece) {
+  void add_fixed(std::uint32_t piece, partition::BeamSet met_by) {
     const partition::FixedOutlines& outlines = world_->scene().outlines();
     const partition::FixedSolid& solid = world_->scene().solids()[outlines.solid(piece)];
     if (!solid.solid.z.contains(z_)) return;
     if (edges_.room() < partition::FixedOutlines::k_most_edges) project();
-    const auto edges = outlines.edges(piece);
-    edges_.add(edges.front().a.data(), edges.size(), solid.ranger_return);
+    const std::span<const Vec2> chain = outlines.chain(piece);
+    edges_.add(chain.front(), chain.data() + 1, chain.size() - 1, solid.ranger_return, met_by);
   }
 
-  void add_body(Row body) {
+  void add_body(Row body, partition::BeamSet met_by) {
     const std::span<const Vec2> vertices = world_->outline(body);
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
       if (!outline.z.shifted(base).contains(z_)) continue;
-      const Vec2* before = &vertices[outline.first + outline.count - 1];
-      for (const Vec2& vertex : vertices.subspan(outline.first, outline.count)) {
-        if (edges_.room() == 0) project();
-        edges_.add(*before, vertex, outline.ranger_return);
-        before = &vertex;
+      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
+      const Vec2* before = &ring.back();
+      for (std::size_t done = 0; done < ring.size();) {
+        const std::size_t left = ring.size() - done;
+        if (edges_.room() < std::min(left, partition::EdgeBlock::k_piece)) project();
+        const std::size_t edges = std::min(left, edges_.room());
+        edges_.add(*before, &ring[done], edges, outline.ranger_return, met_by);
+        done += edges;
+        before = &ring[done - 1];
       }
     }
   }
 
   void project() {
-    float* returns = ranger_->intensity ? returns_.data() : nullptr;
-    if (is_scan_)
-      partition::project(edges_, reference_, fan_, scan_, inverse_.data(), returns);
-    else
-      partition::project(edges_, reference_, fan_, inverse_.data(), returns);
+    partition::project(edges_, reference_, fan_, inverse_.data(),
+                       ranger_->intensity ? returns_.data() : nullptr);
     edges_.clear();
   }
 
@@ -153,10 +148,11 @@ class Caster {
   Vec2 reference_ = Vec2::Zero();  // world frame
   partition::Fan fan_;
   partition::Scan scan_;
-  bool is_scan_ = false;
   float farthest_ = 0;
-  std::vector<float> dx_, dy_, ox_, oy_, range_max_, limits_, inverse_, returns_;  // a beam each, padded
-  partition::CircleArrays met_;
+  const float* range_max_ = nullptr;
+  const float* limits_now_ = nullptr;                                  // how far beams can still go
+  std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // a beam each, padded
+  partition::MetCircles met_;
   partition::EdgeBlock edges_;
 };
 

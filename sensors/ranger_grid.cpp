@@ -11,10 +11,11 @@ void cast_grid(const engine::World& world, const RangerBeams& ranger, std::span<
     const Vec2 reference = transform * ranger.reference;
     for (const BeamGroup& group : ranger.groups) {
       const double z = world.poses()[row.index()].z + group.z;
-      for (std::size_t beam = group.first; beam < group.first + group.count; ++beam) {
-        const Vec2 origin = reference + transform.rotation * Vec2(ranger.ox[beam], ranger.oy[beam]);
-        const Vec2 direction = transform.rotation * Vec2(ranger.dx[beam], ranger.dy[beam]);
-        const partition::GridHit hit = grid.cast({origin, direction, z, ranger.range_max[beam], row.value});
+      for (std::size_t i = 0; i < group.count; ++i) {
+        const Vec2 origin = reference + transform.rotation * Vec2(group.ox[i], group.oy[i]);
+        const Vec2 direction = transform.rotation * Vec2(group.dx[i], group.dy[i]);
+        const partition::GridHit hit = grid.cast({origin, direction, z, group.range_max[i], row.value});
+        const std::size_t beam = group.first + i;
         ranges[beam] = hit.range;
         if (ranger.intensity) percepts.cell<float>(world.slot(row), 1)[beam] = hit.ranger_return;
       }

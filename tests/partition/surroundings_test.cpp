@@ -14,6 +14,11 @@ namespace {
 
 constexpr std::uint32_t k_thrift = test::k_slow_build ? 10 : 1;
 
+template <class Visit>
+void for_each_edge(std::span<const Vec2> chain, Visit&& visit) {
+  for (std::size_t i = 1; i < chain.size(); ++i) visit(chain[i - 1], chain[i]);
+}
+
 double distance(const Vec2& p, const FixedEdge& edge) {
   const Vec2 along = edge.b - edge.a;
   const double t = std::clamp((p - edge.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -72,9 +77,10 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
           if (row < Surroundings::k_fixed)
             rows.insert(row);
           else
-            for (const FixedOutlines::Ends& e : fixed.edges(row - Surroundings::k_fixed))
+            for_each_edge(fixed.chain(row - Surroundings::k_fixed), [&](const Vec2& from, const Vec2& to) {
               for (std::size_t k = 0; k < scene.edges.size(); ++k)
-                if (scene.edges[k].a == e.a && scene.edges[k].b == e.b) edges[k] = true;
+                if (scene.edges[k].a == from && scene.edges[k].b == to) edges[k] = true;
+            });
         }
         const double near = surroundings.radius(b);
         for (std::uint32_t r = 0; r < scene.places.size(); ++r) {
@@ -109,19 +115,19 @@ TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
     std::set<std::uint32_t> pieces;
     for (const BodyCircle& c : circles) {
       EXPECT_LE(c.radius, fixed.largest_radius() * 1.00001 + 1e-4);
-      if (pieces.insert(c.row).second) edges += fixed.edges(c.row).size();
+      if (pieces.insert(c.row).second) edges += fixed.chain(c.row).size() - 1;
     }
     ASSERT_EQ(edges, scene.edges.size()) << "trial " << trial;
     for (const std::uint32_t piece : pieces) {
-      for (const FixedOutlines::Ends& e : fixed.edges(piece)) {
+      for_each_edge(fixed.chain(piece), [&](const Vec2& from, const Vec2& to) {
         for (int i = 0; i <= 20; ++i) {
-          const Vec2 p = e.a + i / 20.0 * (e.b - e.a);
+          const Vec2 p = from + i / 20.0 * (to - from);
           ASSERT_TRUE(std::ranges::any_of(
               circles,
               [&](const BodyCircle& c) { return c.row == piece && (Vec2(c.x, c.y) - p).norm() <= c.radius; }))
               << "trial " << trial;
         }
-      }
+      });
     }
   }
 }

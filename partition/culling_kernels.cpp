@@ -1,0 +1,203 @@
+// What the exact ray engine need not look at: circles are culled as vectors of them, once for each
+// instruction set that Highway knows.
+
+#include "partition/ranging.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "partition/culling_kernels.cpp"
+#include <hwy/foreach_target.h>
+
+#include "partition/scan_angles.inl"
+
+HWY_BEFORE_NAMESPACE();
+namespace troupe::partition {
+namespace HWY_NAMESPACE {
+namespace {
+
+constexpr Rebind<std::uint32_t, Full<float>> k_u;
+
+float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
+  // An inverse of 0 makes infinity, and range_max the limit. The bits of a limit do not matter.
+  Floats farthest = Zero(k_f);
+  for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
+    const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
+    const Floats limit =
+        Add(Mul(range, Set(k_f, 1 + static_cast<float>(k_range_slack))), Set(k_f, k_cull_slack));
+    StoreU(limit, k_f, limits + i);
+    farthest = Max(farthest, limit);
+  }
+  return GetLane(MaxOfLanes(k_f, farthest));
+}
+
+enum class Beams { mirrored, common, apart };
+
+/// For a vector of circles relative to the reference, a bit for each beam that may meet it.
+template <Beams kBeams>
+HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
+                                              const Fan& fan, const float* limits) {
+  auto beams = Zero(k_u);
+  const auto note = [&](const Floats& outside, std::size_t beam) {
+    const auto meets = RebindMask(k_u, Le(outside, radius));
+    beams = Or(beams, IfThenElseZero(meets, Set(k_u, std::uint32_t{1} << beam)));
+  };
+  const std::size_t lines = kBeams == Beams::mirrored ? fan.count / 2 : fan.count;
+  for (std::size_t b = 0; b < lines; ++b) {
+    const Floats dx = Set(k_f, fan.dx[b]);
+    const Floats dy = Set(k_f, fan.dy[b]);
+    const Floats ex = kBeams == Beams::apart ? Sub(x, Set(k_f, fan.ox[b])) : x;
+    const Floats ey = kBeams == Beams::apart ? Sub(y, Set(k_f, fan.oy[b])) : y;
+    // How far the circle's middle lies outside the part of the beam that is still to be seen.
+    const Floats aside = Abs(Sub(Mul(ex, dy), Mul(ey, dx)));
+    const Floats along = Add(Mul(ex, dx), Mul(ey, dy));
+    note(Max(aside, Max(Sub(along, Set(k_f, limits[b])), Neg(along))), b);
+    if constexpr (kBeams == Beams::mirrored)
+      note(Max(aside, Max(Sub(Neg(along), Set(k_f, limits[b + lines])), along)), b + lines);
+  }
+  return beams;
+}
+
+template <Beams kBeams>
+std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
+    const auto beams = beams_that_meet<kBeams>(LoadU(k_f, &met.x[i]), LoadU(k_f, &met.y[i]),
+                                               LoadU(k_f, &met.radius[i]), fan, limits);
+    const auto meets = Ne(beams, Zero(k_u));
+    const auto rows = LoadU(k_u, &met.row[i]);
+    StoreU(Compress(rows, meets), k_u, &met.row[kept]);
+    StoreU(Compress(beams, meets), k_u, &met.beams[kept]);
+    kept += CountTrue(k_u, meets);
+  }
+  return kept;
+}
+
+/// Circles whose nearest point lies from low to high away, relative to the reference and with their margins;
+/// padded with one vector that nothing meets.
+HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
+                                    const Vec2& reference, float low, float high, MetCircles& kept) {
+  const Floats rx = Set(k_f, static_cast<float>(reference.x()));
+  const Floats ry = Set(k_f, static_cast<float>(reference.y()));
+  const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
+  // Float errors of sides grow with the distance, |x| + |y| of what is near enough: ten times their bound.
+  // The same at one distance, whether it is the higher or the lower: bands leave no gap.
+  const auto slack = [&](float distance) { return k_cull_slack + shift + 3e-6f * distance; };
+  const Floats margin = Set(k_f, slack(high));
+  const Floats farthest = Set(k_f, high + slack(high));
+  const Floats nearest = Set(k_f, low + slack(low));
+  kept.make_room(end - begin + 2 * k_circle_padding);
+  std::size_t count = 0;
+  for (std::size_t i = begin; i < end; i += Lanes(k_f)) {
+    const Floats x = Sub(LoadU(k_f, &circles.x[i]), rx);
+    const Floats y = Sub(LoadU(k_f, &circles.y[i]), ry);
+    const Floats wider = Mul(LoadU(k_f, &circles.radius[i]), Set(k_f, 1 + 1.5e-5f));
+    const Floats radius = Add(wider, margin);
+    const Floats distance2 = Add(Mul(x, x), Mul(y, y));
+    const Floats outer = Max(Add(wider, farthest), Zero(k_f));
+    const Floats inner = Max(Add(wider, nearest), Zero(k_f));
+    const auto here = And(Le(distance2, Mul(outer, outer)), Ge(distance2, Mul(inner, inner)));
+    if (AllFalse(k_f, here)) continue;
+    StoreU(Compress(x, here), k_f, &kept.x[count]);
+    StoreU(Compress(y, here), k_f, &kept.y[count]);
+    StoreU(Compress(radius, here), k_f, &kept.radius[count]);
+    StoreU(Compress(LoadU(k_u, &circles.row[i]), RebindMask(k_u, here)), k_u, &kept.row[count]);
+    count += CountTrue(k_f, here);
+  }
+  for (std::size_t i = count; i < count + k_circle_padding; ++i)
+    kept.radius[i] = -std::numeric_limits<float>::infinity();
+  return count;
+}
+
+std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
+  const ScanAngles angles(*fan.scan, fan.count);
+  for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
+    const Floats x = LoadU(k_f, &met.x[i]);
+    const Floats y = LoadU(k_f, &met.y[i]);
+    const Floats radius = LoadU(k_f, &met.radius[i]);
+    const Floats distance = Sqrt(Add(Mul(x, x), Mul(y, y)));
+    const Floats angle = angles.of(x, y);
+    // asin q <= q + (pi/2 - 1) q^3 on [0, 1]
+    const Floats q = Div(radius, distance);
+    const Floats width = Add(q, Mul(Set(k_f, 0.5708f), Mul(Mul(q, q), q)));
+    const Floats from = Sub(angle, width);
+    const Floats to = Add(angle, width);
+    Floats first, last;
+    angles.beams(from, to, Ge(radius, distance), first, last);
+    StoreU(first, k_f, &met.x[i]);
+    StoreU(last, k_f, &met.y[i]);
+    StoreU(Sub(distance, radius), k_f, &met.radius[i]);
+  }
+  const std::size_t highest = fan.padded() - Lanes(k_f);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(met.x[i] <= met.y[i])) continue;
+    const auto past = static_cast<std::size_t>(met.y[i]) + 1;
+    const Floats nearest = Set(k_f, met.radius[i]);
+    bool seen = false;
+    for (auto b = static_cast<std::size_t>(met.x[i]); b < past && !seen; b += Lanes(k_f))
+      seen = !AllFalse(k_f, Le(nearest, LoadU(k_f, limits + std::min(b, highest))));
+    met.row[kept] = met.row[i];
+    met.beams[kept] = all_beams(fan);
+    kept += seen ? 1 : 0;
+  }
+  return kept;
+}
+
+std::size_t fan_may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end,
+                         const Vec2& reference, const Fan& fan, const float* limits, float low, float high,
+                         MetCircles& met) {
+  const std::size_t count = keep_between(circles, begin, end, reference, low, high, met);
+  if (fan.scan != nullptr) return keep_met_by_scan(count, fan, limits, met);
+  if (!fan.common_origin) return keep_met<Beams::apart>(count, fan, limits, met);
+  return fan.mirrored ? keep_met<Beams::mirrored>(count, fan, limits, met)
+                      : keep_met<Beams::common>(count, fan, limits, met);
+}
+
+void unpack_runs(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out) {
+  constexpr Capped<std::uint32_t, 4> k_four;  // runs are short
+  constexpr Rebind<float, decltype(k_four)> k_floats;
+  static_assert(sizeof(BodyCircle) == 4 * sizeof(float));
+  const auto bits = Set(k_four, mark);
+  for (const CircleRun& run : runs) {
+    for (std::size_t i = 0; i < run.size(); i += Lanes(k_four)) {
+      Vec<decltype(k_floats)> x, y, radius, row;
+      LoadInterleaved4(k_floats, &run[i].x, x, y, radius, row);
+      StoreU(x, k_floats, &out.x[size + i]);
+      StoreU(y, k_floats, &out.y[size + i]);
+      StoreU(radius, k_floats, &out.radius[size + i]);
+      StoreU(Or(BitCast(k_four, row), bits), k_four, &out.row[size + i]);
+    }
+    size += run.size();
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace troupe::partition
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace troupe::partition {
+
+HWY_EXPORT(limits_of);
+HWY_EXPORT(fan_may_meet);
+HWY_EXPORT(unpack_runs);
+
+float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
+  return HWY_DYNAMIC_DISPATCH(limits_of)(fan, inverse, range_max, limits);
+}
+
+std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
+                     const Fan& fan, const float* limits, float low, float high, MetCircles& met) {
+  return HWY_DYNAMIC_DISPATCH(fan_may_meet)(circles, begin, end, reference, fan, limits, low, high, met);
+}
+
+void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out) {
+  HWY_DYNAMIC_DISPATCH(unpack_runs)(runs, mark, size, out);
+}
+
+}  // namespace troupe::partition
+#endif

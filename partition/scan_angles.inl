@@ -1,0 +1,74 @@
+// The beams of a scan by their angles, once a target as partition/simd.inl.
+#if defined(TROUPE_PARTITION_SCAN_ANGLES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TROUPE_PARTITION_SCAN_ANGLES_INL
+#undef TROUPE_PARTITION_SCAN_ANGLES_INL
+#else
+#define TROUPE_PARTITION_SCAN_ANGLES_INL
+#endif
+
+#include "partition/ranging.hpp"
+#include "partition/simd.inl"
+
+HWY_BEFORE_NAMESPACE();
+namespace troupe::partition::HWY_NAMESPACE {
+namespace {
+
+using namespace simd;
+
+constexpr Full<float> k_f;
+using Floats = Vec<Full<float>>;
+
+constexpr float k_quarter = 1.57079633f;  // of a turn, rad
+
+/// The angle of (x, y), rad in [-pi, pi], to 1e-4: for culls. Any angle for (0, 0).
+/// source  Abramowitz and Stegun, Handbook of mathematical functions, 4.4.47
+HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
+  const Floats across = Min(Abs(x), Abs(y));
+  const Floats along = Max(Max(Abs(x), Abs(y)), Set(k_f, 1e-30f));
+  const Floats q = Div(across, along);
+  const Floats q2 = Mul(q, q);
+  Floats sum = Set(k_f, 0.0208351f);
+  for (const float c : {-0.0851330f, 0.1801410f, -0.3302995f, 0.9998660f})
+    sum = Add(Mul(sum, q2), Set(k_f, c));
+  Floats angle = Mul(sum, q);
+  angle = IfThenElse(Gt(Abs(y), Abs(x)), Sub(Set(k_f, k_quarter), angle), angle);
+  angle = IfThenElse(Lt(x, Zero(k_f)), Sub(Set(k_f, 2 * k_quarter), angle), angle);
+  return CopySign(angle, y);
+}
+
+/// Angles from the middle of a scan and numbers of beams, each with a margin above what angle_of() is off.
+class ScanAngles {
+ public:
+  ScanAngles(const Scan& scan, std::size_t count)
+      : mx_(Set(k_f, static_cast<float>(scan.middle.x()))),
+        my_(Set(k_f, static_cast<float>(scan.middle.y()))),
+        half_fov_(Set(k_f, 0.5f * scan.fov)),
+        per_step_(Set(k_f, 1 / scan.step)),
+        last_(Set(k_f, static_cast<float>(count - 1))) {}
+
+  HWY_INLINE Floats of(const Floats& x, const Floats& y) const {
+    return angle_of(Add(Mul(x, mx_), Mul(y, my_)), Sub(Mul(y, mx_), Mul(x, my_)));
+  }
+  /// The first and the last beam between two angles, as floats; first > last where there is none. All beams
+  /// where `all` holds or the angles come to the back, where they jump.
+  template <class Mask>
+  HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
+                        Floats& last) const {
+    const Floats margin = Set(k_f, 1e-3f);
+    first = Max(Ceil(Mul(Add(Sub(from, margin), half_fov_), per_step_)), Zero(k_f));
+    last = Min(Floor(Mul(Add(Add(to, margin), half_fov_), per_step_)), last_);
+    const Floats back = Set(k_f, 2 * k_quarter - 2e-3f);
+    const auto whole = Or(all, Or(Lt(from, Neg(back)), Gt(to, back)));
+    first = IfThenZeroElse(whole, first);
+    last = IfThenElse(whole, last_, last);
+  }
+
+ private:
+  Floats mx_, my_, half_fov_, per_step_, last_;
+};
+
+}  // namespace
+}  // namespace troupe::partition::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
