@@ -1,5 +1,6 @@
 #include "apps/check.hpp"
 #include "apps/describe.hpp"
+#include "apps/diff.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -72,6 +73,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* run_command = add_run_command(app, options);
   CheckOptions check_options;
   const CLI::App* check_command = add_check_command(app, check_options);
+  DiffOptions diff_options;
+  const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
@@ -89,6 +92,7 @@ int troupe_main(int argc, char** argv) {
 
   if (run_command->parsed()) return run(options);
   if (check_command->parsed()) return check(check_options, make_registry());
+  if (diff_command->parsed()) return diff(diff_options);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

@@ -33,11 +33,11 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
 TEST_F(Usage, HelpNamesTheCommands) {
   const Outcome outcome = troupe({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.out,
-              AllOf(HasSubstr("run"), HasSubstr("check"), HasSubstr("describe"), HasSubstr("--version")));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("run"), HasSubstr("check"), HasSubstr("diff"),
+                                 HasSubstr("describe"), HasSubstr("--version")));
 }
 
-TEST_F(Usage, HelpOfCheckNamesItsOptionsAndExitCodes) {
+TEST_F(Usage, HelpOfCheckAndDiffNamesTheirOptionsAndExitCodes) {
   const auto expect = [&](const char* command, const std::vector<const char*>& words) {
     const Outcome outcome = troupe({command, "--help"});
     EXPECT_EQ(outcome.code, 0);
@@ -46,6 +46,7 @@ TEST_F(Usage, HelpOfCheckNamesItsOptionsAndExitCodes) {
   };
   expect("check", {"WORLD", "--for", "--threads", "--tile-size", "--seed", "--raytracer", "--robots", "--set",
                    "--controllers", "quit_time", "Exit codes", "Examples"});
+  expect("diff", {"--across-domains", "--across-runs", "Exit codes", "Examples"});
 }
 
 TEST_F(Usage, NoCommandShowsHelpAsAnError) {
@@ -172,6 +173,9 @@ INSTANTIATE_TEST_SUITE_P(
                               "smaller than the cells they hold)")},
         WrongUsage{{"check", "room.world", "--hash-log", "a.log"},
                    in_command("check", "unknown option \"--hash-log\"")},
+        WrongUsage{{"diff", "a.log"}, in_command("diff", "B is required")},
+        WrongUsage{{"diff", "a.log", "b.log", "c.log"},
+                   in_command("diff", "one argument too many: \"c.log\"")},
         WrongUsage{
             {"describe", "ranger", "position"},
             "troupe describe: error: one argument too many: \"position\"; see troupe describe --help"}));
