@@ -151,6 +151,11 @@ TEST(ControllerCheck, CatchesAnAddress) {
               ElementsAre(is_finding("looks_at_an_address/0", "memory place", Repeat::again)));
 }
 
+TEST(ControllerCheck, CatchesPadding) {
+  EXPECT_THAT(findings_of("looks_at_padding"),
+              ElementsAre(is_finding("looks_at_padding/0", "memory hash", Repeat::again)));
+}
+
 TEST(ControllerCheck, CatchesAControllerThatLooksAtItsBatch) {
   EXPECT_THAT(findings_of("looks_at_its_batch"),
               ElementsAre(is_finding("looks_at_its_batch/0", "memory before", Repeat::again)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/hash.hpp"
 #include "engine/controller.hpp"
 
 #include <atomic>
@@ -142,6 +143,19 @@ struct LooksAtAnAddress : Parameterless {
   }
 };
 
+/// Between and behind its fields there are bytes that are nobody's.
+struct LooksAtPadding : Parameterless {
+  struct Memory {
+    std::uint8_t odd = 1;
+    std::uint64_t hash = 0;
+    TROUPE_FIELDS(odd, hash)
+  };
+  static LooksAtPadding make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    memory.hash = hash_bytes(std::as_bytes(std::span(&memory, 1)));
+  }
+};
+
 /// Takes its robots at once, and lets each see who comes before it.
 struct LooksAtItsBatch : Parameterless {
   struct Memory {
@@ -183,6 +197,7 @@ inline std::vector<engine::ControllerKind> rogue_controllers() {
           make_controller_kind<LeavesAMemberUnset>("leaves_a_member_unset", "", {}),
           make_controller_kind<IsMadeUnlike>("is_made_unlike", "", {}),
           make_controller_kind<LooksAtAnAddress>("looks_at_an_address", "", {}),
+          make_controller_kind<LooksAtPadding>("looks_at_padding", "", {}),
           make_controller_kind<LooksAtItsBatch>("looks_at_its_batch", "", {}),
           starts_half()};
 }
