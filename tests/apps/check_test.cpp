@@ -5,6 +5,7 @@
 #include "tests/troupe/scratch.hpp"
 #include "troupe/registry.hpp"
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,6 @@ namespace troupe::apps {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -160,6 +160,8 @@ struct Rogue {
   std::string controller;
   std::string finding;
 };
+
+void PrintTo(const Rogue& rogue, std::ostream* out) { *out << rogue.controller; }
 
 class CheckRogue : public Check, public ::testing::WithParamInterface<Rogue> {};
 
