@@ -1,4 +1,6 @@
+#include "apps/check.hpp"
 #include "apps/describe.hpp"
+#include "apps/diff.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -18,6 +20,7 @@ namespace {
 constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
+  troupe check worlds/crowd.json --for 5
   troupe describe ranger
   troupe run --help)";
 
@@ -68,6 +71,10 @@ int troupe_main(int argc, char** argv) {
 
   RunOptions options;
   const CLI::App* run_command = add_run_command(app, options);
+  CheckOptions check_options;
+  const CLI::App* check_command = add_check_command(app, check_options);
+  DiffOptions diff_options;
+  const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
@@ -84,6 +91,8 @@ int troupe_main(int argc, char** argv) {
   }
 
   if (run_command->parsed()) return run(options);
+  if (check_command->parsed()) return check(check_options, make_registry());
+  if (diff_command->parsed()) return diff(diff_options);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

@@ -16,10 +16,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -49,15 +47,6 @@ std::uint64_t peak_rss_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
-}
-
-double end_of(const RunOptions& options, const Simulation& simulation) {
-  if (options.for_s) return *options.for_s;
-  if (const auto quit = simulation.quit_time_s()) return *quit;
-  const bool json = options.world.extension() == ".json";
-  throw InputError(
-      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set {} in the world",
-                  options.world.string(), json ? "quit_time_s" : "quit_time"));
 }
 
 void print_options(const Report& report) {
@@ -95,23 +84,11 @@ void step_to_end(Simulation& simulation, HashLog* log, Profile* profile, bool sh
   report.hashes = simulation.hashes();
 }
 
-/// The folders of STAGEPATH, as Stage's users have them: separated by colons.
-std::vector<std::filesystem::path> stage_path() {
-  std::vector<std::filesystem::path> folders;
-  const char* value = std::getenv("STAGEPATH");
-  std::istringstream list(value ? value : "");
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (!folder.empty()) folders.emplace_back(folder);
-  return folders;
-}
-
 ExitCode run_checked(const RunOptions& options) {
   check_outputs(options.world, {options.hash_log, options.snapshot, options.profile});
 
   const auto start = Clock::now();
-  SimulationOptions simulation_options = options.simulation;
-  simulation_options.search_path = stage_path();
-  Simulation simulation(options.world, simulation_options);
+  Simulation simulation(options.world, with_stage_path(options.simulation));
   Report report;
   report.load_s = seconds_since(start);
   if (!options.quiet)

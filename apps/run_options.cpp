@@ -3,19 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <functional>
+#include <optional>
 #include <string>
-#include <string_view>
 
 namespace troupe::apps {
 namespace {
 
-// Longer than the age of the universe, and ticks of a microsecond still count in 64 bits.
-constexpr double k_max_seconds = 1e12;
-constexpr unsigned k_max_threads = 1024;
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
 
@@ -34,58 +27,6 @@ Examples:
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log)";
-
-/// The whole text as a number, or nothing.
-template <class T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-std::optional<double> finite(std::string_view text) {
-  const auto value = number<double>(text);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
-
-[[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected) {
-  throw CLI::ValidationError(option, fmt::format("\"{}\" is not {}", text, expected));
-}
-
-/// An option with one value of our own parsing: CLI11's conversions take hexadecimal, nan, and texts for
-/// numbers.
-CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
-                       const std::function<void(const std::string&)>& set) {
-  return app.add_option_function<std::string>(name, set, help)->option_text(value);
-}
-
-/// The same for an option that may be repeated.
-CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
-                        const std::function<void(const std::string&)>& add) {
-  const auto add_all = [add](const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) add(text);
-  };
-  return app.add_option_function<std::vector<std::string>>(name, add_all, help)
-      ->option_text(value)
-      ->allow_extra_args(false);
-}
-
-std::pair<std::string, std::size_t> population_size(const std::string& text) {
-  const auto equals = text.rfind('=');
-  const auto count = number<std::size_t>(text.substr(equals == text.npos ? 0 : equals + 1));
-  if (!count || equals == 0)
-    refuse("--robots", text,
-           "a number of robots, as in --robots 500, or --robots NAME=500 for one population");
-  return {equals == text.npos ? "" : text.substr(0, equals), *count};
-}
-
-std::pair<std::string, std::string> assignment(const std::string& text) {
-  const auto equals = text.find('=');
-  if (!text.starts_with('/') || equals == text.npos)
-    refuse("--set", text, "a JSON pointer and a value, as in --set /populations/0/count=500");
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
 
 void set_picture_size(RunOptions& options, const std::string& text) {
   const auto cross = text.find('x');
@@ -115,49 +56,11 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
   run->footer(k_footer);
 
-  run->add_option_function<std::string>(
-         "WORLD", [&options](const std::string& text) { options.world = text; },
-         "World file: Stage's .world, or .json")
-      ->option_text(" ")
-      ->required();
-  add_value(*run, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
-    options.for_s = finite(text);
-    if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
-      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
-  });
+  add_world_options(*run, options);
   add_value(*run, "--threads", "N", "Worker threads (default: one for each core)",
-            [&options](const std::string& text) {
-              const auto threads = number<unsigned>(text);
-              if (!threads || *threads < 1 || *threads > k_max_threads)
-                refuse("--threads", text, fmt::format("a number of threads, 1 to {}", k_max_threads));
-              options.simulation.threads = *threads;
-            });
-  add_value(*run, "--seed", "N", "Seed of every random stream (default: the world's, else 1)",
-            [&options](const std::string& text) {
-              options.simulation.seed = number<std::uint64_t>(text);
-              if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
-            });
-  add_value(*run, "--raytracer", "exact|grid", "What finds ranges (default: the world's, else exact)",
-            [&options](const std::string& text) {
-              const auto& names = engine::k_ranging_engines;
-              const auto found = std::ranges::find(names, text);
-              if (found == names.end()) refuse("--raytracer", text, "exact or grid");
-              options.simulation.ranging = static_cast<RangingEngine>(found - names.begin());
-            });
-  add_values(
-      *run, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
-      [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
-  add_values(*run, "--set", "POINTER=VALUE",
-             "Change a value of the world: a JSON pointer into it; repeatable",
-             [&options](const std::string& text) { options.simulation.set.push_back(assignment(text)); });
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(*run, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
-            [&options](const std::string& text) {
-              const auto size = finite(text);
-              if (!size || *size <= 0)
-                refuse("--tile-size", text,
-                       "a length in metres, above 0 (tiles are never smaller than the cells they hold)");
-              options.simulation.tile_size_m = *size;
-            });
+            [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
   add_value(*run, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from tick 0",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--hash-log", text, "a file name");

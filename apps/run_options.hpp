@@ -1,22 +1,14 @@
 #pragma once
 
+#include "apps/options.hpp"
 #include "apps/profile.hpp"
-#include "troupe/simulation.hpp"
 
 #include <filesystem>
-#include <optional>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}
 
 namespace troupe::apps {
 
 /// What the command line of `troupe run` asks for.
-struct RunOptions {
-  std::filesystem::path world;
-  SimulationOptions simulation;
-  std::optional<double> for_s;     ///< end on the world's clock, s
+struct RunOptions : WorldOptions {
   std::filesystem::path hash_log;  ///< empty: none
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none

@@ -148,7 +148,8 @@ struct ControllerKind {
   /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;
-  /// Starts a memory (placement-constructs the struct in zeroed bytes).
+  /// Starts a memory: sets every field, whatever the bytes held (`troupe check --controllers` tries two
+  /// fills).
   void (*start)(std::byte* memory);
 
   struct Prepared {

@@ -162,7 +162,10 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
     StateTable& table = tables_[*controller.table];
     batch.memories = {table.row(0), table.row_bytes(), table.row_bytes()};
   }
-  controller.kind->decide(controller.data, batch);
+  if (on_decide_)
+    on_decide_(type, controller, batch);
+  else
+    controller.kind->decide(controller.data, batch);
 }
 
 void World::move() {

@@ -277,16 +277,21 @@ Pose World::pose(BodyId body) const {
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
 
-Hashes World::hashes() {
+std::uint64_t World::hash(const StateTable& table) {
   constexpr std::size_t k_block = 1024;  // rows a task
+  const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
+  std::atomic<std::uint64_t> sum = 0;
+  parallel_.for_each(blocks, [&](std::size_t b) {
+    sum.fetch_add(table.hash_rows(b * k_block, std::min(table.rows(), (b + 1) * k_block)),
+                  std::memory_order_relaxed);
+  });
+  return sum;
+}
+
+Hashes World::hashes() {
   Hashes hashes;
   for (const StateTable& table : tables_) {
-    const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
-    std::atomic<std::uint64_t> sum = 0;
-    parallel_.for_each(blocks, [&](std::size_t b) {
-      sum.fetch_add(table.hash_rows(b * k_block, std::min(table.rows(), (b + 1) * k_block)),
-                    std::memory_order_relaxed);
-    });
+    const std::uint64_t sum = hash(table);
     hashes.groups[static_cast<std::size_t>(table.group())] += sum;
     hashes.state += sum;
   }

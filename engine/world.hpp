@@ -62,6 +62,12 @@ class World {
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
   /// Called as each phase begins, and with no phase as the tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
+  /// Called on its worker where a batch of robots is to decide, and must have them do it:
+  /// controller.kind->decide(controller.data, batch). On several workers at once, so it must be thread-safe.
+  /// For checks of controllers; set between steps.
+  using OnDecide =
+      std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
+  void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
   // ---- what it is made of
   const WorldSpec& spec() const { return spec_; }
@@ -109,6 +115,8 @@ class World {
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
   }
+  /// What one table adds to the hash of the state: the sum over its rows.
+  std::uint64_t hash(const StateTable& table);
   Hashes hashes();
 
   // ---- counters
@@ -202,6 +210,7 @@ class World {
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
   std::function<void(std::optional<Phase>)> on_phase_;
+  OnDecide on_decide_;
 };
 
 }  // namespace troupe::engine

@@ -123,11 +123,15 @@ std::span<const float> Model::intensities(std::string_view sensor) const {
 }
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options)
+    : Simulation(file, options, make_registry()) {}
+
+Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options,
+                       engine::Registry registry)
     : impl_(std::make_unique<Impl>()) {
   restore_fp_environment();  // before anything is computed from the file
   impl_->options = options;
   impl_->file = file;
-  impl_->registry = make_registry();
+  impl_->registry = std::move(registry);
   Diagnostics diagnostics;
   worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
@@ -277,6 +281,9 @@ void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
 void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
   impl_->world->parallel().on_task(std::move(callback));
 }
+
+engine::World& Simulation::world() { return *impl_->world; }
+const engine::World& Simulation::world() const { return *impl_->world; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
 #ifdef TROUPE_HAS_RENDER

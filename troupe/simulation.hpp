@@ -16,6 +16,11 @@
 #include <utility>
 #include <vector>
 
+namespace troupe::engine {
+class World;
+struct Registry;
+}  // namespace troupe::engine
+
 namespace troupe {
 
 /// What finds ranges: exact geometry, or a walk through cells (docs/sensing.md).
@@ -104,6 +109,9 @@ class Simulation {
   /// Loads a world file (Stage `.world` or Troupe JSON).
   /// Throws InputError that lists everything wrong with it, each finding as `file:line: error: ...`.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
+  /// The same with kinds of the caller's own: make_registry() (troupe/registry.hpp), and what was added to
+  /// it.
+  Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -155,6 +163,11 @@ class Simulation {
   /// Called on its worker as a task of a parallel loop begins (true) and ends (false), with the task's index
   /// in its loop; on several workers at once, so it must be thread-safe. For profiles; set between steps.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
+
+  /// The engine's view of it (engine/world.hpp): types, state tables and hooks, for tools that compare or
+  /// save a state without knowing it. Lives as long as the simulation does.
+  engine::World& world();
+  const engine::World& world() const;
 
   /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
   /// no render, or the file cannot be written.

@@ -33,7 +33,20 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
 TEST_F(Usage, HelpNamesTheCommands) {
   const Outcome outcome = troupe({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("run"), HasSubstr("describe"), HasSubstr("--version")));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("run"), HasSubstr("check"), HasSubstr("diff"),
+                                 HasSubstr("describe"), HasSubstr("--version")));
+}
+
+TEST_F(Usage, HelpOfCheckAndDiffNamesTheirOptionsAndExitCodes) {
+  const auto expect = [&](const char* command, const std::vector<const char*>& words) {
+    const Outcome outcome = troupe({command, "--help"});
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* word : words) EXPECT_THAT(outcome.out, HasSubstr(word));
+    for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
+  };
+  expect("check", {"WORLD", "--for", "--threads", "--tile-size", "--seed", "--raytracer", "--robots", "--set",
+                   "--controllers", "quit_time", "Exit codes", "Examples"});
+  expect("diff", {"--across-domains", "--across-runs", "Exit codes", "Examples"});
 }
 
 TEST_F(Usage, NoCommandShowsHelpAsAnError) {
@@ -63,9 +76,10 @@ TEST_P(WrongUsages, IsOneLineAndExitCode2) {
   EXPECT_THAT(files(), ElementsAre("room.world"));
 }
 
-std::string in_run(const std::string& message) {
-  return "troupe run: error: " + message + "; see troupe run --help";
+std::string in_command(const std::string& command, const std::string& message) {
+  return "troupe " + command + ": error: " + message + "; see troupe " + command + " --help";
 }
+std::string in_run(const std::string& message) { return in_command("run", message); }
 
 std::vector<std::string> room(std::vector<std::string> options) {
   options.insert(options.begin(), {"run", "room.world"});
@@ -148,6 +162,20 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--profile-ticks", "1:3"}), in_run("--profile-ticks requires --profile")},
         WrongUsage{room({"--hash-log", "--json"}), in_run("--hash-log: \"--json\" is not a file name")},
         WrongUsage{room({"--json=no"}), in_run("--json takes no value")},
+        WrongUsage{{"check"}, in_command("check", "WORLD is required")},
+        WrongUsage{{"check", "room.world", "--threads", "1,,2"},
+                   in_command("check", "--threads: \"\" is not a number of threads, 1 to 1024")},
+        WrongUsage{{"check", "room.world", "--threads", "1,two"},
+                   in_command("check", "--threads: \"two\" is not a number of threads, 1 to 1024")},
+        WrongUsage{{"check", "room.world", "--tile-size", "auto,-1"},
+                   in_command("check",
+                              "--tile-size: \"-1\" is not a length in metres, above 0 (tiles are never "
+                              "smaller than the cells they hold)")},
+        WrongUsage{{"check", "room.world", "--hash-log", "a.log"},
+                   in_command("check", "unknown option \"--hash-log\"")},
+        WrongUsage{{"diff", "a.log"}, in_command("diff", "B is required")},
+        WrongUsage{{"diff", "a.log", "b.log", "c.log"},
+                   in_command("diff", "one argument too many: \"c.log\"")},
         WrongUsage{
             {"describe", "ranger", "position"},
             "troupe describe: error: one argument too many: \"position\"; see troupe describe --help"}));

@@ -1,8 +1,11 @@
 #include "troupe/troupe.hpp"
 
 #include "base/hash.hpp"
+#include "engine/controller.hpp"
+#include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -109,6 +112,31 @@ TEST_F(SimulationTest, AFileThatIsNotThereIsAnInputError) {
   const std::string missing = (folder_ / "none.world").string();
   EXPECT_EQ(message_of<InputError>([&] { Simulation simulation(missing); }),
             missing + ": error: there is no such file");
+}
+
+/// Turns on the spot.
+struct Spinner {
+  static Spinner make(const engine::Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+                                  std::string&) const {
+    return {};
+  }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.command = {0, 0, 0.5};
+  }
+};
+
+TEST_F(SimulationTest, KindsOfTheCallersOwnStandBesideOurs) {
+  const fs::path file = write("spin.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "spinner"}}},
+    "models": [{"name": "r0", "type": "bot"}]})");
+  EXPECT_THAT(message_of<InputError>([&] { Simulation simulation(file); }), HasSubstr("spinner"));
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Spinner>("spinner", "turns on the spot", {}));
+  Simulation simulation(file, {}, registry);
+  simulation.run_for(0.2);
+  EXPECT_EQ(simulation.find("r0").speed().turn, 0.5);
+  EXPECT_EQ(simulation.world().tick(), 2u);
 }
 
 TEST_F(SimulationTest, WhatTheLoaderWarnsOfIsKept) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "apps/exit_code.hpp"
+
+#include <filesystem>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+}
+
+namespace troupe::apps {
+
+/// What the command line of `troupe diff` asks for.
+struct DiffOptions {
+  std::filesystem::path first;
+  std::filesystem::path second;
+  bool across_domains = false;  ///< of other versions, compilers, flags or instruction sets
+  bool across_runs = false;     ///< of other worlds, seeds or options
+};
+
+/// Adds `diff` and its options to the program; parsing fills `options`, which must outlive `app`.
+CLI::App* add_diff_command(CLI::App& app, DiffOptions& options);
+
+/// `troupe diff`: compares two hash logs tick by tick, to the first that differs. Tells it on standard
+/// output.
+ExitCode diff(const DiffOptions& options);
+
+}  // namespace troupe::apps

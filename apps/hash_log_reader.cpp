@@ -1,0 +1,124 @@
+#include "apps/hash_log_reader.hpp"
+
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr std::string_view k_form =
+    "TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex digits each";
+constexpr std::size_t k_shown = 120;  // bytes of a line that is quoted in an error
+
+/// 16 lower-case hex digits, and nothing else.
+std::optional<std::uint64_t> hash_of(std::string_view text) {
+  if (text.size() != 16 || text.find_first_not_of("0123456789abcdef") != text.npos) return std::nullopt;
+  std::uint64_t hash = 0;
+  std::from_chars(text.data(), text.data() + text.size(), hash, 16);
+  return hash;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t start = 0; start <= line.size();) {
+    const std::size_t end = std::min(line.find(' ', start), line.size());
+    words.push_back(line.substr(start, end - start));
+    start = end + 1;
+  }
+  return words;
+}
+
+}  // namespace
+
+HashLogReader::HashLogReader(const std::filesystem::path& file)
+    : file_(file), stream_(file, std::ios::binary) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored))
+    throw InputError(fmt::format("{}: error: there is no such file", file.string()));
+  if (!stream_ || std::filesystem::is_directory(file, ignored))
+    throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  std::string line;
+  if (!read_line(line) || line != k_hash_log_mark)
+    throw InputError(
+        fmt::format("{}:1: error: this is no hash log: one begins with \"{}\" (troupe run --hash-log)",
+                    file.string(), k_hash_log_mark));
+  while (read_line(line)) {
+    if (!line.starts_with('#')) {
+      ahead_ = std::move(line);
+      return;
+    }
+    read_header(line);
+  }
+}
+
+std::optional<HashLogReader::Line> HashLogReader::next() {
+  std::string text;
+  if (ahead_) {
+    text = std::move(*ahead_);
+    ahead_.reset();
+  } else if (!read_line(text)) {
+    return std::nullopt;
+  }
+  Line line = parse(text);
+  if (last_tick_ && line.tick != *last_tick_ + 1)
+    fail(fmt::format("tick {} after tick {}: a hash log has a line for every tick", line.tick, *last_tick_));
+  last_tick_ = line.tick;
+  return line;
+}
+
+bool HashLogReader::read_line(std::string& line) {
+  if (!std::getline(stream_, line)) {
+    if (stream_.bad()) fail("cannot be read any further");
+    return false;
+  }
+  ++number_;
+  if (stream_.eof())
+    fail("the last line has no end: the log was cut off; remove that line to compare what is before it");
+  return true;
+}
+
+void HashLogReader::read_header(const std::string& line) {
+  const auto colon = line.find(": ");
+  if (!line.starts_with("# ") || colon == line.npos)
+    fail(fmt::format("\"{}\" is no header: these read # KEY: VALUE", line.substr(0, k_shown)));
+  const std::string key = line.substr(2, colon - 2);
+  if (!headers_.emplace(key, Header{line.substr(colon + 2), number_}).second)
+    fail(fmt::format("a second header \"{}\"", key));
+}
+
+HashLogReader::Line HashLogReader::parse(const std::string& text) const {
+  Line line{.number = number_, .text = text};
+  const auto malformed = [&] {
+    fail(fmt::format("\"{}\" is no line of a hash log: these read {}", text.substr(0, k_shown), k_form));
+  };
+  const std::vector<std::string_view> words = words_of(text);
+  if (words.size() != 2 + engine::k_hash_groups) malformed();
+  const auto [end, fault] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), line.tick);
+  const auto state = hash_of(words[1]);
+  if (fault != std::errc() || end != words[0].data() + words[0].size() || !state) malformed();
+  line.state = *state;
+  for (std::size_t g = 0; g < engine::k_hash_groups; ++g) {
+    const std::string_view name = engine::hash_group_name(static_cast<engine::HashGroup>(g));
+    const std::string_view word = words[2 + g];
+    if (!word.starts_with(name) || word.substr(name.size(), 1) != "=") malformed();
+    const auto hash = hash_of(word.substr(name.size() + 1));
+    if (!hash) malformed();
+    line.groups[g] = *hash;
+  }
+  if (std::accumulate(line.groups.begin(), line.groups.end(), std::uint64_t{0}) != line.state)
+    fail("the state is not the sum of its groups: the line is damaged");
+  return line;
+}
+
+void HashLogReader::fail(const std::string& message) const {
+  throw InputError(fmt::format("{}:{}: error: {}", file_.string(), number_, message));
+}
+
+}  // namespace troupe::apps

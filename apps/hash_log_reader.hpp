@@ -1,0 +1,60 @@
+#pragma once
+
+#include "engine/state_table.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace troupe::apps {
+
+/// The first line of every hash log.
+inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
+
+/// A hash log, read line by line: two days' run is a file of gigabytes. Everything that is wrong with it is
+/// an InputError, `run.log:31: error: ...`.
+class HashLogReader {
+ public:
+  /// Opens the file and reads its header.
+  explicit HashLogReader(const std::filesystem::path& file);
+
+  const std::filesystem::path& file() const { return file_; }
+  /// What a header line `# key: value` says, and where.
+  struct Header {
+    std::string value;
+    std::size_t line = 0;
+  };
+  const std::map<std::string, Header>& headers() const { return headers_; }
+
+  struct Line {
+    std::size_t number;  ///< in the file, from 1
+    std::string text;
+    std::uint64_t tick;
+    std::uint64_t state;
+    std::array<std::uint64_t, engine::k_hash_groups> groups;
+  };
+  /// The next tick, nothing at the end. Ticks follow one another without a gap, each line is whole, and its
+  /// state is the sum of its groups.
+  std::optional<Line> next();
+
+ private:
+  bool read_line(std::string& line);
+  void read_header(const std::string& line);
+  Line parse(const std::string& line) const;
+  [[noreturn]] void fail(const std::string& message) const;
+
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  std::size_t number_ = 0;
+  std::map<std::string, Header> headers_;
+  std::optional<std::string> ahead_;  // the first line behind the header
+  std::optional<std::uint64_t> last_tick_;
+};
+
+}  // namespace troupe::apps

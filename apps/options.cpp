@@ -1,0 +1,125 @@
+#include "apps/options.hpp"
+
+#include "base/diagnostics.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <utility>
+
+namespace troupe::apps {
+namespace {
+
+// Longer than the age of the universe, and ticks of a microsecond still count in 64 bits.
+constexpr double k_max_seconds = 1e12;
+constexpr unsigned k_max_threads = 1024;
+
+std::pair<std::string, std::size_t> population_size(const std::string& text) {
+  const auto equals = text.rfind('=');
+  const auto count = number<std::size_t>(text.substr(equals == text.npos ? 0 : equals + 1));
+  if (!count || equals == 0)
+    refuse("--robots", text,
+           "a number of robots, as in --robots 500, or --robots NAME=500 for one population");
+  return {equals == text.npos ? "" : text.substr(0, equals), *count};
+}
+
+std::pair<std::string, std::string> assignment(const std::string& text) {
+  const auto equals = text.find('=');
+  if (!text.starts_with('/') || equals == text.npos)
+    refuse("--set", text, "a JSON pointer and a value, as in --set /populations/0/count=500");
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+}  // namespace
+
+std::optional<double> finite(std::string_view text) {
+  const auto value = number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+void refuse(const char* option, std::string_view text, std::string_view expected) {
+  throw CLI::ValidationError(option, fmt::format("\"{}\" is not {}", text, expected));
+}
+
+CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
+                       const std::function<void(const std::string&)>& set) {
+  return app.add_option_function<std::string>(name, set, help)->option_text(value);
+}
+
+CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
+                        const std::function<void(const std::string&)>& add) {
+  const auto add_all = [add](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) add(text);
+  };
+  return app.add_option_function<std::vector<std::string>>(name, add_all, help)
+      ->option_text(value)
+      ->allow_extra_args(false);
+}
+
+unsigned thread_count(std::string_view text) {
+  const auto threads = number<unsigned>(text);
+  if (!threads || *threads < 1 || *threads > k_max_threads)
+    refuse("--threads", text, fmt::format("a number of threads, 1 to {}", k_max_threads));
+  return *threads;
+}
+
+double tile_size_m(std::string_view text) {
+  const auto size = finite(text);
+  if (!size || *size <= 0)
+    refuse("--tile-size", text,
+           "a length in metres, above 0 (tiles are never smaller than the cells they hold)");
+  return *size;
+}
+
+void add_world_options(CLI::App& app, WorldOptions& options) {
+  app.add_option_function<std::string>(
+         "WORLD", [&options](const std::string& text) { options.world = text; },
+         "World file: Stage's .world, or .json")
+      ->option_text(" ")
+      ->required();
+  add_value(app, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
+    options.for_s = finite(text);
+    if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
+      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
+  });
+  add_value(app, "--seed", "N", "Seed of every random stream (default: the world's, else 1)",
+            [&options](const std::string& text) {
+              options.simulation.seed = number<std::uint64_t>(text);
+              if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
+            });
+  add_value(app, "--raytracer", "exact|grid", "What finds ranges (default: the world's, else exact)",
+            [&options](const std::string& text) {
+              const auto& names = engine::k_ranging_engines;
+              const auto found = std::ranges::find(names, text);
+              if (found == names.end()) refuse("--raytracer", text, "exact or grid");
+              options.simulation.ranging = static_cast<RangingEngine>(found - names.begin());
+            });
+  add_values(
+      app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
+      [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
+  add_values(app, "--set", "POINTER=VALUE", "Change a value of the world: a JSON pointer into it; repeatable",
+             [&options](const std::string& text) { options.simulation.set.push_back(assignment(text)); });
+}
+
+double end_of(const WorldOptions& options, const Simulation& simulation) {
+  if (options.for_s) return *options.for_s;
+  if (const auto quit = simulation.quit_time_s()) return *quit;
+  const bool json = options.world.extension() == ".json";
+  throw InputError(
+      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set {} in the world",
+                  options.world.string(), json ? "quit_time_s" : "quit_time"));
+}
+
+SimulationOptions with_stage_path(SimulationOptions options) {
+  const char* value = std::getenv("STAGEPATH");
+  std::istringstream list(value ? value : "");
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) options.search_path.emplace_back(folder);
+  return options;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "troupe/simulation.hpp"
+
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+class Option;
+}  // namespace CLI
+
+/// What the command lines of several commands have in common.
+namespace troupe::apps {
+
+/// The whole text as a number, or nothing.
+template <class T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+std::optional<double> finite(std::string_view text);
+
+/// Throws CLI::ValidationError: `--threads: "many" is not a number of threads, ...`.
+[[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
+/// What --threads and --tile-size take, in every command; others are refused.
+unsigned thread_count(std::string_view text);
+double tile_size_m(std::string_view text);
+
+/// An option with one value of our own parsing: CLI11's conversions take hexadecimal, nan, and texts for
+/// numbers.
+CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
+                       const std::function<void(const std::string&)>& set);
+/// The same for an option that may be repeated.
+CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
+                        const std::function<void(const std::string&)>& add);
+
+/// What says which run it is: the world, and everything that changes its results; and when it ends.
+struct WorldOptions {
+  std::filesystem::path world;
+  SimulationOptions simulation;
+  std::optional<double> for_s;  ///< end on the world's clock, s
+};
+/// Adds WORLD, --for, --seed, --raytracer, --robots and --set; `options` must outlive `app`.
+void add_world_options(CLI::App& app, WorldOptions& options);
+
+/// Where the run ends, s: --for, else where the world asks to. Throws InputError when neither says so.
+double end_of(const WorldOptions& options, const Simulation& simulation);
+/// The options with the folders of STAGEPATH, as Stage's users have them: separated by colons.
+SimulationOptions with_stage_path(SimulationOptions options);
+
+}  // namespace troupe::apps

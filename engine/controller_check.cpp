@@ -1,0 +1,226 @@
+#include "engine/controller_check.hpp"
+
+#include "base/fp_environment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+// What storage holds that nobody has set; and what it holds the other time.
+constexpr std::byte k_junk{0xa5};
+constexpr std::byte k_other_junk{0x5a};
+// No divisor of the step's own batches, so that each robot finds itself among others.
+constexpr std::size_t k_batch = 61;
+
+/// Leaves junk on the stack, where the next call will have its local variables.
+[[gnu::noinline]] void spoil_stack() {
+  std::array<volatile std::byte, 16384> below;
+  for (volatile std::byte& byte : below) byte = k_junk;
+}
+
+void copy_fields(const std::vector<StateField>& fields, const std::byte* from, std::byte* to) {
+  for (const StateField& field : fields)
+    std::memcpy(to + field.offset, from + field.offset, element_size(field.element) * field.columns);
+}
+
+std::string controller_name(const BodyType::Controller& controller, std::size_t number) {
+  return fmt::format("{}/{}", controller.kind->name, number);
+}
+
+/// Each field of each controller once: the repetition that came first, the lowest body, and how many.
+void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findings) {
+  const auto known = std::ranges::find_if(findings, [&](const ControllerFinding& other) {
+    return other.controller == finding.controller && other.field == finding.field;
+  });
+  if (known == findings.end()) {
+    findings.push_back(finding);
+  } else if (known->repeat == finding.repeat) {
+    const std::size_t decisions = known->decisions + 1;
+    if (finding.body < known->body) *known = finding;
+    known->decisions = decisions;
+  }
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+std::string finding_text(const World& world, const ControllerFinding& finding) {
+  const auto when = [&] {
+    switch (finding.repeat) {
+      case ControllerFinding::Repeat::start: return "when started on storage that held other bytes";
+      case ControllerFinding::Repeat::again: return "when decided again";
+      case ControllerFinding::Repeat::afresh: break;
+    }
+    return "when decided by a controller made afresh";
+  };
+  std::string text =
+      fmt::format("controller \"{}\": {} of \"{}\" (id {}) is {} {}, not {}", finding.controller,
+                  finding.field, world.spec().name(finding.body), finding.body.value,
+                  value_text(finding.second), when(), value_text(finding.first));
+  if (finding.repeat != ControllerFinding::Repeat::start)
+    text +=
+        fmt::format("; {} decision{}", finding.decisions, finding.decisions == 1 ? " differs" : "s differ");
+  return text;
+}
+
+ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world_(world) {
+  Diagnostics diagnostics;
+  for (const TypeSpec& type : world.spec().types) {
+    spoil_stack();
+    fresh_types_.push_back(make_body_type(type, registry, world.tick_s(), diagnostics));
+    taken_.emplace_back(fresh_types_.back().controllers.size());
+  }
+  diagnostics.throw_if_errors();
+  const auto commands = std::ranges::find(world.tables(), "command", &StateTable::component);
+  command_fields_.assign(commands->fields().begin(), commands->fields().end());
+  world.on_decide([this](const BodyType& type, const BodyType::Controller& controller,
+                         const DecideBatch& batch) { record(type, controller, batch); });
+}
+
+ControllerCheck::~ControllerCheck() { world_.on_decide(nullptr); }
+
+std::vector<ControllerFinding> ControllerCheck::start_twice() const {
+  std::vector<Finding> findings;
+  for (const BodyType& type : world_.types()) {
+    for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+      const BodyType::Controller& controller = type.controllers[c];
+      if (!controller.table) continue;
+      std::vector<std::byte> first(controller.kind->memory_bytes, k_other_junk);
+      std::vector<std::byte> second(controller.kind->memory_bytes, k_junk);
+      controller.kind->start(first.data());
+      spoil_stack();
+      controller.kind->start(second.data());
+      Finding finding{.controller = controller_name(controller, c), .repeat = Finding::Repeat::start};
+      finding.body = std::ranges::min(world_.tables()[*controller.table].ids());
+      compare_rows(
+          controller.kind->memory, first.data(), second.data(),
+          [&](const StateField& field, std::size_t column, const StateValue& a, const StateValue& b) {
+            finding.field = "memory " + field_text(field, column);
+            finding.first = a;
+            finding.second = b;
+            add(finding, findings);
+          });
+    }
+  }
+  return findings;
+}
+
+/// On the world's workers, in place of the decision.
+void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
+                             const DecideBatch& batch) {
+  Decisions here{.given = batch, .rows = {batch.rows.begin(), batch.rows.end()}};
+  const auto note = [&](std::vector<Command>& commands, std::vector<std::byte>& memories) {
+    commands.reserve(batch.size());
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      commands.push_back(batch.command(i));
+      if (batch.memories.first)
+        memories.insert(memories.end(), batch.memory(i), batch.memory(i) + batch.memories.count);
+    }
+  };
+  note(here.commands_before, here.memories_before);
+  controller.kind->decide(controller.data, batch);
+  note(here.commands_after, here.memories_after);
+
+  const std::lock_guard lock(mutex_);
+  Decisions& taken = taken_[static_cast<std::size_t>(&type - world_.types().data())]
+                           [static_cast<std::size_t>(&controller - type.controllers.data())];
+  taken.given = batch;
+  append(taken.rows, here.rows);
+  append(taken.commands_before, here.commands_before);
+  append(taken.commands_after, here.commands_after);
+  append(taken.memories_before, here.memories_before);
+  append(taken.memories_after, here.memories_after);
+}
+
+std::size_t ControllerCheck::pending() const {
+  std::size_t count = 0;
+  for (const auto& of_type : taken_)
+    for (const Decisions& taken : of_type) count += taken.rows.size();
+  return count;
+}
+
+std::vector<ControllerFinding> ControllerCheck::repeat() {
+  restore_fp_environment();  // of a thread that we have not seen before
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  std::vector<Finding> findings;
+  for (std::size_t t = 0; t < taken_.size(); ++t) {
+    for (std::size_t c = 0; c < taken_[t].size(); ++c) {
+      Decisions& taken = taken_[t][c];
+      if (taken.rows.empty()) continue;
+      decisions_ += taken.rows.size();
+      const BodyType::Controller& same = world_.types()[t].controllers[c];
+      for (const auto how : {Finding::Repeat::again, Finding::Repeat::afresh}) {
+        repeat(how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c], taken);
+        compare(taken, same.kind->memory, same.kind->memory_bytes,
+                {.controller = controller_name(same, c), .repeat = how}, findings);
+      }
+      taken = {};
+    }
+  }
+  return findings;
+}
+
+/// Into commands_ and memories_, from copies of what the first time began with.
+void ControllerCheck::repeat(const BodyType::Controller& controller, Decisions& taken) {
+  const ControllerKind& kind = *controller.kind;
+  DecideBatch batch = taken.given;
+  std::size_t slots = 0;
+  for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
+  memories_.assign(slots * kind.memory_bytes, k_junk);
+  batch.commands = commands_;
+  if (batch.memories.first) batch.memories.first = memories_.data();
+  for (std::size_t i = 0; i < taken.rows.size(); ++i) {
+    const std::size_t row = taken.rows[i].index();
+    commands_[row] = taken.commands_before[i];
+    if (batch.memories.first)
+      copy_fields(kind.memory, taken.memories_before.data() + i * kind.memory_bytes,
+                  memories_.data() + batch.slots[row] * kind.memory_bytes);
+  }
+
+  std::vector<Row> backwards = taken.rows;
+  std::ranges::sort(backwards, std::ranges::greater{});
+  const std::span<const Row> rows = backwards;
+  for (std::size_t first = 0; first < rows.size(); first += k_batch) {
+    batch.rows = rows.subspan(first, std::min(k_batch, rows.size() - first));
+    spoil_stack();
+    kind.decide(controller.data, batch);
+  }
+}
+
+void ControllerCheck::compare(const Decisions& taken, const std::vector<StateField>& memory_fields,
+                              std::size_t memory_bytes, const Finding& about,
+                              std::vector<Finding>& findings) const {
+  Finding finding = about;
+  for (std::size_t i = 0; i < taken.rows.size(); ++i) {
+    const std::size_t row = taken.rows[i].index();
+    finding.body = world_.body(taken.rows[i]);
+    const auto report = [&](std::string_view of) {
+      return [&finding, &findings, of](const StateField& field, std::size_t column, const StateValue& a,
+                                       const StateValue& b) {
+        finding.field = fmt::format("{} {}", of, field_text(field, column));
+        finding.first = a;
+        finding.second = b;
+        add(finding, findings);
+      };
+    };
+    if (!memories_.empty())
+      compare_rows(memory_fields, taken.memories_after.data() + i * memory_bytes,
+                   memories_.data() + taken.given.slots[row] * memory_bytes, report("memory"));
+    compare_rows(command_fields_, reinterpret_cast<const std::byte*>(&taken.commands_after[i]),
+                 reinterpret_cast<const std::byte*>(&commands_[row]), report("command"));
+  }
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,96 @@
+#pragma once
+
+#include "engine/state_difference.hpp"
+#include "engine/world.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+
+/// Where a controller decided otherwise though nothing that it is given had changed.
+struct ControllerFinding {
+  /// What was done a second time.
+  enum class Repeat : std::uint8_t {
+    start,   ///< the memory was started on storage that held other bytes
+    again,   ///< the same controller decided again
+    afresh,  ///< a controller that was made afresh, of the same parameters, decided
+  };
+  std::string
+      controller;     ///< kind and number within its body, as the memory's component is called: "wander/0"
+  std::string field;  ///< "memory turn_left_s" or "command x"
+  Repeat repeat = Repeat::again;
+  BodyId body;                ///< the lowest one met
+  StateValue first, second;   ///< of that body
+  std::size_t decisions = 1;  ///< that differ in this field
+};
+/// `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11) when decided again, not
+/// 0x0000000a (10); 12 decisions differ`.
+std::string finding_text(const World& world, const ControllerFinding& finding);
+
+/// Finds controllers that are no function of what they are given: it has every decision of a world taken
+/// three times from the same percepts, memory and command.
+///
+///     ControllerCheck check(world, registry);
+///     world.step();                                                  // the first time; counts as ever
+///     std::thread other([&] { findings = check.repeat(); });         // and twice more
+///
+/// order    the repetitions take the rows backwards, in batches of another size, on the thread that calls
+/// storage  memories and commands are copied field by field into storage filled with junk, at other
+///          addresses; the second repetition is that of a controller made afresh, on a stack filled with junk
+/// catches  rand(), statics, thread locals, clocks that tick between the two, members that change or were
+///          left unset, addresses, padding, what else is in the batch
+/// misses   what stays the same within one process: environment, files, which processor
+/// cost     while one lives, a copy of each memory and two more decisions; none without
+///
+/// Not thread-safe beside the world's own workers: repeat() between steps only. One a world at a time.
+class ControllerCheck {
+ public:
+  using Finding = ControllerFinding;
+
+  /// The registry is the world's own, or one of the same kinds. Both must outlive it.
+  ControllerCheck(World& world, const Registry& registry);
+  ~ControllerCheck();
+  ControllerCheck(const ControllerCheck&) = delete;
+  ControllerCheck& operator=(const ControllerCheck&) = delete;
+
+  /// Fields of memories that their controllers' `start` leaves as it found them, or sets anew each time.
+  std::vector<Finding> start_twice() const;
+  /// Takes the decisions of the last step twice more, and tells what came out otherwise: each field of each
+  /// controller once. An exception of a controller comes out.
+  std::vector<Finding> repeat();
+  /// Decisions of the last step that wait to be repeated.
+  std::size_t pending() const;
+  /// Decisions repeated so far.
+  std::uint64_t decisions() const { return decisions_; }
+
+ private:
+  /// Those of one controller of one type in one tick, a robot after the other.
+  struct Decisions {
+    DecideBatch given;  // but for rows, commands and memories, which are here
+    std::vector<Row> rows;
+    std::vector<Command> commands_before, commands_after;
+    std::vector<std::byte> memories_before, memories_after;
+  };
+
+  void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
+  void repeat(const BodyType::Controller& controller, Decisions& taken);
+  void compare(const Decisions& taken, const std::vector<StateField>& memory_fields, std::size_t memory_bytes,
+               const Finding& about, std::vector<Finding>& findings) const;
+
+  World& world_;
+  std::vector<BodyType> fresh_types_;
+  std::vector<StateField> command_fields_;
+  std::vector<std::vector<Decisions>> taken_;  // of each type, of each of its controllers
+  std::mutex mutex_;                           // of taken_, while the world steps
+  std::uint64_t decisions_ = 0;
+  // What the repetitions write: as large as the world's own tables.
+  std::vector<Command> commands_;
+  std::vector<std::byte> memories_;
+};
+
+}  // namespace troupe::engine

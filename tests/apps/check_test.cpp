@@ -1,0 +1,190 @@
+#include "apps/check.hpp"
+
+#include "tests/apps/program.hpp"
+#include "tests/support/rogue_controllers.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+class CheckProgram : public ProgramTest {};
+
+TEST_F(CheckProgram, ComparesEveryVariantAndWritesNothing) {
+  write("room.world", k_room);
+  const Outcome outcome =
+      troupe({"check", "room.world", "--for", "2", "--threads", "1,3", "--tile-size", "auto,0.9,7"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_THAT(lines, SizeIs(7));
+  EXPECT_THAT(lines[0], MatchesRegex("variant +ticks +result +hash"));
+  EXPECT_THAT(lines[1], MatchesRegex("1 thread, tiles as chosen +20  same bits  [0-9a-f]{16}"));
+  EXPECT_THAT(lines[6], MatchesRegex("3 threads, tiles of 7 m +20  same bits  [0-9a-f]{16}"));
+  const std::string hash = lines[1].substr(lines[1].size() - 16);
+  for (std::size_t i = 2; i < lines.size(); ++i) EXPECT_THAT(lines[i], ::testing::EndsWith(hash));
+  EXPECT_THAT(troupe({"run", "room.world", "--for", "2"}).out, HasSubstr(hash)) << "as a run ends";
+  EXPECT_THAT(files(), ElementsAre("room.world"));
+}
+
+TEST_F(CheckProgram, TakesTheOptionsThatChangeResults) {
+  write("swarm.json", R"({
+    "troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+      "controller": {"kind": "script", "law": "wave"}, "sensors": [
+        {"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 2}]}]}},
+    "populations": [{"name": "r", "type": "bot", "count": 9,
+                     "place": {"rule": "uniform", "region_m": [[-2, -2], [2, 2]]}}]})");
+  const auto hash = [&](std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"check", "swarm.json", "--for", "1", "--threads", "1,2", "--tile-size", "auto"});
+    const Outcome outcome = troupe(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const auto lines = lines_of(outcome.out);
+    return lines.empty() ? std::string() : lines.back().substr(lines.back().size() - 16);
+  };
+  const std::string plain = hash({});
+  EXPECT_EQ(hash({"--seed", "1", "--robots", "r=9"}), plain);
+  EXPECT_NE(hash({"--seed", "2"}), plain);
+  EXPECT_NE(hash({"--raytracer", "grid"}), plain);
+  EXPECT_NE(hash({"--robots", "8"}), plain);
+  EXPECT_NE(hash({"--set", "/populations/0/count=10"}), plain);
+}
+
+TEST_F(CheckProgram, ChecksTheControllersOfARoom) {
+  write("room.world", k_room);
+  const Outcome outcome =
+      troupe({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "auto", "--controllers"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out),
+              ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, .* same bits  [0-9a-f]{16}"),
+                          MatchesRegex("120 decisions, thrice +10  same bits  -")));
+}
+
+TEST_F(CheckProgram, BadInputIsExitCode2) {
+  write("room.world", k_room);
+  write("bad.json", "{\n  \"troupe\": 1,\n  \"types\": 3\n}\n");
+  const auto error_of = [&](const std::vector<std::string>& arguments) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, IsEmpty());
+    return outcome.err;
+  };
+  EXPECT_THAT(error_of({"check", "bad.json", "--for", "1"}), StartsWith("bad.json:3: error: /types"));
+  EXPECT_EQ(error_of({"check", "none.world", "--for", "1"}), "none.world: error: there is no such file\n");
+  EXPECT_EQ(
+      error_of({"check", "room.world"}),
+      "room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the world\n");
+  EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
+            "troupe check: error: one variant has nothing to be compared with: give several --threads or "
+            "--tile-size, or --controllers\n");
+}
+
+/// With kinds of our own, which the program does not have.
+class Check : public test::ScratchTest {
+ protected:
+  static const engine::Registry& registry() {
+    static const engine::Registry kinds = [] {
+      engine::Registry all = make_registry();
+      for (engine::ControllerKind& kind : test::rogue_controllers())
+        all.controllers.push_back(std::move(kind));
+      return all;
+    }();
+    return kinds;
+  }
+
+  CheckOptions options(const std::string& controller) const {
+    CheckOptions options;
+    options.world = write("swarm.json", R"({
+      "troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": ")" +
+                                            controller + R"("}}},
+      "populations": [{"name": "r", "type": "bot", "count": 40,
+                       "place": {"rule": "uniform", "region_m": [[-5, -5], [5, 5]]}}]})");
+    options.for_s = 0.5;
+    options.threads = {1, 2};
+    options.tile_sizes_m = {0};
+    return options;
+  }
+  Outcome check(const CheckOptions& options) const {
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    Outcome outcome;
+    outcome.code = apps::check(options, registry());
+    outcome.out = ::testing::internal::GetCapturedStdout();
+    outcome.err = ::testing::internal::GetCapturedStderr();
+    return outcome;
+  }
+  Outcome check_controllers(const std::string& controller) const {
+    CheckOptions watched = options(controller);
+    watched.controllers = true;
+    watched.threads = {2};
+    return check(watched);
+  }
+};
+
+TEST_F(Check, StopsAtTheFirstTickThatDiffersAndNamesTheVariants) {
+  const Outcome outcome = check(options("keeps_a_static"));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, IsEmpty());
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_THAT(lines, SizeIs(6));
+  EXPECT_THAT(lines[1], MatchesRegex("1 thread, tiles as chosen +1  same bits  [0-9a-f]{16}"));
+  EXPECT_THAT(lines[2], MatchesRegex("2 threads, tiles as chosen +1  DIFFERS    [0-9a-f]{16}"));
+  EXPECT_EQ(lines[3], "differs at tick 1 (0.1 s):");
+  EXPECT_EQ(lines[4], "  2 threads, tiles as chosen, against 1 thread, tiles as chosen:");
+  EXPECT_THAT(lines[5],
+              MatchesRegex("    keeps_a_static/0: calls of \"r0\" .id 1. is 0x[0-9a-f]{8} .[0-9]+., not "
+                           "0x[0-9a-f]{8} .[0-9]+.; 40 entities differ"));
+}
+
+TEST_F(Check, AnHonestControllerPasses) {
+  CheckOptions watched = options("honest");
+  watched.controllers = true;
+  const Outcome outcome = check(watched);
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("200 decisions, thrice +5  same bits  -"));
+}
+
+struct Rogue {
+  std::string controller;
+  std::string finding;
+};
+
+void PrintTo(const Rogue& rogue, std::ostream* out) { *out << rogue.controller; }
+
+class CheckRogue : public Check, public ::testing::WithParamInterface<Rogue> {};
+
+TEST_P(CheckRogue, IsNamedWithItsField) {
+  const Outcome outcome = check_controllers(GetParam().controller);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(lines_of(outcome.out).back(),
+              AllOf(StartsWith("  controller \"" + GetParam().controller + "/0\": " + GetParam().finding),
+                    HasSubstr(" of \"r0\" (id 1) is 0x")));
+  EXPECT_THAT(outcome.out, HasSubstr("DIFFERS"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Controllers, CheckRogue,
+                         ::testing::Values(Rogue{"calls_rand", "command turn"},
+                                           Rogue{"keeps_a_static", "memory calls"},
+                                           Rogue{"reads_a_slow_clock", "memory now"},
+                                           Rogue{"leaves_a_member_unset", "command x"},
+                                           Rogue{"starts_half", "memory unset"}),
+                         [](const auto& rogue) {
+                           std::string name = rogue.param.controller;
+                           std::erase(name, '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,189 @@
+#include "tests/apps/program.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+/// A log's header, with one text replaced by another; 9 lines.
+std::string header(const std::string& what = "", const std::string& by = "") {
+  std::string text =
+      "# troupe hash log 1\n"
+      "# version: troupe 0.1.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)\n"
+      "# world: worlds/room.json\n# seed: 1\n# tick_s: 0.1\n# ranging: exact\n# robots: 12\n"
+      "# threads: 2\n# tile_m: 4\n";
+  if (!what.empty()) text.replace(text.find(what), what.size(), by);
+  return text;
+}
+
+std::string line(std::uint64_t tick, std::uint64_t sensor = 3, std::uint64_t memory = 4) {
+  return fmt::format("{} {:016x} pose={:016x} velocity={:016x} sensor={:016x} memory={:016x}\n", tick,
+                     tick + 2 + sensor + memory, tick, 2, sensor, memory);
+}
+
+std::string lines(std::uint64_t first, std::uint64_t last) {
+  std::string text;
+  for (std::uint64_t tick = first; tick <= last; ++tick) text += line(tick);
+  return text;
+}
+
+class Diff : public ProgramTest {
+ protected:
+  Outcome diff(const std::string& a, const std::string& b, std::vector<std::string> options = {}) {
+    write("a.log", a);
+    write("b.log", b);
+    options.insert(options.begin(), {"diff", "a.log", "b.log"});
+    return troupe(options);
+  }
+  /// The error that a second log meets.
+  std::string error_of(const std::string& b) {
+    const Outcome outcome = diff(header() + lines(0, 3), b);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, IsEmpty());
+    return outcome.err;
+  }
+};
+
+TEST_F(Diff, SameBits) {
+  const Outcome outcome =
+      diff(header() + lines(0, 10), header("# threads: 2", "# threads: 8") + lines(0, 10));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "same bits, tick 0 to 10; the last state is 0000000000000013\n");
+}
+
+TEST_F(Diff, FindsTheFirstTickAndItsGroups) {
+  const Outcome outcome =
+      diff(header() + lines(0, 10), header() + lines(0, 6) + line(7, 30, 40) + line(8, 9, 9) + lines(9, 10));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(lines_of(outcome.out), ElementsAre("differs at tick 7, in sensor, memory:",
+                                                 StartsWith("  a.log:17: 7 0000000000000010 pose="),
+                                                 StartsWith("  b.log:17: 7 000000000000004f pose=")));
+}
+
+TEST_F(Diff, GroupsThatAddUpToTheSameStateDifferAllTheSame) {
+  const Outcome outcome = diff(header() + lines(0, 1), header() + line(0) + line(1, 4, 3));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, StartsWith("differs at tick 1, in sensor, memory:"));
+}
+
+TEST_F(Diff, ALogThatEndsEarlierDiffers) {
+  const Outcome outcome = diff(header() + lines(0, 10), header() + lines(0, 7));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out,
+            "differs in length: b.log ends at tick 7, a.log goes on; the same bits from tick 0 until then\n");
+}
+
+TEST_F(Diff, ALogMayBeginLater) {
+  EXPECT_EQ(diff(header() + lines(0, 10), header() + lines(5, 10)).out,
+            "same bits, tick 5 to 10; the last state is 0000000000000013\n");
+  const Outcome apart = diff(header() + lines(0, 3), header() + lines(5, 10));
+  EXPECT_EQ(apart.code, 2);
+  EXPECT_EQ(apart.err, "a.log: error: the log ends before tick 5, at which b.log begins\n");
+}
+
+TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
+  const std::string clang = header("GNU 12.2.0; Release -O3", "Clang 14.0.6; Debug -Og") + lines(0, 3);
+  EXPECT_EQ(
+      error_of(clang),
+      "b.log:2: error: compiler is \"Clang 14.0.6\", in a.log \"GNU 12.2.0\": another determinism domain; "
+      "--across-domains compares them all the same\n"
+      "b.log:2: error: flags is \"Debug -Og\", in a.log \"Release -O3\": another determinism domain; "
+      "--across-domains compares them all the same\n");
+  EXPECT_THAT(error_of(header("x86_64", "aarch64") + lines(0, 3)),
+              HasSubstr("instruction set is \"aarch64\""));
+  EXPECT_THAT(error_of(header("0.1.0", "0.2.0") + lines(0, 3)), HasSubstr("version is \"troupe 0.2.0\""));
+  EXPECT_EQ(diff(header() + lines(0, 3), clang, {"--across-domains"}).code, 0);
+  EXPECT_EQ(diff(header() + lines(0, 3), clang, {"--across-runs"}).code, 2);
+  EXPECT_EQ(diff(header() + lines(0, 3), header("assertions off", "assertions on") + lines(0, 3)).code, 0);
+}
+
+TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
+  const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
+  EXPECT_EQ(error_of(seed),
+            "b.log:4: error: seed is \"7\", in a.log \"1\": another run; --across-runs compares them all the "
+            "same\n");
+  EXPECT_THAT(error_of(header("room", "hall") + lines(0, 3)),
+              StartsWith("b.log:3: error: world is \"hall.json\", in a.log \"room.json\": another run"));
+  EXPECT_THAT(error_of(header() + "# set /a: 3\n" + lines(0, 3)),
+              StartsWith("b.log:10: error: set /a is \"3\", in a.log \"\": another run"));
+  EXPECT_EQ(diff(header() + lines(0, 3), seed, {"--across-runs"}).code, 0);
+  EXPECT_EQ(diff(header() + lines(0, 3), header("worlds/room", "/elsewhere/room") + lines(0, 3)).code, 0);
+}
+
+TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
+  EXPECT_EQ(
+      error_of(header() + lines(0, 1) + "2 0123"),
+      "b.log:12: error: the last line has no end: the log was cut off; remove that line to compare what is "
+      "before it\n");
+  const std::string form =
+      " is no line of a hash log: these read TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
+      "digits "
+      "each\n";
+  EXPECT_EQ(error_of(header() + lines(0, 1) + "2 0123\n"), "b.log:12: error: \"2 0123\"" + form);
+  std::string upper = line(0, 10);
+  upper.replace(upper.find("a "), 1, "A");
+  for (const std::string& wrong : {upper, fmt::format("x{}", line(0)), fmt::format("-1{}", line(0).substr(1)),
+                                   fmt::format(" {}", line(0)), line(0).replace(20, 4, "posi")}) {
+    EXPECT_EQ(
+        error_of(header() + wrong),
+        fmt::format("b.log:10: error: \"{}\"{}", wrong.substr(0, wrong.size() - 1).substr(0, 120), form));
+  }
+  EXPECT_EQ(error_of(header() + line(0) + line(2)),
+            "b.log:11: error: tick 2 after tick 0: a hash log has a line for every tick\n");
+  std::string damaged = line(1);
+  damaged[damaged.size() - 2] = '7';
+  EXPECT_EQ(error_of(header() + line(0) + damaged),
+            "b.log:11: error: the state is not the sum of its groups: the line is damaged\n");
+  EXPECT_EQ(error_of(header() + "#seed 3\n" + line(0)),
+            "b.log:10: error: \"#seed 3\" is no header: these read # KEY: VALUE\n");
+  EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)), "b.log:10: error: a second header \"seed\"\n");
+  EXPECT_EQ(error_of(header()), "b.log: error: the log has no tick\n");
+  const std::string none =
+      "b.log:1: error: this is no hash log: one begins with \"# troupe hash log 1\" (troupe run "
+      "--hash-log)\n";
+  for (const char* other : {"", "{}\n", "\x89HDF\r\n\x1a\n", "# troupe hash log 2\n"})
+    EXPECT_EQ(error_of(other), none);
+}
+
+TEST_F(Diff, FilesThatCannotBeReadAreErrors) {
+  write("a.log", header() + lines(0, 1));
+  const Outcome missing = troupe({"diff", "a.log", "none.log"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_EQ(missing.err, "none.log: error: there is no such file\n");
+  const Outcome folder = troupe({"diff", ".", "a.log"});
+  EXPECT_EQ(folder.code, 2);
+  EXPECT_EQ(folder.err, ".: error: cannot be read\n");
+}
+
+TEST_F(Diff, TakesWhatARunWrites) {
+  write("room.world", k_room);
+  const auto run = [&](const std::string& log, std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", "room.world", "--for", "2", "--quiet", "--hash-log", log});
+    EXPECT_EQ(troupe(options).code, 0);
+  };
+  run("one.log", {"--threads", "1"});
+  run("three.log", {"--threads", "3", "--tile-size", "0.9"});
+  run("seven.log", {"--seed", "7"});
+  const Outcome same = troupe({"diff", "one.log", "three.log"});
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_THAT(same.out, MatchesRegex("same bits, tick 0 to 20; the last state is [0-9a-f]{16}\n"));
+  EXPECT_THAT(troupe({"diff", "one.log", "seven.log"}).err, HasSubstr("seed is \"7\", in one.log \"1\""));
+  const Outcome other = troupe({"diff", "one.log", "seven.log", "--across-runs"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.out,
+              MatchesRegex("differs at tick [0-9]+, in [a-z, ]+:\n  one.log:.*\n  seven.log:.*\n"));
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,206 @@
+#include "engine/controller_check.hpp"
+
+#include "tests/support/rogue_controllers.hpp"
+#include "tests/support/scene.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using Repeat = ControllerFinding::Repeat;
+
+const Registry& registry() {
+  static const Registry kinds = [] {
+    Registry all = test::registry();
+    for (ControllerKind& kind : test::rogue_controllers()) all.controllers.push_back(std::move(kind));
+    return all;
+  }();
+  return kinds;
+}
+
+constexpr std::size_t k_robots = 300;  // more than a batch of either time
+
+/// Robots on a grid, far apart, each with these controllers.
+struct Swarm {
+  Diagnostics diagnostics;
+  World world;
+  explicit Swarm(const std::vector<std::string>& controllers, unsigned threads = 2)
+      : world(make(controllers), registry(), {.threads = threads}, diagnostics) {}
+
+  static WorldSpec make(const std::vector<std::string>& controllers) {
+    test::SceneBuilder scene;
+    const TypeId type = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+    for (const std::string& kind : controllers)
+      scene[type].controllers.push_back(
+          {.kind = kind, .params = registry().controller(kind)->params.defaults()});
+    for (std::size_t i = 0; i < k_robots; ++i)
+      scene.body(fmt::format("r{}", i), type,
+                 {3.0 * static_cast<double>(i % 20), 3.0 * static_cast<double>(i / 20), 0, 0});
+    return scene.spec;
+  }
+};
+
+std::vector<ControllerFinding> on_another_thread(ControllerCheck& check) {
+  std::vector<ControllerFinding> findings;
+  std::thread([&] { findings = check.repeat(); }).join();
+  return findings;
+}
+
+std::vector<ControllerFinding> findings_of(const std::string& controller, unsigned threads = 2) {
+  Swarm swarm({controller}, threads);
+  ControllerCheck check(swarm.world, registry());
+  swarm.world.step();
+  return on_another_thread(check);
+}
+
+auto is_finding(const std::string& controller, const std::string& field, Repeat repeat) {
+  return AllOf(Field(&ControllerFinding::controller, controller), Field(&ControllerFinding::field, field),
+               Field(&ControllerFinding::repeat, repeat));
+}
+
+TEST(ControllerCheck, FindsNothingInAFunction) {
+  Swarm swarm({"honest"});
+  ControllerCheck check(swarm.world, registry());
+  EXPECT_THAT(check.start_twice(), IsEmpty());
+  for (int tick = 1; tick <= 5; ++tick) {
+    swarm.world.step();
+    EXPECT_EQ(check.pending(), k_robots);
+    EXPECT_THAT(on_another_thread(check), IsEmpty()) << tick;
+    EXPECT_EQ(check.pending(), 0u);
+  }
+  EXPECT_EQ(check.decisions(), 5 * k_robots);
+}
+
+TEST(ControllerCheck, ChangesNoResult) {
+  Swarm alone({"honest"});
+  Swarm watched({"honest"});
+  {
+    ControllerCheck check(watched.world, registry());
+    for (int tick = 0; tick < 3; ++tick) {
+      alone.world.step();
+      watched.world.step();
+      check.repeat();
+    }
+  }
+  alone.world.step();
+  watched.world.step();  // after it has gone
+  EXPECT_EQ(alone.world.hashes().state, watched.world.hashes().state);
+}
+
+TEST(ControllerCheck, NamesRobotControllerFieldAndValues) {
+  Swarm swarm({"honest", "keeps_a_static"}, 1);
+  ControllerCheck check(swarm.world, registry());
+  swarm.world.step();
+  const std::vector<ControllerFinding> findings = on_another_thread(check);
+  ASSERT_THAT(findings, ElementsAre(is_finding("keeps_a_static/1", "memory calls", Repeat::again)));
+  EXPECT_EQ(findings[0].body, BodyId(1)) << "the lowest; the ground is 0";
+  EXPECT_EQ(findings[0].decisions, k_robots);
+  EXPECT_GT(findings[0].second.bits, findings[0].first.bits);
+  EXPECT_THAT(
+      finding_text(swarm.world, findings[0]),
+      MatchesRegex("controller \"keeps_a_static/1\": memory calls of \"r0\" .id 1. is 0x[0-9a-f]+ .[0-9]+. "
+                   "when decided again, not 0x[0-9a-f]+ .[0-9]+.; 300 decisions differ"));
+}
+
+TEST(ControllerCheck, CatchesRand) {
+  EXPECT_THAT(findings_of("calls_rand"),
+              ElementsAre(is_finding("calls_rand/0", "command turn", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAStatic) {
+  EXPECT_THAT(findings_of("keeps_a_static"),
+              ElementsAre(is_finding("keeps_a_static/0", "memory calls", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAThreadLocal) {
+  // The rows come backwards and the thread is new: with one worker the counts go 1..n and n..1.
+  EXPECT_THAT(findings_of("keeps_a_thread_local", 1),
+              ElementsAre(is_finding("keeps_a_thread_local/0", "memory calls", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAMemberThatChanges) {
+  EXPECT_THAT(findings_of("changes_a_member", 1),
+              ElementsAre(is_finding("changes_a_member/0", "command x", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAClock) {
+  EXPECT_THAT(findings_of("reads_a_fast_clock"),
+              ElementsAre(is_finding("reads_a_fast_clock/0", "memory now", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAControllerThatIsMadeUnlike) {
+  EXPECT_THAT(findings_of("is_made_unlike"),
+              ElementsAre(is_finding("is_made_unlike/0", "command y", Repeat::afresh)));
+}
+
+TEST(ControllerCheck, CatchesAnAddress) {
+  EXPECT_THAT(findings_of("looks_at_an_address"),
+              ElementsAre(is_finding("looks_at_an_address/0", "memory place", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesPadding) {
+  EXPECT_THAT(findings_of("looks_at_padding"),
+              ElementsAre(is_finding("looks_at_padding/0", "memory hash", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAControllerThatLooksAtItsBatch) {
+  EXPECT_THAT(findings_of("looks_at_its_batch"),
+              ElementsAre(is_finding("looks_at_its_batch/0", "memory before", Repeat::again)));
+}
+
+TEST(ControllerCheck, CatchesAFieldThatStartLeavesUnset) {
+  Swarm swarm({"honest", "starts_half"});
+  const ControllerCheck check(swarm.world, registry());
+  const std::vector<ControllerFinding> findings = check.start_twice();
+  ASSERT_THAT(findings, ElementsAre(is_finding("starts_half/1", "memory unset", Repeat::start)));
+  EXPECT_EQ(
+      finding_text(swarm.world, findings[0]),
+      "controller \"starts_half/1\": memory unset of \"r0\" (id 1) is 0xa5a5a5a5 (-1515870811) when started "
+      "on storage that held other bytes, not 0x5a5a5a5a (1515870810)");
+}
+
+TEST(ControllerCheck, OurOwnControllersAreFunctions) {
+  test::SceneBuilder scene;
+  const auto bot = [&](const std::string& name, ControllerSpec controller, std::size_t beams) {
+    const TypeId type = scene.robot(name, {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
+    std::vector<test::Transducer> ring;
+    for (std::size_t i = 0; i < beams; ++i)
+      ring.push_back(
+          {.pose = {0, 0, 0.1, radians(360.0 / static_cast<double>(beams) * static_cast<double>(i))},
+           .fov = beams == 1 ? 2.0 : 0.0,
+           .samples = beams == 1 ? 31 : 1});
+    scene[type].sensors.push_back(test::ranger("eye", ring));
+    scene[type].controllers.push_back(std::move(controller));
+    for (int i = 0; i < 40; ++i)
+      scene.body(fmt::format("{}{}", name, i), type,
+                 {0.5 * (i % 8), 0.5 * (i / 8) + 3.0 * static_cast<double>(beams), 0, 0.7 * i});
+  };
+  bot("scanner", test::controller("wander"), 1);
+  bot("ring", test::controller("expand"), 16);
+  bot("blind", test::controller("script", {{"law", "wave"}}), 2);
+  World world = scene.world();
+  ControllerCheck check(world, test::registry());
+  EXPECT_THAT(check.start_twice(), IsEmpty());
+  for (int tick = 1; tick <= 20; ++tick) {
+    world.step();
+    ASSERT_THAT(on_another_thread(check), IsEmpty()) << tick;
+  }
+  EXPECT_EQ(check.decisions(), 20u * 120);
+  EXPECT_GT(world.mean_displacement(), 0.1);
+}
+
+}  // namespace
+}  // namespace troupe::engine

@@ -1,0 +1,205 @@
+#pragma once
+
+#include "base/hash.hpp"
+#include "engine/controller.hpp"
+
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Controllers that are no functions of what they are given, each for a reason of its own; and one that is.
+namespace troupe::test {
+
+struct Parameterless {
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+                                  std::string&) const {
+    return {};
+  }
+};
+
+struct Honest : Parameterless {
+  struct Memory {
+    double sum = 0;
+    std::uint8_t odd = 0;
+    TROUPE_FIELDS(sum, odd)
+  };
+  static Honest make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    memory.sum += random.uniform() + 0.001 * percept.body;
+    memory.odd = percept.tick % 2 == 1;
+    actions.command.x = 0.5 * actions.command.x + 0.01 * memory.sum;  // the last command is given, too
+  }
+};
+
+struct CallsRand : Parameterless {
+  static CallsRand make(const engine::Record&) { return {}; }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.command.turn = static_cast<double>(std::rand()) / RAND_MAX;
+  }
+};
+
+struct KeepsAStatic : Parameterless {
+  struct Memory {
+    std::uint32_t calls = 0;
+    TROUPE_FIELDS(calls)
+  };
+  static KeepsAStatic make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    static std::atomic<std::uint32_t> calls = 0;
+    memory.calls = ++calls;
+  }
+};
+
+struct KeepsAThreadLocal : Parameterless {
+  struct Memory {
+    std::uint32_t calls = 0;
+    TROUPE_FIELDS(calls)
+  };
+  static KeepsAThreadLocal make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    static thread_local std::uint32_t calls = 0;
+    memory.calls = ++calls;
+  }
+};
+
+/// The first time it is asked it behaves otherwise than ever after.
+struct ChangesAMember : Parameterless {
+  mutable std::atomic<bool> asked = false;
+  ChangesAMember() = default;
+  ChangesAMember(const ChangesAMember& other) : Parameterless(), asked(other.asked.load()) {}
+  static ChangesAMember make(const engine::Record&) { return {}; }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.command.x = asked.exchange(true) ? 0.1 : 0.2;
+  }
+};
+
+struct ReadsAFastClock : Parameterless {
+  struct Memory {
+    std::int64_t now = 0;
+    TROUPE_FIELDS(now)
+  };
+  static ReadsAFastClock make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    memory.now = std::chrono::steady_clock::now().time_since_epoch().count();
+  }
+};
+
+struct ReadsASlowClock : Parameterless {
+  struct Memory {
+    std::int64_t now = 0;
+    TROUPE_FIELDS(now)
+  };
+  static ReadsASlowClock make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    memory.now = std::time(nullptr);
+  }
+};
+
+/// A member that nobody sets: what `new` finds.
+struct LeavesAMemberUnset : Parameterless {
+  std::uint64_t gain;
+  double bias;
+  static LeavesAMemberUnset make(const engine::Record&) {
+    const auto controller = std::make_unique_for_overwrite<LeavesAMemberUnset>();
+    controller->bias = 0.25;
+    return *controller;
+  }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.command.x = bias + static_cast<double>(gain % 7);
+  }
+};
+
+/// A different controller each time it is made: what an unset member comes to, and can be relied on.
+struct IsMadeUnlike : Parameterless {
+  double bias = 0;
+  static IsMadeUnlike make(const engine::Record&) {
+    static std::atomic<int> made = 0;
+    IsMadeUnlike controller;
+    controller.bias = 0.1 * ++made;
+    return controller;
+  }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.command.y = bias;
+  }
+};
+
+struct LooksAtAnAddress : Parameterless {
+  struct Memory {
+    std::uint64_t place = 0;
+    TROUPE_FIELDS(place)
+  };
+  static LooksAtAnAddress make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    memory.place = std::bit_cast<std::uintptr_t>(&memory);
+  }
+};
+
+/// Between and behind its fields there are bytes that are nobody's.
+struct LooksAtPadding : Parameterless {
+  struct Memory {
+    std::uint8_t odd = 1;
+    std::uint64_t hash = 0;
+    TROUPE_FIELDS(odd, hash)
+  };
+  static LooksAtPadding make(const engine::Record&) { return {}; }
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    memory.hash = hash_bytes(std::as_bytes(std::span(&memory, 1)));
+  }
+};
+
+/// Takes its robots at once, and lets each see who comes before it.
+struct LooksAtItsBatch : Parameterless {
+  struct Memory {
+    std::uint32_t before = 0;
+    TROUPE_FIELDS(before)
+  };
+  static LooksAtItsBatch make(const engine::Record&) { return {}; }
+  void operator()(const engine::DecideBatch& batch) const {
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      reinterpret_cast<Memory*>(batch.memory(i))->before = static_cast<std::uint32_t>(i);
+  }
+};
+
+/// Its memory is started by hand, all but one field.
+inline engine::ControllerKind starts_half() {
+  struct Half : Parameterless {
+    struct Memory {
+      float set = 0;
+      std::int32_t unset = 0;
+      TROUPE_FIELDS(set, unset)
+    };
+    static Half make(const engine::Record&) { return {}; }
+    void operator()(Memory&, const engine::Percept&, Random&, engine::Actions&) const {}
+  };
+  engine::ControllerKind kind = engine::make_controller_kind<Half>("starts_half", "", {});
+  kind.start = [](std::byte* memory) { reinterpret_cast<Half::Memory*>(memory)->set = 1; };
+  return kind;
+}
+
+inline std::vector<engine::ControllerKind> rogue_controllers() {
+  using engine::make_controller_kind;
+  return {make_controller_kind<Honest>("honest", "", {}),
+          make_controller_kind<CallsRand>("calls_rand", "", {}),
+          make_controller_kind<KeepsAStatic>("keeps_a_static", "", {}),
+          make_controller_kind<KeepsAThreadLocal>("keeps_a_thread_local", "", {}),
+          make_controller_kind<ChangesAMember>("changes_a_member", "", {}),
+          make_controller_kind<ReadsAFastClock>("reads_a_fast_clock", "", {}),
+          make_controller_kind<ReadsASlowClock>("reads_a_slow_clock", "", {}),
+          make_controller_kind<LeavesAMemberUnset>("leaves_a_member_unset", "", {}),
+          make_controller_kind<IsMadeUnlike>("is_made_unlike", "", {}),
+          make_controller_kind<LooksAtAnAddress>("looks_at_an_address", "", {}),
+          make_controller_kind<LooksAtPadding>("looks_at_padding", "", {}),
+          make_controller_kind<LooksAtItsBatch>("looks_at_its_batch", "", {}),
+          starts_half()};
+}
+
+}  // namespace troupe::test
