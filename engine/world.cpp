@@ -1,5 +1,7 @@
 #include "engine/world.hpp"
 
+#include "base/fp_environment.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -173,9 +175,24 @@ void World::build_tables() {
       controller.table = tables_.size();
       tables_.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory, Layout::rows,
                            controller.kind->memory, bodies[t], controller.kind->memory_bytes);
-      for (std::size_t i = 0; i < bodies[t].size(); ++i) controller.kind->start(tables_.back().row(i));
     }
   }
+  start();
+}
+
+void World::start() {
+  tick_ = 0;
+  stalled_ = held_ = 0;
+  beams_ = conflict_rounds_ = 0;
+  std::ranges::fill(motions_, Motion());
+  std::ranges::fill(free_circles_, FreeCircle());
+  for (StateTable& table : tables_) table.clear();
+  for (const BodyType& type : types_)
+    for (const BodyType::Controller& controller : type.controllers) {
+      if (!controller.table) continue;
+      StateTable& memories = tables_[*controller.table];
+      for (std::size_t i = 0; i < memories.rows(); ++i) controller.kind->start(memories.row(i));
+    }
   for (std::size_t r = 0; r < rows(); ++r) {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
@@ -273,6 +290,11 @@ Pose World::pose(BodyId body) const {
 }
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
+
+void World::reset() {
+  restore_fp_environment();  // as before a step
+  start();
+}
 
 Hashes World::hashes() {
   constexpr std::size_t k_block = 1024;  // rows a task

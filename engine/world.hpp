@@ -57,6 +57,10 @@ class World {
 
   // ---- the tick: engine/step.cpp
   void step();
+  /// Back to S(0): every table, the tick, the counters and whatever is derived from them, as the constructor
+  /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
+  /// after a step that threw.
+  void reset();
   std::uint64_t tick() const { return tick_; }
   double tick_s() const { return spec_.tick_s; }
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
@@ -143,6 +147,8 @@ class World {
   void build_rows();
   void build_scene();
   void build_tables();
+  /// Fills the tables, and what is derived from them, with the state that the spec describes.
+  void start();
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 
