@@ -1,4 +1,5 @@
 #include "apps/describe.hpp"
+#include "apps/lint.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@ namespace {
 constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
+  troupe lint worlds/hospital.json
   troupe describe ranger
   troupe run --help)";
 
@@ -68,6 +71,8 @@ int troupe_main(int argc, char** argv) {
 
   RunOptions options;
   const CLI::App* run_command = add_run_command(app, options);
+  std::filesystem::path linted;
+  const CLI::App* lint_command = add_lint_command(app, linted);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
@@ -84,6 +89,7 @@ int troupe_main(int argc, char** argv) {
   }
 
   if (run_command->parsed()) return run(options);
+  if (lint_command->parsed()) return lint_world(linted);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

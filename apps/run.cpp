@@ -5,6 +5,7 @@
 #include "apps/profile.hpp"
 #include "apps/progress.hpp"
 #include "apps/report.hpp"
+#include "apps/stage_path.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 
@@ -16,10 +17,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -93,16 +92,6 @@ void step_to_end(Simulation& simulation, HashLog* log, Profile* profile, bool sh
   report.stopped = simulation.tick() < ticks;
   report.statistics = simulation.statistics();
   report.hashes = simulation.hashes();
-}
-
-/// The folders of STAGEPATH, as Stage's users have them: separated by colons.
-std::vector<std::filesystem::path> stage_path() {
-  std::vector<std::filesystem::path> folders;
-  const char* value = std::getenv("STAGEPATH");
-  std::istringstream list(value ? value : "");
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (!folder.empty()) folders.emplace_back(folder);
-  return folders;
 }
 
 ExitCode run_checked(const RunOptions& options) {

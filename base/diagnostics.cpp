@@ -54,7 +54,7 @@ std::uint32_t SourceFiles::add(std::string_view name) {
   return static_cast<std::uint32_t>(found - names_.begin());
 }
 
-Diagnostics::Diagnostics() : files_(std::make_shared<SourceFiles>()) {}
+Diagnostics::Diagnostics(bool thorough) : thorough_(thorough), files_(std::make_shared<SourceFiles>()) {}
 
 void Diagnostics::error(Where where, std::string message) {
   findings_.push_back({Severity::error, where, std::move(message)});
@@ -68,7 +68,8 @@ void Diagnostics::warning(Where where, std::string message) {
 }
 
 void Diagnostics::warning_once(Where where, std::string message) {
-  const auto [place, is_new] = once_.try_emplace(message, findings_.size());
+  const auto [place, is_new] =
+      once_.try_emplace(thorough_ ? text({Severity::warning, where, message}) : message, findings_.size());
   if (is_new) {
     warning(where, std::move(message));
   } else {

@@ -49,14 +49,17 @@ class InputError : public std::runtime_error {
 /// Not thread-safe.
 class Diagnostics {
  public:
-  Diagnostics();
+  /// thorough: as a lint wants it. A warning that a load reports once for many places is listed at each of
+  /// them, and readers also look for what no run cares about (definitions that nobody uses, ...).
+  explicit Diagnostics(bool thorough = false);
 
+  bool thorough() const { return thorough_; }
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
   void error(Where where, std::string message);
   void warning(Where where, std::string message);
   /// A warning that is reported once for all places: calls with the same message after the first are only
-  /// counted, and ` (and 99 more)` follows it in warnings().
+  /// counted, and ` (and 99 more)` follows it in warnings(). Where thorough, once for each place.
   void warning_once(Where where, std::string message);
 
   bool has_errors() const { return errors_ > 0; }
@@ -70,10 +73,11 @@ class Diagnostics {
   void throw_if_errors() const;
 
  private:
+  bool thorough_;
   std::shared_ptr<SourceFiles> files_;
   std::vector<Finding> findings_;
   std::vector<std::size_t> repeats_;         // beside findings_: how many more times a warning_once was met
-  std::map<std::string, std::size_t> once_;  // message of a warning_once -> its place in findings_
+  std::map<std::string, std::size_t> once_;  // text of a warning_once -> its place in findings_
   std::size_t errors_ = 0;
 };
 

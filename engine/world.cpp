@@ -219,9 +219,12 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
 
 void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_bodies = 256;
+  constexpr std::size_t k_most_listed = 100;
+  const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
+  using Pair = std::pair<BodyId, BodyId>;
   struct Found {  // by one task
     std::size_t pairs = 0;
-    BodyId first, second;  // of the first pair
+    std::vector<Pair> listed;  // the first of them
     std::vector<BodyId> below_floor;
   };
   std::vector<Found> tasks((body_rows_.size() + k_bodies - 1) / k_bodies);
@@ -235,42 +238,52 @@ void World::report_overlaps(Diagnostics& diagnostics) {
       if (shape.z.min + poses()[r].z < 0) found.below_floor.push_back(row_bodies_[r]);
       // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not
       // show.
-      std::vector<BodyId> fixed;
-      if (scene_.has_obstacles()) fixed = scene_.overlapping(shape, poses()[r]);
-      std::size_t others = 0;
-      BodyId lowest;
+      std::vector<BodyId> others;
+      if (scene_.has_obstacles()) others = scene_.overlapping(shape, poses()[r]);
+      const auto fixed = static_cast<std::ptrdiff_t>(others.size());
       index_.for_each_near(Box::around(transforms_[r].position, shape.radius),
                            [&](const partition::BodyCircle& other) {
                              if (row_ids_[other.row] > b && !row_shapes_[other.row]->empty() &&
-                                 overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row])) {
-                               ++others;
-                               lowest = std::min(lowest, row_bodies_[other.row]);
-                             }
+                                 overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row]))
+                               others.push_back(row_bodies_[other.row]);
                            });
-      if (fixed.empty() && others == 0) continue;
-      if (found.pairs == 0) {
-        found.first = row_bodies_[r];
-        found.second = fixed.empty() ? lowest : fixed.front();
-      }
-      found.pairs += fixed.size() + others;
+      std::sort(others.begin() + fixed, others.end());
+      found.pairs += others.size();
+      for (std::size_t i = 0; i < others.size() && found.listed.size() < most; ++i)
+        found.listed.emplace_back(BodyId(b), others[i]);
     }
   });
 
   std::size_t pairs = 0;
+  std::vector<Pair> listed;
   for (const Found& found : tasks) {
     pairs += found.pairs;
+    for (std::size_t i = 0; i < found.listed.size() && listed.size() < most; ++i)
+      listed.push_back(found.listed[i]);
     for (const BodyId body : found.below_floor)
       diagnostics.warning_once(spec_.bodies[body.index()].where,
                                "a body reaches below the floor, which holds nothing here");
   }
   if (pairs == 0) return;
-  const Found& first = *std::ranges::find_if(tasks, [](const Found& found) { return found.pairs > 0; });
-  diagnostics.warning(
-      spec_.bodies[first.first.index()].where,
-      fmt::format("{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
-                  "but not closer",
-                  pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first.first),
-                  spec_.name(first.second)));
+  const auto where = [this](BodyId body) { return spec_.bodies[body.index()].where; };
+  if (!diagnostics.thorough()) {
+    const auto [first, second] = listed.front();
+    diagnostics.warning(
+        where(first),
+        fmt::format(
+            "{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
+            "but not closer",
+            pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first), spec_.name(second)));
+    return;
+  }
+  for (const auto& [first, second] : listed)
+    diagnostics.warning(where(first),
+                        fmt::format("\"{}\" {} \"{}\" at the start", spec_.name(first),
+                                    row(second).valid() ? "overlaps" : "stands in", spec_.name(second)));
+  if (const std::size_t more = pairs - listed.size(); more > 0)
+    diagnostics.warning(where(listed.back().first),
+                        fmt::format("{} more pair{} of bodies overlap{} at the start", more,
+                                    more == 1 ? "" : "s", more == 1 ? "s" : ""));
 }
 
 BodyId World::find(std::string_view name) const {

@@ -48,7 +48,7 @@ struct Hashes {
 class World {
  public:
   /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
-  /// at the start, once, with a count.
+  /// at the start, once, with a count; of each of the first hundred where thorough.
   /// The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;

@@ -34,6 +34,7 @@ struct PartSpec {
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
   Returns returns;
+  bool floor_plan = false;     ///< outlined by an image
   std::optional<Color> color;  ///< not given: the body's own
   Where where;
 };

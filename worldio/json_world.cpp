@@ -213,7 +213,8 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   body.pose_world_body = read_pose(object);
   if (const JsonNode* node = object.find("color"))
     body.color = read_color(JsonCursor(at, "color", *node)).value_or(body.color);
-  engine::PartSpec part{.kind = "model", .returns = read_returns(object), .where = at.where()};
+  engine::PartSpec part{
+      .kind = "model", .returns = read_returns(object), .floor_plan = true, .where = at.where()};
   if (record[0].given()) {
     const std::vector<double>& size = record[0].numbers();
     part.size = {size[0], size[1], size[2]};

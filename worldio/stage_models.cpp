@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <unordered_set>
 
 namespace troupe::worldio {
@@ -36,7 +37,7 @@ void StageMacros::define(const StageItem& item) {
                                 name.text, document_.token(first->second.body->word).line));
 }
 
-std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const {
+std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   StageModel model{.type = document_.word(entity), .where = document_.token(entity.word).where()};
   model.layers.push_back(&entity);
   model.names.push_back(model.type);
@@ -47,6 +48,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const 
                     fmt::format("macro \"{}\" is built on itself", model.type));
       return {};
     }
+    macro->second.is_used = true;
     model.layers.push_back(macro->second.body);
     model.type = macro->second.base;
     model.names.push_back(model.type);
@@ -65,6 +67,34 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const 
   values_.error(model.where, fmt::format("\"{}\" is no model type, nor a macro defined before; types: {}{}",
                                          model.type, comma_list(types), did_you_mean(model.type, near)));
   return {};
+}
+
+void StageMacros::report_unused() {
+  struct File {
+    std::size_t macros = 0;
+    bool is_used = false;
+  };
+  const std::uint32_t own = document_.sources.front().file;
+  std::map<std::uint32_t, File> included;
+  for (const StageItem& item : document_.items) {
+    const StageToken name = document_.token(item.entity.word);
+    const auto macro = macros_.find(name.text);
+    const bool is_ours = item.is_define && macro != macros_.end() && macro->second.body == &item.entity;
+    const bool is_used = !item.is_define || (is_ours && macro->second.is_used);
+    if (name.file != own) {
+      File& file = included[name.file];
+      file.macros += item.is_define;
+      file.is_used = file.is_used || is_used;
+    } else if (is_ours && !is_used) {
+      values_.warning(name.where(), fmt::format("macro \"{}\" is never used", name.text));
+    }
+  }
+  for (const StageProperty& property : document_.world)
+    included[document_.token(property.key).file].is_used = true;
+  for (const auto& [file, holds] : included)
+    if (!holds.is_used)
+      values_.warning({file, 0}, fmt::format("nothing of this file is used; it defines {} macro{}",
+                                             holds.macros, holds.macros == 1 ? "" : "s"));
 }
 
 }  // namespace troupe::worldio

@@ -51,6 +51,7 @@ class Structure {
       }
       add(part.returns.obstacle);
       add(part.returns.ranger);
+      add(part.floor_plan);
       add(part.color.has_value());
       if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
     }
@@ -141,6 +142,7 @@ class StageWorld {
         add_body(item.entity);
       }
     }
+    if (values_.thorough()) macros_.report_unused();
     lint_.finish();
   }
 
@@ -466,6 +468,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   if (const StageProperty* property = find("ranger_return"))
     part.returns.ranger = static_cast<float>(values_.number(*property).value_or(1));
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  part.floor_plan = find("bitmap") != nullptr;
   const double height = part.size.z();
   draft.type.parts.push_back(std::move(part));
 
