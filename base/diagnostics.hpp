@@ -45,7 +45,8 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Collects what is wrong with an input, so that a load reports everything at once.
+/// Collects what is wrong with an input, so that a load reports everything at once. Of a message that quotes
+/// something endless the beginning is kept.
 /// Not thread-safe.
 class Diagnostics {
  public:
@@ -56,7 +57,10 @@ class Diagnostics {
   bool thorough() const { return thorough_; }
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
+  /// Throws InputError, as throw_if_errors() does, at the k_most_errors-th: who goes on reading behind that
+  /// many only takes time and memory.
   void error(Where where, std::string message);
+  static constexpr std::size_t k_most_errors = 1000;
   void warning(Where where, std::string message);
   /// A warning that is reported once for all places: calls with the same message after the first are only
   /// counted, and ` (and 99 more)` follows it in warnings(). Where thorough, once for each place.
@@ -85,7 +89,7 @@ class Diagnostics {
 /// Of equally near names the first.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// `unknown drive "hover"; known: car, diff, omni (did you mean "omni"?)`: what every message about a name
-/// says.
+/// says. Of many known names the first are listed, and of thousands none is suggested.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

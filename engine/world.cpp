@@ -12,6 +12,8 @@
 namespace troupe::engine {
 namespace {
 
+constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
+
 /// Cells an eighth of how far robots see, in the mean, so that what a body looks up, and its own width, end
 /// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
 /// runs over few of them. A few far-sighted robots among many do not coarsen them.
@@ -46,8 +48,20 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
 
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
     : spec_(std::move(spec)), parallel_(options.threads) {
-  for (const TypeSpec& type : spec_.types)
+  double beams = 0;
+  for (const TypeSpec& type : spec_.types) {
     types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
+    for (const BodyType::Sensor& sensor : types_.back().sensors)
+      beams += static_cast<double>(sensor.prepared.beams);
+    if (beams <= k_most_beams) continue;
+    diagnostics.error(
+        type.parts.front().where,
+        fmt::format("too large: with this type the world's sensors have more than {:.0f} beams; bodies "
+                    "that share a type share them",
+                    k_most_beams));
+    diagnostics.throw_if_errors();
+  }
+  check_size(diagnostics);
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
@@ -55,6 +69,41 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
   report_overlaps(diagnostics);
+}
+
+/// A file of some kilobytes can ask for more memory than there is, and who runs out of it is killed without a
+/// word.
+void World::check_size(Diagnostics& diagnostics) const {
+  constexpr double k_most_bytes = 16e9;
+  double fixed_vertices = 0;
+  double bytes = 0;
+  Where where;
+  std::vector<double> vertices;
+  for (const TypeSpec& type : spec_.types) {
+    double count = 0;
+    for (const PartSpec& part : type.parts) count += static_cast<double>(count_vertices(part.solids));
+    vertices.push_back(count);
+  }
+  for (const BodySpec& body : spec_.bodies) {
+    const BodyType& type = types_[body.type.index()];
+    if (!type.runs()) {
+      fixed_vertices += vertices[body.type.index()];
+    } else {
+      bytes += type.row_bytes();
+    }
+    where = body.where;
+    if (fixed_vertices > k_most_vertices || bytes > k_most_bytes) break;
+  }
+  if (fixed_vertices > k_most_vertices)
+    diagnostics.error(
+        where,
+        fmt::format("too large: with this body the outlines of what never moves have more than {} corners",
+                    k_most_vertices));
+  if (bytes > k_most_bytes)
+    diagnostics.error(
+        where,
+        fmt::format("too large: with this body readings, memories and outlines take more than {:.0f} GB",
+                    k_most_bytes / 1e9));
 }
 
 /// Neighbours on the ground at the start become neighbours in memory, and remain so for long: of 100,000

@@ -143,6 +143,7 @@ class World {
   std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
+  void check_size(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
   void build_rows();
   void build_scene();

@@ -18,6 +18,10 @@ namespace troupe::engine {
 /// What a world file says, expanded: plain data that a loader makes from any format, that a program can fill
 /// by hand, and that engine::World is built from. Lengths in metres, angles in radians, times in seconds.
 
+/// The most corners that the outlines of a world may have: of all its types, and of all its bodies that never
+/// move.
+inline constexpr std::size_t k_most_vertices = 50000000;
+
 /// How a model shows itself to others.
 struct Returns {
   bool obstacle = true;  ///< takes part in collisions

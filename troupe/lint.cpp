@@ -137,9 +137,13 @@ void Lint::check_sensors() {
 void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sensor, Where where,
                         const Heights& visible) {
   const auto* ranger = std::any_cast<sensors::RangerBeams>(&sensor.prepared.data);
-  if (!ranger || ranger->count == 0) return;
+  if (!ranger) return;
   const engine::BodyType& body = world_.types()[type];
   const std::string called = fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor.name, body.name);
+  if (ranger->count == 0) {
+    diagnostics_.warning(where, called + "it has no beam");
+    return;
+  }
   if (stays_inside(*ranger, body.obstacle)) {
     const float longest = *std::max_element(
         ranger->range_max.begin(), ranger->range_max.begin() + static_cast<std::ptrdiff_t>(ranger->count));

@@ -7,6 +7,12 @@
 #include <unordered_set>
 
 namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_most_steps = 20000000;
+constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
+
+}  // namespace
 
 const StageProperty* StageModel::find(const StageDocument& document, std::string_view key) const {
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
@@ -48,6 +54,13 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
                     fmt::format("macro \"{}\" is built on itself", model.type));
       return {};
     }
+    if (++steps_ > k_most_steps) {
+      values_.error(model.where,
+                    fmt::format("too large: it takes more than {} steps to follow the macros of the world "
+                                "to what they are built on",
+                                k_most_steps));
+      return {};
+    }
     macro->second.is_used = true;
     model.layers.push_back(macro->second.body);
     model.type = macro->second.base;
@@ -61,7 +74,8 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
-  for (const auto& [name, macro] : macros_) near.push_back(name);
+  if (macros_.size() <= k_names_compared)
+    for (const auto& [name, macro] : macros_) near.push_back(name);
   // The order of the hash table must not choose between two names that are equally near.
   std::ranges::sort(near);
   values_.error(model.where, fmt::format("\"{}\" is no model type, nor a macro defined before; types: {}{}",

@@ -53,6 +53,7 @@ class StageMacros {
   const engine::Registry& registry_;
   StageValues& values_;
   std::unordered_map<std::string_view, Macro> macros_;
+  std::size_t steps_ = 0;
 };
 
 }  // namespace troupe::worldio

@@ -28,6 +28,8 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
 constexpr std::size_t k_deepest_nesting = 200;
+// Of all different models together: macros and images multiply what stands in a file.
+constexpr std::size_t k_most_parts = 1000000;
 
 /// A type as bytes, its name and its places in files left out: bodies share a type when these are equal.
 class Structure {
@@ -216,6 +218,8 @@ class StageWorld {
   std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
   std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
   engine::NameMap names_;
+  std::size_t parts_ = 0;
+  std::size_t vertices_ = 0;
 };
 
 void StageWorld::read_world() {
@@ -401,6 +405,11 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     draft.broken = true;
   };
   for (const StageModel::Child& child : model.children(document_)) {
+    if (++parts_ > k_most_parts) {
+      fail(draft.where,
+           fmt::format("too large: the macros of the world expand to more than {} entities", k_most_parts));
+      return {};
+    }
     if (++draft.entities > k_most_entities) {
       fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
       return {};
@@ -457,6 +466,14 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
     if (const auto given = values_.pose(*property)) origin = *given;
   const Pose pose_body_frame = compose(place.pose_body_part, origin);
   part.solids = bodies_.make(model, kind, part.size, holds->blocks);
+  vertices_ += count_vertices(part.solids);
+  if (vertices_ > engine::k_most_vertices) {
+    values_.error(draft.where,
+                  fmt::format("too large: the outlines of the world's models have more than {} corners",
+                              engine::k_most_vertices));
+    draft.broken = true;
+    return;
+  }
   const Transform to_body(pose_body_frame);
   for (Solid& solid : part.solids) {
     for (Ring& ring : solid.contours)
