@@ -133,6 +133,10 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
       "transducers": [{"range_max_mm": 5, "samples": 3}]})")),
               Contains(HasSubstr("sees nothing: its beams of 0.005 m end inside of its own body")));
 
+  EXPECT_THAT(findings("none.json", json_world(R"({"name": "eye", "kind": "ranger", "transducers": []})")),
+              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it has no beam",
+                          "none.json: 1 finding"));
+
   // Nobody sees itself; another robot of its kind it does see.
   const std::string alone =
       "define bot position( size [0.4 0.4 0.3]\n"
