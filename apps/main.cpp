@@ -1,6 +1,7 @@
 #include "apps/check.hpp"
 #include "apps/describe.hpp"
 #include "apps/diff.hpp"
+#include "apps/lint.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,7 @@ constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
+  troupe lint worlds/hospital.json
   troupe describe ranger
   troupe run --help)";
 
@@ -75,6 +78,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
   const CLI::App* diff_command = add_diff_command(app, diff_options);
+  std::filesystem::path linted;
+  const CLI::App* lint_command = add_lint_command(app, linted);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
@@ -93,6 +98,7 @@ int troupe_main(int argc, char** argv) {
   if (run_command->parsed()) return run(options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
+  if (lint_command->parsed()) return lint_world(linted);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 namespace troupe {
@@ -57,6 +58,20 @@ struct Trapezoid {
   double top;
 };
 
+/// Sides may cross as often as there are pairs of them, and each crossing is a level that all of them are cut
+/// at: a few thousand corners, drawn for the purpose, would take days. What serious outlines take is a
+/// thousandth of this.
+class Effort {
+ public:
+  void spend(std::size_t steps) {
+    if (steps > left_) throw std::length_error("the outline is too intricate to be cut into convex pieces");
+    left_ -= steps;
+  }
+
+ private:
+  std::size_t left_ = 50000000;
+};
+
 /// Heights in ascending order, those within `tolerance` of the one before them left out.
 std::vector<double> levels_of(std::vector<double> heights, double tolerance) {
   std::sort(heights.begin(), heights.end());
@@ -100,7 +115,7 @@ std::vector<Side> sides_of(const std::vector<Ring>& contours, const std::vector<
 
 /// Where sides cross strictly between two levels, as further levels. `active` are the sides that span them.
 std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom,
-                              double top) {
+                              double top, Effort& effort) {
   std::vector<double> heights;
   const auto x_bottom = [&](std::size_t s) { return sides[s].x_at(bottom); };
   const auto x_top = [&](std::size_t s) { return sides[s].x_at(top); };
@@ -108,12 +123,14 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
     return std::pair(x_bottom(a), x_top(a)) < std::pair(x_bottom(b), x_top(b));
   });
   // Each exchange of an insertion sort by the order at the top is a pair that crosses.
+  effort.spend(active.size());
   for (std::size_t i = 1; i < active.size(); ++i) {
     for (std::size_t j = i; j > 0 && x_top(active[j - 1]) > x_top(active[j]); --j) {
       const double gap_bottom = x_bottom(active[j]) - x_bottom(active[j - 1]);
       const double gap_top = x_top(active[j - 1]) - x_top(active[j]);
       heights.push_back(bottom + (top - bottom) * (gap_bottom / (gap_bottom + gap_top)));
       std::swap(active[j - 1], active[j]);
+      effort.spend(1);
     }
   }
   return heights;
@@ -122,7 +139,8 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
 /// The even-odd region between two levels where no sides cross, appended to `trapezoids`. One that goes on
 /// between the same sides as a trapezoid of the slab below (the `open` ones) lengthens that one instead.
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
-              std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open) {
+              std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
+  effort.spend(4 * active.size());
   const auto x_middle = [&](std::size_t s) { return 0.5 * (sides[s].x_at(bottom) + sides[s].x_at(top)); };
   std::stable_sort(active.begin(), active.end(),
                    [&](std::size_t a, std::size_t b) { return x_middle(a) < x_middle(b); });
@@ -134,6 +152,7 @@ void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, d
     const auto same = std::find_if(candidate, open.end(), [&](std::size_t t) {
       return trapezoids[t].left == left && trapezoids[t].right == right;
     });
+    effort.spend(static_cast<std::size_t>(same - candidate));
     if (same != open.end()) {
       trapezoids[*same].top = top;
       now_open.push_back(*same);
@@ -148,6 +167,7 @@ void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, d
 
 std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::vector<double>& levels,
                                      double tolerance) {
+  Effort effort;
   std::vector<Trapezoid> trapezoids;
   std::vector<std::size_t> open;  // the trapezoids that reach the top of the slab before, from left to right
   std::vector<std::size_t> active;
@@ -158,13 +178,13 @@ std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::
     std::erase_if(active, [&](std::size_t s) { return sides[s].high.y() <= bottom; });
     for (; next < sides.size() && sides[next].low.y() <= bottom; ++next) active.push_back(next);
 
-    std::vector<double> cuts = crossings(sides, active, bottom, top);
+    std::vector<double> cuts = crossings(sides, active, bottom, top, effort);
     cuts.push_back(bottom);
     cuts.push_back(top);
     cuts = levels_of(std::move(cuts), tolerance);
     cuts.back() = top;  // a crossing that close below it is one with it
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      cut_slab(sides, active, cuts[i], cuts[i + 1], trapezoids, open);
+      cut_slab(sides, active, cuts[i], cuts[i + 1], trapezoids, open, effort);
     }
   }
   return trapezoids;
@@ -233,6 +253,13 @@ Ring outline_of(const Piece& piece) {
 }
 
 }  // namespace
+
+std::size_t count_vertices(const std::vector<Solid>& solids) {
+  std::size_t count = 0;
+  for (const Solid& solid : solids)
+    for (const Ring& ring : solid.contours) count += ring.size();
+  return count;
+}
 
 Solid placed(Solid solid, const Pose& pose_world_body) {
   const Transform transform(pose_world_body);

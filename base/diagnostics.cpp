@@ -12,6 +12,9 @@ namespace {
 
 /// More errors than this are counted, not listed.
 constexpr std::size_t k_errors_listed = 50;
+constexpr std::size_t k_names_listed = 50;
+constexpr std::size_t k_names_compared = 2000;
+constexpr std::size_t k_longest_message = 8000;
 
 std::string_view name_of(Severity severity) {
   switch (severity) {
@@ -20,6 +23,14 @@ std::string_view name_of(Severity severity) {
     case Severity::error: return "error";
   }
   return "";
+}
+
+std::string shortened(std::string message) {
+  if (message.size() > k_longest_message) {
+    message.resize(k_longest_message);
+    message += " ...";
+  }
+  return message;
 }
 
 /// Insertions, deletions, changes of a letter and swaps of neighbours that lead from a to b.
@@ -54,21 +65,22 @@ std::uint32_t SourceFiles::add(std::string_view name) {
   return static_cast<std::uint32_t>(found - names_.begin());
 }
 
-Diagnostics::Diagnostics() : files_(std::make_shared<SourceFiles>()) {}
+Diagnostics::Diagnostics(bool thorough) : thorough_(thorough), files_(std::make_shared<SourceFiles>()) {}
 
 void Diagnostics::error(Where where, std::string message) {
-  findings_.push_back({Severity::error, where, std::move(message)});
+  findings_.push_back({Severity::error, where, shortened(std::move(message))});
   repeats_.push_back(0);
-  ++errors_;
+  if (++errors_ == k_most_errors) throw_if_errors();
 }
 
 void Diagnostics::warning(Where where, std::string message) {
-  findings_.push_back({Severity::warning, where, std::move(message)});
+  findings_.push_back({Severity::warning, where, shortened(std::move(message))});
   repeats_.push_back(0);
 }
 
 void Diagnostics::warning_once(Where where, std::string message) {
-  const auto [place, is_new] = once_.try_emplace(message, findings_.size());
+  const auto [place, is_new] =
+      once_.try_emplace(thorough_ ? text({Severity::warning, where, message}) : message, findings_.size());
   if (is_new) {
     warning(where, std::move(message));
   } else {
@@ -108,7 +120,8 @@ void Diagnostics::throw_if_errors() const {
   }
   if (errors_ > listed) {
     const std::size_t more = errors_ - listed;
-    message += fmt::format("\n... and {} more error{}", more, more == 1 ? "" : "s");
+    message += fmt::format("\n... and {} more error{}{}", more, more == 1 ? "" : "s",
+                           errors_ == k_most_errors ? "; the rest was not read" : "");
   }
   throw InputError(message);
 }
@@ -138,10 +151,14 @@ std::string comma_list(std::span<const std::string_view> names) {
 }
 
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
-  std::ranges::sort(known);
   if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
-  return fmt::format("unknown {} \"{}\"; known: {}{}", what, name, comma_list(known),
-                     did_you_mean(name, known));
+  const std::size_t listed = std::min(known.size(), k_names_listed);
+  std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
+  const std::string more =
+      known.size() > listed ? fmt::format(" and {} more", known.size() - listed) : std::string();
+  const std::string hint = known.size() > k_names_compared ? std::string() : did_you_mean(name, known);
+  return fmt::format("unknown {} \"{}\"; known: {}{}{}", what, name,
+                     comma_list(std::span(known).first(listed)), more, hint);
 }
 
 }  // namespace troupe

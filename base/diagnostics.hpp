@@ -45,18 +45,25 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Collects what is wrong with an input, so that a load reports everything at once.
+/// Collects what is wrong with an input, so that a load reports everything at once. Of a message that quotes
+/// something endless the beginning is kept.
 /// Not thread-safe.
 class Diagnostics {
  public:
-  Diagnostics();
+  /// thorough: as a lint wants it. A warning that a load reports once for many places is listed at each of
+  /// them, and readers also look for what no run cares about (definitions that nobody uses, ...).
+  explicit Diagnostics(bool thorough = false);
 
+  bool thorough() const { return thorough_; }
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
+  /// Throws InputError, as throw_if_errors() does, at the k_most_errors-th: who goes on reading behind that
+  /// many only takes time and memory.
   void error(Where where, std::string message);
+  static constexpr std::size_t k_most_errors = 1000;
   void warning(Where where, std::string message);
   /// A warning that is reported once for all places: calls with the same message after the first are only
-  /// counted, and ` (and 99 more)` follows it in warnings().
+  /// counted, and ` (and 99 more)` follows it in warnings(). Where thorough, once for each place.
   void warning_once(Where where, std::string message);
 
   bool has_errors() const { return errors_ > 0; }
@@ -70,10 +77,11 @@ class Diagnostics {
   void throw_if_errors() const;
 
  private:
+  bool thorough_;
   std::shared_ptr<SourceFiles> files_;
   std::vector<Finding> findings_;
   std::vector<std::size_t> repeats_;         // beside findings_: how many more times a warning_once was met
-  std::map<std::string, std::size_t> once_;  // message of a warning_once -> its place in findings_
+  std::map<std::string, std::size_t> once_;  // text of a warning_once -> its place in findings_
   std::size_t errors_ = 0;
 };
 
@@ -81,7 +89,7 @@ class Diagnostics {
 /// Of equally near names the first.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// `unknown drive "hover"; known: car, diff, omni (did you mean "omni"?)`: what every message about a name
-/// says.
+/// says. Of many known names the first are listed, and of thousands none is suggested.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

@@ -72,6 +72,8 @@ struct Solid {
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
+/// Of all contours.
+std::size_t count_vertices(const std::vector<Solid>& solids);
 /// The solid of a body that stands at this pose, in the world's frame.
 Solid placed(Solid solid, const Pose& pose_world_body);
 
@@ -97,6 +99,7 @@ bool contains(const Solid& solid, const Vec2& point);
 /// where the union stays convex. Contours may cross, touch and coincide; corners are moved by at most 1e-12
 /// of the largest coordinate. Empty when the region has no area. A fixed order: from the bottom up, then from
 /// left to right.
+/// Throws std::length_error where the contours cross so often that it would take more than seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

@@ -6,9 +6,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace troupe::engine {
 namespace {
+
+constexpr double k_most_readings = 1e6;  // of one sensor
 
 template <class Kinds>
 std::string unknown(std::string_view what, std::string_view name, const Kinds& kinds) {
@@ -17,7 +20,7 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
-void add_geometry(const TypeSpec& spec, BodyType& type) {
+void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
   for (const PartSpec& part : spec.parts) {
     for (const Solid& solid : part.solids) {
@@ -30,18 +33,47 @@ void add_geometry(const TypeSpec& spec, BodyType& type) {
       }
     }
   }
-  if (is_mobile(spec) || !spec.sensors.empty())
-    type.obstacle = obstacle_shape(spec);  // others: the static scene
+  if (is_mobile(spec) || !spec.sensors.empty()) {  // others: the static scene
+    try {
+      type.obstacle = obstacle_shape(spec);
+    } catch (const std::length_error& fault) {
+      diagnostics.error(spec.parts.front().where,
+                        fmt::format("a body of type \"{}\": {}", spec.name, fault.what()));
+    }
+  }
   type.radius = sqrt(radius2);
 }
 
+/// What a sensor's memory grows with, known before any is taken: the sum of what its lists of blocks say in
+/// `samples`.
+double samples_asked_for(const FieldTable& table, const Record& params) {
+  double sum = 0;
+  for (std::size_t f = 0; f < table.fields.size() && f < params.size(); ++f) {
+    const Field& field = table.fields[f];
+    if (field.type == FieldType::integer && field.name == "samples" && params[f].given())
+      sum += static_cast<double>(params[f].integer());
+    if (field.type == FieldType::records && field.record && params[f].given())
+      for (const Record& record : params[f].records()) sum += samples_asked_for(*field.record, record);
+  }
+  return sum;
+}
+
 }  // namespace
+
+double BodyType::row_bytes() const {
+  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
+  for (const Sensor& sensor : sensors)
+    for (const StateField& field : sensor.prepared.percepts)
+      sum += static_cast<double>(element_size(field.element)) * field.columns;
+  for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
+  return sum;
+}
 
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
                         Diagnostics& diagnostics) {
   BodyType type;
   type.name = spec.name;
-  add_geometry(spec, type);
+  add_geometry(spec, type, diagnostics);
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -64,6 +96,13 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     const SensorKind* kind = registry.sensor(sensor.kind);
     if (!kind) {
       diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.sensors));
+      continue;
+    }
+    if (const double samples = samples_asked_for(kind->params, sensor.params); samples > k_most_readings) {
+      diagnostics.error(
+          sensor.where,
+          fmt::format("too large: sensor \"{}\" has {:.0f} samples, at most {:.0f} are possible", sensor.name,
+                      samples, k_most_readings));
       continue;
     }
     // Readings are found, and hashed, by name.

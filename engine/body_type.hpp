@@ -55,6 +55,8 @@ struct BodyType {
   };
   std::vector<Controller> controllers;
 
+  /// What a body of this type takes: readings, memories and its outline.
+  double row_bytes() const;
   bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
 };
 

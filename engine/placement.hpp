@@ -16,6 +16,7 @@
 namespace troupe::engine {
 
 /// The obstacle solids of all parts of a type, for overlap tests; empty where nothing of it blocks.
+/// Throws std::length_error where an outline is too intricate (convex_pieces).
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
 
 /// Bodies that stand somewhere, found by where they are. A body lies in the cell of its centre, at the level

@@ -99,6 +99,7 @@ std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
     std::memcpy(p, &ids_[row], sizeof(BodyId));
     p += sizeof(BodyId);
     for (const Stretch& stretch : stretches_) {
+      if (stretch.bytes == 0) continue;  // a sensor without a beam; there may be no data at all
       std::memcpy(p, data_.data() + stretch.start + row * stretch.stride, stretch.bytes);
       p += stretch.bytes;
     }

@@ -2,6 +2,7 @@
 
 #include "base/ids.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -104,6 +105,8 @@ class StateTable {
   /// The sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
   std::size_t bytes() const { return data_.size(); }
+  /// Every byte 0 again, as in a new table.
+  void clear() { std::ranges::fill(data_, std::byte{0}); }
 
  private:
   std::string component_;

@@ -1,5 +1,6 @@
 #include "engine/world.hpp"
 
+#include "base/fp_environment.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +12,8 @@
 
 namespace troupe::engine {
 namespace {
+
+constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
 
 /// Cells an eighth of how far robots see, in the mean, so that what a body looks up, and its own width, end
 /// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
@@ -46,8 +49,20 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
 
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
     : spec_(std::move(spec)), parallel_(options.threads) {
-  for (const TypeSpec& type : spec_.types)
+  double beams = 0;
+  for (const TypeSpec& type : spec_.types) {
     types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
+    for (const BodyType::Sensor& sensor : types_.back().sensors)
+      beams += static_cast<double>(sensor.prepared.beams);
+    if (beams <= k_most_beams) continue;
+    diagnostics.error(
+        type.parts.front().where,
+        fmt::format("too large: with this type the world's sensors have more than {:.0f} beams; bodies "
+                    "that share a type share them",
+                    k_most_beams));
+    diagnostics.throw_if_errors();
+  }
+  check_size(diagnostics);
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
@@ -55,6 +70,41 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
   report_overlaps(diagnostics);
+}
+
+/// A file of some kilobytes can ask for more memory than there is, and who runs out of it is killed without a
+/// word.
+void World::check_size(Diagnostics& diagnostics) const {
+  constexpr double k_most_bytes = 16e9;
+  double fixed_vertices = 0;
+  double bytes = 0;
+  Where where;
+  std::vector<double> vertices;
+  for (const TypeSpec& type : spec_.types) {
+    double count = 0;
+    for (const PartSpec& part : type.parts) count += static_cast<double>(count_vertices(part.solids));
+    vertices.push_back(count);
+  }
+  for (const BodySpec& body : spec_.bodies) {
+    const BodyType& type = types_[body.type.index()];
+    if (!type.runs()) {
+      fixed_vertices += vertices[body.type.index()];
+    } else {
+      bytes += type.row_bytes();
+    }
+    where = body.where;
+    if (fixed_vertices > k_most_vertices || bytes > k_most_bytes) break;
+  }
+  if (fixed_vertices > k_most_vertices)
+    diagnostics.error(
+        where,
+        fmt::format("too large: with this body the outlines of what never moves have more than {} corners",
+                    k_most_vertices));
+  if (bytes > k_most_bytes)
+    diagnostics.error(
+        where,
+        fmt::format("too large: with this body readings, memories and outlines take more than {:.0f} GB",
+                    k_most_bytes / 1e9));
 }
 
 /// Neighbours on the ground at the start become neighbours in memory, and remain so for long: of 100,000
@@ -176,9 +226,24 @@ void World::build_tables() {
       controller.table = tables_.size();
       tables_.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory, Layout::rows,
                            controller.kind->memory, bodies[t], controller.kind->memory_bytes);
-      for (std::size_t i = 0; i < bodies[t].size(); ++i) controller.kind->start(tables_.back().row(i));
     }
   }
+  start();
+}
+
+void World::start() {
+  tick_ = 0;
+  stalled_ = held_ = 0;
+  beams_ = conflict_rounds_ = 0;
+  std::ranges::fill(motions_, Motion());
+  std::ranges::fill(free_circles_, FreeCircle());
+  for (StateTable& table : tables_) table.clear();
+  for (const BodyType& type : types_)
+    for (const BodyType::Controller& controller : type.controllers) {
+      if (!controller.table) continue;
+      StateTable& memories = tables_[*controller.table];
+      for (std::size_t i = 0; i < memories.rows(); ++i) controller.kind->start(memories.row(i));
+    }
   for (std::size_t r = 0; r < rows(); ++r) {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
@@ -205,9 +270,12 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
 
 void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_bodies = 256;
+  constexpr std::size_t k_most_listed = 100;
+  const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
+  using Pair = std::pair<BodyId, BodyId>;
   struct Found {  // by one task
     std::size_t pairs = 0;
-    BodyId first, second;  // of the first pair
+    std::vector<Pair> listed;  // the first of them
     std::vector<BodyId> below_floor;
   };
   std::vector<Found> tasks((body_rows_.size() + k_bodies - 1) / k_bodies);
@@ -221,42 +289,52 @@ void World::report_overlaps(Diagnostics& diagnostics) {
       if (shape.z.min + poses()[r].z < 0) found.below_floor.push_back(row_bodies_[r]);
       // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not
       // show.
-      std::vector<BodyId> fixed;
-      if (scene_.has_obstacles()) fixed = scene_.overlapping(shape, poses()[r]);
-      std::size_t others = 0;
-      BodyId lowest;
+      std::vector<BodyId> others;
+      if (scene_.has_obstacles()) others = scene_.overlapping(shape, poses()[r]);
+      const auto fixed = static_cast<std::ptrdiff_t>(others.size());
       index_.for_each_near(Box::around(transforms_[r].position, shape.radius),
                            [&](const partition::BodyCircle& other) {
                              if (row_ids_[other.row] > b && !row_shapes_[other.row]->empty() &&
-                                 overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row])) {
-                               ++others;
-                               lowest = std::min(lowest, row_bodies_[other.row]);
-                             }
+                                 overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row]))
+                               others.push_back(row_bodies_[other.row]);
                            });
-      if (fixed.empty() && others == 0) continue;
-      if (found.pairs == 0) {
-        found.first = row_bodies_[r];
-        found.second = fixed.empty() ? lowest : fixed.front();
-      }
-      found.pairs += fixed.size() + others;
+      std::sort(others.begin() + fixed, others.end());
+      found.pairs += others.size();
+      for (std::size_t i = 0; i < others.size() && found.listed.size() < most; ++i)
+        found.listed.emplace_back(BodyId(b), others[i]);
     }
   });
 
   std::size_t pairs = 0;
+  std::vector<Pair> listed;
   for (const Found& found : tasks) {
     pairs += found.pairs;
+    for (std::size_t i = 0; i < found.listed.size() && listed.size() < most; ++i)
+      listed.push_back(found.listed[i]);
     for (const BodyId body : found.below_floor)
       diagnostics.warning_once(spec_.bodies[body.index()].where,
                                "a body reaches below the floor, which holds nothing here");
   }
   if (pairs == 0) return;
-  const Found& first = *std::ranges::find_if(tasks, [](const Found& found) { return found.pairs > 0; });
-  diagnostics.warning(
-      spec_.bodies[first.first.index()].where,
-      fmt::format("{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
-                  "but not closer",
-                  pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first.first),
-                  spec_.name(first.second)));
+  const auto where = [this](BodyId body) { return spec_.bodies[body.index()].where; };
+  if (!diagnostics.thorough()) {
+    const auto [first, second] = listed.front();
+    diagnostics.warning(
+        where(first),
+        fmt::format(
+            "{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
+            "but not closer",
+            pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first), spec_.name(second)));
+    return;
+  }
+  for (const auto& [first, second] : listed)
+    diagnostics.warning(where(first),
+                        fmt::format("\"{}\" {} \"{}\" at the start", spec_.name(first),
+                                    row(second).valid() ? "overlaps" : "stands in", spec_.name(second)));
+  if (const std::size_t more = pairs - listed.size(); more > 0)
+    diagnostics.warning(where(listed.back().first),
+                        fmt::format("{} more pair{} of bodies overlap{} at the start", more,
+                                    more == 1 ? "" : "s", more == 1 ? "s" : ""));
 }
 
 BodyId World::find(std::string_view name) const {
@@ -276,6 +354,11 @@ Pose World::pose(BodyId body) const {
 }
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
+
+void World::reset() {
+  restore_fp_environment();  // as before a step
+  start();
+}
 
 std::uint64_t World::hash(const StateTable& table) {
   constexpr std::size_t k_block = 1024;  // rows a task

@@ -48,7 +48,7 @@ struct Hashes {
 class World {
  public:
   /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
-  /// at the start, once, with a count.
+  /// at the start, once, with a count; of each of the first hundred where thorough.
   /// The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
@@ -57,6 +57,10 @@ class World {
 
   // ---- the tick: engine/step.cpp
   void step();
+  /// Back to S(0): every table, the tick, the counters and whatever is derived from them, as the constructor
+  /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
+  /// after a step that threw.
+  void reset();
   std::uint64_t tick() const { return tick_; }
   double tick_s() const { return spec_.tick_s; }
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
@@ -147,10 +151,13 @@ class World {
   std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
+  void check_size(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
   void build_rows();
   void build_scene();
   void build_tables();
+  /// Fills the tables, and what is derived from them, with the state that the spec describes.
+  void start();
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 

@@ -18,6 +18,10 @@ namespace troupe::engine {
 /// What a world file says, expanded: plain data that a loader makes from any format, that a program can fill
 /// by hand, and that engine::World is built from. Lengths in metres, angles in radians, times in seconds.
 
+/// The most corners that the outlines of a world may have: of all its types, and of all its bodies that never
+/// move.
+inline constexpr std::size_t k_most_vertices = 50000000;
+
 /// How a model shows itself to others.
 struct Returns {
   bool obstacle = true;  ///< takes part in collisions
@@ -34,6 +38,7 @@ struct PartSpec {
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
   Returns returns;
+  bool floor_plan = false;     ///< outlined by an image
   std::optional<Color> color;  ///< not given: the body's own
   Where where;
 };

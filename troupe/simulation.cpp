@@ -180,6 +180,8 @@ void Simulation::run_for(double seconds) {
   for (std::uint64_t i = 0; i < ticks; ++i) step();
 }
 
+void Simulation::reset() { impl_->world->reset(); }
+
 double Simulation::time_s() const { return impl_->world->time_s(); }
 std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
 double Simulation::tick_s() const { return impl_->world->tick_s(); }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
@@ -21,8 +22,17 @@ struct Bitmap {
   }
 };
 
-/// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, when the file is missing or no image.
+/// The most that is read of an image: pixels, and corners of its outlines. They are what memory grows with,
+/// and a file of some kilobytes can ask for any number of either.
+inline constexpr double k_most_pixels = 100e6;
+inline constexpr std::size_t k_most_corners = 4000000;
+
+/// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, when the file is missing, no image or too
+/// large.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
+/// The same for the content of a file, which messages call `name`.
+std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
+                                    Diagnostics& diagnostics, double most_pixels = k_most_pixels);
 
 /// The outlines of the solid pixels as closed rings, holes included, collinear runs merged; pixel units, +y
 /// up (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.

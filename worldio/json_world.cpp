@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <unordered_map>
 
 namespace troupe::worldio {
@@ -26,7 +27,6 @@ using engine::Value;
 using engine::WorldSpec;
 
 constexpr std::int64_t k_version = 1;
-constexpr double k_max_bodies = 10000000;
 constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
@@ -139,6 +139,8 @@ class WorldReader {
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   std::map<std::string, Image> images_;                    // by path, as it is written: plans may share one
+  std::size_t vertices_ = 0;                               // of the floor plans
+  double cells_ = 0;                                       // of the populations on grids
   std::vector<Model> models_;
   std::vector<Population> populations_;
   std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
@@ -213,11 +215,18 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   body.pose_world_body = read_pose(object);
   if (const JsonNode* node = object.find("color"))
     body.color = read_color(JsonCursor(at, "color", *node)).value_or(body.color);
-  engine::PartSpec part{.kind = "model", .returns = read_returns(object), .where = at.where()};
+  engine::PartSpec part{
+      .kind = "model", .returns = read_returns(object), .floor_plan = true, .where = at.where()};
   if (record[0].given()) {
     const std::vector<double>& size = record[0].numbers();
     part.size = {size[0], size[1], size[2]};
     part.solids = read_bitmap_solids(object, part.size, record[2].text() == "keep");
+    vertices_ += count_vertices(part.solids);
+    if (vertices_ > engine::k_most_vertices) {
+      at.error(fmt::format("too large: the outlines of the floor plans have more than {} corners",
+                           engine::k_most_vertices));
+      part.solids.clear();
+    }
     if (record[1].boolean()) add_boundary(part.size, part.solids);
     const Transform transform(body.pose_world_body);
     if (!spec_.bounds) spec_.bounds.emplace();
@@ -302,7 +311,7 @@ void WorldReader::read_population(const JsonCursor& at) {
   const engine::FieldTable table{{{.name = "count",
                                    .type = FieldType::integer,
                                    .min = 0,
-                                   .max = k_max_bodies,
+                                   .max = options_.most_bodies,
                                    .text = "how many bodies"}}};
   const Value count = read_fields(object, table)[0];
   if (count.given()) population.count = static_cast<std::size_t>(count.integer());
@@ -361,9 +370,15 @@ PlacementRule WorldReader::read_rule(const JsonCursor& at) {
     rule.jitter_m = record[1].number();
     if (record[0].given() && !rule.region.empty()) {
       rule.pitch_m = record[0].number();
-      if (const double cells = grid_cells(rule); cells > k_max_cells)
+      const double cells = grid_cells(rule);
+      cells_ += cells;
+      if (cells > k_max_cells)
         at.error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at", cells,
                              rule.pitch_m, k_max_cells));
+      else if (cells_ > k_max_cells)
+        at.error(fmt::format(
+            "the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at", cells_,
+            k_max_cells));
     }
   }
   read_heading(object, rule);
@@ -415,10 +430,10 @@ TypeId WorldReader::read_type_name(JsonObject& object) {
 void WorldReader::place_bodies() {
   double total = static_cast<double>(spec_.bodies.size() + models_.size());
   for (const Population& population : populations_) total += static_cast<double>(population.count);
-  if (total > k_max_bodies) {
-    diagnostics_.error(
-        populations_.empty() ? models_.back().body.where : populations_.back().where,
-        fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total, k_max_bodies));
+  if (total > options_.most_bodies) {
+    diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
+                       fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
+                                   options_.most_bodies));
     return;
   }
   spec_.bodies.reserve(static_cast<std::size_t>(total));
@@ -433,8 +448,13 @@ void WorldReader::place_bodies() {
   }
   const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());
-  for (const auto& [name, type] : type_ids_)
-    shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
+  for (const auto& [name, type] : type_ids_) try {
+      shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
+    } catch (const std::length_error& fault) {
+      diagnostics_.error(spec_.types[type.index()].parts.front().where,
+                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
+    }
+  if (diagnostics_.has_errors()) return;
 
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);

@@ -24,6 +24,9 @@ struct LoadOptions {
   std::vector<std::filesystem::path> search_path;
   /// Threads that load; 0: one for each core. They change no result and no message.
   unsigned threads = 0;
+  /// How many bodies the populations of a world may have: less than the default for who reads strangers'
+  /// files.
+  double most_bodies = 10000000;
 };
 
 /// Reads a world: Stage syntax for `.world`, ours for `.json`; another ending is an error that says so.

@@ -109,6 +109,7 @@ void StageBodies::add_bitmap(const StageProperty& property, std::vector<Solid>& 
 
 void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {
   constexpr std::int64_t k_most_points = 100000;
+  constexpr std::int64_t k_most_missing = 1000;
   const StageProperty* points = block.find(document_, "points");
   if (!points) {
     values_.error(block.where, "a block needs \"points\", the number of its vertices");
@@ -119,6 +120,12 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (*count < 3 || *count > k_most_points) {
     values_.error(values_.where(*points),
                   fmt::format("\"points\" must be from 3 to {}; here is {}", k_most_points, *count));
+    return;
+  }
+  std::int64_t written = 0;
+  for (const StageEntity* layer : block.layers) written += layer->properties.count;
+  if (*count > written + k_most_missing) {
+    values_.error(values_.where(*points), fmt::format("\"points\" is {}, but far fewer are given", *count));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace troupe::worldio {
 namespace {
@@ -31,12 +32,17 @@ std::string called(const StageRow& row) {
 
 }  // namespace
 
-void StageLint::Summary::add(Where where, std::string name) {
-  if (names.empty()) first = where;
-  if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+void StageLint::add(Summary& summary, Where where, std::string name) {
+  if (values_.thorough()) {
+    values_.warning(where, fmt::format("{}: {}", name, summary.each));
+    return;
+  }
+  if (summary.names.empty()) summary.first = where;
+  if (std::ranges::find(summary.names, name) == summary.names.end()) summary.names.push_back(std::move(name));
 }
 
 void StageLint::check_world() {
+  check_repeated(document_.world);
   for (const StageProperty& property : document_.world) check_property(property, "world");
 }
 
@@ -44,12 +50,14 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (depth > k_deepest) return;
   const auto model = macros_.resolve(entity);
   if (!model) return;
-  if (model->type == "window") window_only_.add(model->where, "window");
+  if (model->type == "window") add(window_only_, model->where, "window");
   if (is_only_a_body(model->type))
     values_.warning_once(model->where, fmt::format("not supported yet: what {} does; it is only a body here",
                                                    with_article(model->type)));
+  if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
+    check_repeated(document_.properties(*layer));
     for (const StageProperty& property : document_.properties(*layer)) check_property(property, model->type);
     for (const StageEntity& child : document_.children(*layer)) check(child, depth + 1);
   }
@@ -70,25 +78,51 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   switch (row->support) {
     case StageSupport::honoured:
     case StageSupport::fixed: break;
-    case StageSupport::no_effect: no_effect_.add(where, called(*row)); break;
+    case StageSupport::no_effect: add(no_effect_, where, called(*row)); break;
     case StageSupport::window_only:
-      if (type != "window") window_only_.add(where, called(*row));
+      if (type != "window") add(window_only_, where, called(*row));
       break;
-    case StageSupport::obsolete: obsolete_.add(where, called(*row)); break;
+    case StageSupport::obsolete: add(obsolete_, where, called(*row)); break;
     case StageSupport::unsupported:
       values_.warning_once(where, fmt::format("not supported yet: {}", called(*row)));
       break;
   }
 }
 
-void StageLint::finish() {
-  const auto write = [this](const Summary& summary, std::string_view what) {
-    if (!summary.names.empty())
-      values_.warning(summary.first, fmt::format("{}: {}", what, fmt::join(summary.names, ", ")));
+/// Of a property that one entity sets twice the last holds.
+void StageLint::check_repeated(std::span<const StageProperty> properties) {
+  if (!values_.thorough()) return;
+  std::unordered_map<std::string_view, Where> later;
+  for (auto property = properties.rbegin(); property != properties.rend(); ++property) {
+    const auto [next, is_last] = later.try_emplace(values_.key(*property), values_.where(*property));
+    if (is_last) continue;
+    values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: line {} sets it again",
+                                                          values_.key(*property), next->second.line));
+  }
+}
+
+/// What has an effect in some models, but not beside what else is said of this one.
+void StageLint::check_overruled(const StageModel& model) {
+  const auto report = [&](std::string_view key, std::string_view why) {
+    if (const StageProperty* property = model.find(document_, key))
+      values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: {}", key, why));
   };
-  write(no_effect_, "accepted without effect, docs/stage-worlds.md says why");
-  write(window_only_, "accepted, but only Stage's window would use it");
-  write(obsolete_, "obsolete, ignored by Stage too");
+  const bool is_ranger = model.type == "ranger";
+  const bool is_position = model.type == "position";
+  const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
+  if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is given too");
+  if (is_model && !is_ranger) report("alwayson", "this model senses nothing");
+  if (is_model && !is_ranger && !is_position)
+    report("update_interval", "this model neither senses nor drives");
+  if (!is_position) return;
+  const StageProperty* drive = model.find(document_, "drive");
+  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has one");
+}
+
+void StageLint::finish() {
+  for (const Summary* summary : {&no_effect_, &window_only_, &obsolete_})
+    if (!summary->names.empty())
+      values_.warning(summary->first, fmt::format("{}: {}", summary->all, fmt::join(summary->names, ", ")));
 }
 
 }  // namespace troupe::worldio

@@ -3,9 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <unordered_set>
 
 namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_most_steps = 20000000;
+constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
+
+}  // namespace
 
 const StageProperty* StageModel::find(const StageDocument& document, std::string_view key) const {
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
@@ -36,7 +43,7 @@ void StageMacros::define(const StageItem& item) {
                                 name.text, document_.token(first->second.body->word).line));
 }
 
-std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const {
+std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   StageModel model{.type = document_.word(entity), .where = document_.token(entity.word).where()};
   model.layers.push_back(&entity);
   model.names.push_back(model.type);
@@ -47,6 +54,14 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const 
                     fmt::format("macro \"{}\" is built on itself", model.type));
       return {};
     }
+    if (++steps_ > k_most_steps) {
+      values_.error(model.where,
+                    fmt::format("too large: it takes more than {} steps to follow the macros of the world "
+                                "to what they are built on",
+                                k_most_steps));
+      return {};
+    }
+    macro->second.is_used = true;
     model.layers.push_back(macro->second.body);
     model.type = macro->second.base;
     model.names.push_back(model.type);
@@ -59,12 +74,41 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) const 
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
-  for (const auto& [name, macro] : macros_) near.push_back(name);
+  if (macros_.size() <= k_names_compared)
+    for (const auto& [name, macro] : macros_) near.push_back(name);
   // The order of the hash table must not choose between two names that are equally near.
   std::ranges::sort(near);
   values_.error(model.where, fmt::format("\"{}\" is no model type, nor a macro defined before; types: {}{}",
                                          model.type, comma_list(types), did_you_mean(model.type, near)));
   return {};
+}
+
+void StageMacros::report_unused() {
+  struct File {
+    std::size_t macros = 0;
+    bool is_used = false;
+  };
+  const std::uint32_t own = document_.sources.front().file;
+  std::map<std::uint32_t, File> included;
+  for (const StageItem& item : document_.items) {
+    const StageToken name = document_.token(item.entity.word);
+    const auto macro = macros_.find(name.text);
+    const bool is_ours = item.is_define && macro != macros_.end() && macro->second.body == &item.entity;
+    const bool is_used = !item.is_define || (is_ours && macro->second.is_used);
+    if (name.file != own) {
+      File& file = included[name.file];
+      file.macros += item.is_define;
+      file.is_used = file.is_used || is_used;
+    } else if (is_ours && !is_used) {
+      values_.warning(name.where(), fmt::format("macro \"{}\" is never used", name.text));
+    }
+  }
+  for (const StageProperty& property : document_.world)
+    included[document_.token(property.key).file].is_used = true;
+  for (const auto& [file, holds] : included)
+    if (!holds.is_used)
+      values_.warning({file, 0}, fmt::format("nothing of this file is used; it defines {} macro{}",
+                                             holds.macros, holds.macros == 1 ? "" : "s"));
 }
 
 }  // namespace troupe::worldio

@@ -37,18 +37,23 @@ class StageMacros {
   /// The first definition of a name holds; another is a warning.
   void define(const StageItem& item);
   /// Follows the chain of bases; empty, with an error, where it ends at no type or in a circle.
-  std::optional<StageModel> resolve(const StageEntity& entity) const;
+  std::optional<StageModel> resolve(const StageEntity& entity);
+  /// Warns of macros of the world's own file that resolve() never came by, and of files with no macro that it
+  /// did: a file that is included is there to be chosen from.
+  void report_unused();
 
  private:
   struct Macro {
     const StageEntity* body;
     std::string_view base;
+    bool is_used = false;
   };
 
   const StageDocument& document_;
   const engine::Registry& registry_;
   StageValues& values_;
   std::unordered_map<std::string_view, Macro> macros_;
+  std::size_t steps_ = 0;
 };
 
 }  // namespace troupe::worldio

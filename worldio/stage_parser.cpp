@@ -17,6 +17,8 @@ using Kind = StageToken::Kind;
 
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
+constexpr std::size_t k_most_included_bytes = 256
+                                              << 20;  // of all inclusions, the same file counted each time
 constexpr std::size_t k_deepest_nesting = 200;
 
 /// Thrown, and caught in parse_stage, when reading on would only repeat itself.
@@ -237,6 +239,12 @@ class Lexer {
       errors_.add(where, fmt::format("files are included more than {} times", k_most_inclusions));
       throw GiveUp{};
     }
+    included_bytes_ += text->size();
+    if (included_bytes_ > k_most_included_bytes) {
+      errors_.add(where, fmt::format("too large: the included files add up to more than {} MiB",
+                                     k_most_included_bytes >> 20));
+      throw GiveUp{};
+    }
     read(*found, std::move(*text));
   }
 
@@ -246,6 +254,7 @@ class Lexer {
   SyntaxErrors& errors_;
   std::vector<fs::path> open_files_;
   std::size_t inclusions_ = 0;
+  std::size_t included_bytes_ = 0;
 };
 
 class Parser {

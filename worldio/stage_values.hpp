@@ -28,6 +28,7 @@ class StageValues {
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
 
+  bool thorough() const { return diagnostics_.thorough(); }
   void error(Where where, std::string message);
   void warning(Where where, std::string message);
   /// Counted, and listed once.

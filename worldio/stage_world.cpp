@@ -28,6 +28,8 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
 constexpr std::size_t k_deepest_nesting = 200;
+// Of all different models together: macros and images multiply what stands in a file.
+constexpr std::size_t k_most_parts = 1000000;
 
 /// A type as bytes, its name and its places in files left out: bodies share a type when these are equal.
 class Structure {
@@ -51,6 +53,7 @@ class Structure {
       }
       add(part.returns.obstacle);
       add(part.returns.ranger);
+      add(part.floor_plan);
       add(part.color.has_value());
       if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
     }
@@ -141,6 +144,7 @@ class StageWorld {
         add_body(item.entity);
       }
     }
+    if (values_.thorough()) macros_.report_unused();
     lint_.finish();
   }
 
@@ -214,6 +218,8 @@ class StageWorld {
   std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
   std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
   engine::NameMap names_;
+  std::size_t parts_ = 0;
+  std::size_t vertices_ = 0;
 };
 
 void StageWorld::read_world() {
@@ -399,6 +405,11 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     draft.broken = true;
   };
   for (const StageModel::Child& child : model.children(document_)) {
+    if (++parts_ > k_most_parts) {
+      fail(draft.where,
+           fmt::format("too large: the macros of the world expand to more than {} entities", k_most_parts));
+      return {};
+    }
     if (++draft.entities > k_most_entities) {
       fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
       return {};
@@ -455,6 +466,14 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
     if (const auto given = values_.pose(*property)) origin = *given;
   const Pose pose_body_frame = compose(place.pose_body_part, origin);
   part.solids = bodies_.make(model, kind, part.size, holds->blocks);
+  vertices_ += count_vertices(part.solids);
+  if (vertices_ > engine::k_most_vertices) {
+    values_.error(draft.where,
+                  fmt::format("too large: the outlines of the world's models have more than {} corners",
+                              engine::k_most_vertices));
+    draft.broken = true;
+    return;
+  }
   const Transform to_body(pose_body_frame);
   for (Solid& solid : part.solids) {
     for (Ring& ring : solid.contours)
@@ -466,6 +485,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   if (const StageProperty* property = find("ranger_return"))
     part.returns.ranger = static_cast<float>(values_.number(*property).value_or(1));
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  part.floor_plan = find("bitmap") != nullptr;
   const double height = part.size.z();
   draft.type.parts.push_back(std::move(part));
 

@@ -124,5 +124,15 @@ TEST(CommaList, JoinsNames) {
   EXPECT_EQ(comma_list({}), "");
 }
 
+TEST(Diagnostics, ThoroughOnesListEveryPlaceOnce) {
+  Diagnostics diagnostics(true);
+  const std::uint32_t file = diagnostics.files()->add("a.world");
+  for (const std::uint32_t line : {3u, 4u, 3u}) diagnostics.warning_once({file, line}, "odd");
+  EXPECT_TRUE(diagnostics.thorough());
+  EXPECT_EQ(diagnostics.findings().size(), 2u);
+  EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]), "a.world:3: warning: odd");
+  EXPECT_EQ(diagnostics.text(diagnostics.findings()[1]), "a.world:4: warning: odd");
+}
+
 }  // namespace
 }  // namespace troupe

@@ -1,0 +1,52 @@
+#include "apps/lint.hpp"
+
+#include "apps/options.hpp"
+#include "troupe/lint.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_footer = R"(
+Reported are bodies that overlap at the start and robots in walls; sensors that can never meet anything; floor plans
+that block nothing; types and macros that nothing uses; properties without effect; and all that loading warns of.
+Each finding is a line that names its file and line: maze.world:41: warning: ...
+
+Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, and what is wrong with it on standard error.
+
+Examples:
+  troupe lint worlds/hospital.json
+  troupe lint worlds/minimal.world)";
+
+}  // namespace
+
+CLI::App* add_lint_command(CLI::App& app, std::filesystem::path& world) {
+  CLI::App* lint = app.add_subcommand("lint", "Look a world over for what is surely not meant");
+  lint->footer(k_footer);
+  lint->add_option_function<std::string>(
+          "WORLD", [&world](const std::string& text) { world = text; },
+          "World file: Stage's .world, or .json")
+      ->option_text(" ")
+      ->required();
+  return lint;
+}
+
+ExitCode lint_world(const std::filesystem::path& world) {
+  const std::vector<std::string> findings = lint(world, with_stage_path({}));
+  for (const std::string& finding : findings) fmt::print("{}\n", finding);
+  if (findings.empty())
+    fmt::print("{}: nothing found\n", world.string());
+  else
+    fmt::print("{}: {} finding{}\n", world.string(), findings.size(), findings.size() == 1 ? "" : "s");
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return findings.empty() ? k_finished : k_failed;
+}
+
+}  // namespace troupe::apps

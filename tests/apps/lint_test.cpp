@@ -1,0 +1,238 @@
+#include "tests/apps/program.hpp"
+
+#include <ostream>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class LintTest : public ProgramTest {
+ protected:
+  /// The lines that a lint prints of a world in which it finds something.
+  std::vector<std::string> findings(const std::string& name, std::string_view world) {
+    write(name, world);
+    const Outcome outcome = troupe({"lint", name});
+    EXPECT_EQ(outcome.code, 1) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.err, IsEmpty());
+    return lines_of(outcome.out);
+  }
+  void expect_nothing(const std::string& name, std::string_view world) {
+    write(name, world);
+    const Outcome outcome = troupe({"lint", name});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out, name + ": nothing found\n");
+    EXPECT_THAT(outcome.err, IsEmpty());
+  }
+};
+
+/// A bitmap of three pixels, those on the left and on the right solid.
+constexpr std::string_view k_gate("P5\n3 1\n255\n\0\377\0", 14);
+
+/// A type of robot whose sensor a case describes, in a world with a wall of `wall` m and another robot.
+std::string json_world(const std::string& sensor, const std::string& wall = "1") {
+  return R"({ "troupe": 1, "types": {
+    "wall": {"size_m": [0.2, 4, )" +
+         wall + R"(]},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "sensors": [
+)" + sensor +
+         R"( ]} },
+  "models": [
+    {"name": "wall", "type": "wall", "pose": {"x_m": 3}},
+    {"name": "r0", "type": "bot"} ] })";
+}
+
+TEST_F(LintTest, FindsNothingInAWorldThatIsRight) {
+  expect_nothing("eye.json", json_world(R"({"kind": "ranger", "transducers": [{"range_max_m": 5}]})"));
+  expect_nothing("room.world",
+                 "define bot position( size [0.4 0.4 0.3] ranger( sensor( range [0 5] ) alwayson 1 ) )\n"
+                 "model( name \"wall\" pose [3 0 0 0] size [0.2 4 1] )\nbot( name \"r0\" )\n");
+}
+
+TEST_F(LintTest, FindsNothingInTheWorldsThatAreShipped) {
+  for (const std::string world : {"crowd.json", "cave-complex-laser.json", "minimal.world"}) {
+    const Outcome outcome = troupe({"lint", std::string(TROUPE_SOURCE_DIR) + "/worlds/" + world});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+  }
+}
+
+TEST_F(LintTest, ReportsEachOverlapAndWhoStandsInAWall) {
+  EXPECT_THAT(
+      findings("w.world",
+               "position( name \"a\" )\n"
+               "position( name \"b\" pose [0.2 0 0 0] )\n"
+               "position( name \"c\" pose [0.3 0 0 0] )\n"
+               "model( name \"wall\" pose [5 0 0 0] size [2 2 1] )\n"
+               "position( name \"d\" pose [5 0 0 0] )\n"),
+      ElementsAre("w.world:1: warning: \"a\" overlaps \"b\" at the start",
+                  "w.world:1: warning: \"a\" overlaps \"c\" at the start",
+                  "w.world:2: warning: \"b\" overlaps \"c\" at the start",
+                  "w.world:5: warning: \"d\" stands in \"wall\" at the start", "w.world: 4 findings"));
+}
+
+TEST_F(LintTest, CountsOverlapsBeyondAHundred) {
+  std::string world;
+  for (int i = 0; i < 20; ++i) world += "position( pose [0 0 0 0] )\n";
+  const std::vector<std::string> lines = findings("w.world", world);
+  EXPECT_EQ(lines.size(), 102u);
+  EXPECT_THAT(lines, Contains(HasSubstr("90 more pairs of bodies overlap at the start")));
+}
+
+TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
+  write("gate.pgm", k_gate);
+  EXPECT_THAT(findings("w.world",
+                       "model( name \"cave\"\n  size [4 4 1] bitmap \"gate.pgm\"\n  obstacle_return 0 )\n"
+                       "position( name \"out\" )\n"
+                       "position( name \"in\" pose [-1.5 0 0 0] )\n"),
+              ElementsAre("w.world:1: warning: floor plan \"cave\" blocks nothing: it is no obstacle",
+                          "w.world:5: warning: \"in\" stands in floor plan \"cave\", which does not block it",
+                          "w.world: 2 findings"));
+  EXPECT_THAT(
+      findings("high.world",
+               "model( name \"cave\" pose [5 0 3 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
+               "position( size [0.4 0.4 0.25] )\n"),
+      ElementsAre("high.world:1: warning: floor plan \"cave\" blocks nothing: it stands from 3 to 4 m, the "
+                  "robots from 0 to 0.25 m",
+                  "high.world: 1 finding"));
+  EXPECT_THAT(
+      findings("ghost.world",
+               "model( name \"cave\" pose [5 0 0 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
+               "position( obstacle_return 0 )\n"),
+      Contains("ghost.world:1: warning: floor plan \"cave\" blocks nothing: no robot is an obstacle"));
+  expect_nothing("right.world", "model( size [4 4 1] bitmap \"gate.pgm\" )\nposition()\n");
+}
+
+TEST_F(LintTest, ReportsFloorPlansInJson) {
+  write("gate.pgm", k_gate);
+  EXPECT_THAT(findings("w.json",
+                       R"({ "troupe": 1, "floorplans": [
+  {"name": "cave", "bitmap": "gate.pgm", "size_m": [4, 4, 1], "margins": "keep", "obstacle": false} ],
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
+  "models": [ {"name": "r0", "type": "bot"},
+    {"name": "r1", "type": "bot", "pose": {"x_m": -1.5}} ] })"),
+              ElementsAre("w.json:2: warning: floor plan \"cave\" blocks nothing: it is no obstacle",
+                          "w.json:5: warning: \"r1\" stands in floor plan \"cave\", which does not block it",
+                          "w.json: 2 findings"));
+}
+
+TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
+  const std::string high =
+      R"({"name": "eye", "kind": "ranger", "pose": {"z_m": 1.5}, "transducers": [{"range_max_m": 5}]})";
+  EXPECT_THAT(
+      findings("high.json", json_world(high)),
+      ElementsAre("high.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it looks at a height of 1.5 "
+                  "m, what could be seen stands at 0 to 1 m",
+                  "high.json: 1 finding"));
+  expect_nothing("tall.json", json_world(high, "2"));
+
+  EXPECT_THAT(findings("near.json", json_world(R"({"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
+      "transducers": [{"range_max_mm": 5, "samples": 3}]})")),
+              Contains(HasSubstr("sees nothing: its beams of 0.005 m end inside of its own body")));
+
+  EXPECT_THAT(findings("none.json", json_world(R"({"name": "eye", "kind": "ranger", "transducers": []})")),
+              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it has no beam",
+                          "none.json: 1 finding"));
+
+  // Nobody sees itself; another robot of its kind it does see.
+  const std::string alone =
+      "define bot position( size [0.4 0.4 0.3]\n"
+      "  ranger( pose [0 0 -0.2 0] sensor( range [0 5] ) ) )\nbot()\n";
+  EXPECT_THAT(
+      findings("alone.world", alone),
+      ElementsAre("alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: nothing else stands "
+                  "at its height, 0.11 m",
+                  "alone.world: 1 finding"));
+  expect_nothing("two.world", alone + "bot( pose [2 0 0 0] )\n");
+  EXPECT_THAT(findings("invisible.world", alone + "model( pose [2 0 0 0] ranger_return -1 )\n"),
+              Contains(HasSubstr("sees nothing: nothing else stands at its height")));
+}
+
+TEST_F(LintTest, ReportsWhatNobodyUses) {
+  EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
+    "crate": {"size_m": [1, 1, 1]} },
+  "models": [ {"name": "r0", "type": "bot"} ] })"),
+              ElementsAre("w.json:3: warning: type \"crate\" is never used", "w.json: 1 finding"));
+
+  write("parts.inc", "define wheel model( size [0.1 0.1 0.1] )\ndefine hub model( size [0.1 0.1 0.1] )\n");
+  write("more.inc", "define nut model( size [0.1 0.1 0.1] )\ndefine bolt model( size [0.1 0.1 0.1] )\n");
+  EXPECT_THAT(findings("w.world",
+                       "include \"parts.inc\"\ninclude \"more.inc\"\n"
+                       "define bot position( nut( pose [0 0 0 0] ) )\n"
+                       "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
+                       "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
+              ElementsAre("w.world:4: warning: macro \"fast\" is never used",
+                          "parts.inc: warning: nothing of this file is used; it defines 2 macros",
+                          "w.world: 2 findings"));
+}
+
+TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
+  EXPECT_THAT(
+      findings("w.world",
+               "paused 1\n"
+               "position( name \"a\" size [1 1 1]\n  blobs 3 friction 1\n  size [0.4 0.4 0.4] )\n"
+               "position( name \"b\" pose [2 0 0 0] friction 1\n  wheelbase 2 )\n"
+               "position( name \"c\" pose [4 0 0 0] drive \"car\" wheelbase 2 )\n"
+               "model( pose [6 0 0 0] color \"blue\"\n  color_rgba [0 1 0 1]\n  alwayson 1\n"
+               "  update_interval 200\n  scount 3 mass 2 )\n"),
+      ElementsAre("w.world:1: warning: paused: for Stage's window only",
+                  "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
+                  "w.world:3: warning: a position has no property \"blobs\"; it is ignored",
+                  "w.world:3: warning: friction: no effect here",
+                  "w.world:5: warning: friction: no effect here",
+                  "w.world:6: warning: \"wheelbase\" has no effect: only a car has one",
+                  "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is given too",
+                  "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
+                  "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
+                  "drives",
+                  "w.world:12: warning: scount: obsolete, ignored by Stage too",
+                  "w.world:12: warning: not supported yet: mass", "w.world: 11 findings"));
+}
+
+TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {
+  write("w.world",
+        "define unused model()\nposition( name \"a\" friction 1 )\nposition( name \"b\" pose [2 0 0 0] "
+        "friction 1 )\n");
+  const Outcome outcome = troupe({"run", "w.world", "--for", "0"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("unused")));
+  EXPECT_THAT(outcome.err, HasSubstr("w.world:2: warning: accepted without effect"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("w.world:3")));
+}
+
+TEST_F(LintTest, AWorldThatCannotBeLoadedIsNoFinding) {
+  write("bad.world", "position( size [0 1 1] )\n");
+  Outcome outcome = troupe({"lint", "bad.world"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, HasSubstr("bad.world:1: error: \"size\" must be above 0"));
+
+  write("overlap.json", R"({ "troupe": 1, "types": {"bot": {"size_m": [1, 1, 1]}},
+  "models": [ {"name": "a", "type": "bot"}, {"name": "b", "type": "bot"} ] })");
+  outcome = troupe({"lint", "overlap.json"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("overlap.json:2: error: /models/1: \"b\" overlaps \"a\" at the start"));
+
+  write("blind.json", json_world(R"({"kind": "ranger", "transducers": [{"range_max_m": 0}]})"));
+  outcome = troupe({"lint", "blind.json"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("blind.json:4: error: "));
+
+  EXPECT_EQ(troupe({"lint", "none.world"}).code, 2);
+  EXPECT_EQ(troupe({"lint"}).code, 2);
+  EXPECT_EQ(troupe({"lint", "bad.world", "--for", "3"}).code, 2);
+}
+
+TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
+  const Outcome outcome = troupe({"lint", "--help"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("Exit codes: 0 nothing found; 1 findings; 2"));
+  EXPECT_THAT(troupe({"--help"}).out, HasSubstr("lint"));
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,126 @@
+#include "tests/fuzz/targets.hpp"
+
+#include "engine/world.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/bitmap.hpp"
+#include "worldio/load.hpp"
+
+#include <zlib.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace troupe::fuzz {
+namespace {
+
+// What worlds include and draw stands beside them: tests/fuzz/files.
+const std::filesystem::path k_folder = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
+
+const engine::Registry& registry() {
+  static const engine::Registry all = make_registry();
+  return all;
+}
+
+/// An input that is refused says why, one that is taken does not.
+void check(bool ok) {
+  if (!ok) std::abort();
+}
+
+/// Large worlds take long, which is no finding.
+bool is_small(const engine::WorldSpec& spec) {
+  std::size_t vertices = 0;
+  double readings = 0;
+  for (const engine::BodySpec& body : spec.bodies) {
+    const engine::TypeSpec& type = spec.types[body.type.index()];
+    for (const engine::PartSpec& part : type.parts)
+      for (const Solid& solid : part.solids)
+        for (const Ring& ring : solid.contours) vertices += ring.size();
+    for (const engine::SensorSpec& sensor : type.sensors)
+      for (const engine::Record& transducer : sensor.params[0].records())
+        readings += static_cast<double>(transducer[4].integer());
+    if (vertices > 5000 || readings > 5000) return false;
+  }
+  return spec.bodies.size() <= 200;
+}
+
+void run(engine::WorldSpec spec, Diagnostics& diagnostics) {
+  if (!is_small(spec)) return;
+  spec.ranging = engine::RangingEngine::exact;  // the grid may take 2 GiB, by design
+  try {
+    engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
+    world.step();
+    world.hashes();
+  } catch (const InputError&) {
+  } catch (const engine::StepError&) {
+  }
+}
+
+template <class Load>
+void read(Load load) {
+  for (const bool thorough : {false, true}) {
+    Diagnostics diagnostics(thorough);
+    worldio::LoadOptions options;
+    options.threads = 1;
+    options.most_bodies = 200;
+    try {
+      engine::WorldSpec spec = load(options, diagnostics);
+      if (diagnostics.has_errors()) continue;
+      check(!spec.bodies.empty());
+      if (!thorough) run(std::move(spec), diagnostics);
+    } catch (const InputError&) {
+      check(diagnostics.has_errors());
+    }
+  }
+}
+
+void decode(std::string_view bytes) {
+  Diagnostics diagnostics;
+  const auto bitmap = worldio::decode_bitmap(bytes, "image", {}, diagnostics, 1e5);
+  check(bitmap.has_value() != diagnostics.has_errors());
+  if (!bitmap) return;
+  std::vector<Solid> solids{{worldio::bitmap_contours(*bitmap), {0, 1}}};
+  worldio::normalise(solids, {4, 4, 1});
+  std::size_t vertices = 0;
+  for (const Ring& ring : solids[0].contours) vertices += ring.size();
+  if (vertices <= 1000) convex_pieces(solids[0]);  // a robot of this shape
+}
+
+/// A PNG whose checksums fit again after a mutation: nothing behind them would be tried otherwise.
+std::string with_right_checksums(std::string_view bytes) {
+  std::string png(bytes);
+  if (!png.starts_with("\x89PNG\r\n\x1a\n")) return png;
+  const auto byte = [&](std::size_t at) { return std::size_t{static_cast<unsigned char>(png[at])}; };
+  for (std::size_t at = 8; at + 12 <= png.size();) {
+    const std::size_t length = byte(at) << 24 | byte(at + 1) << 16 | byte(at + 2) << 8 | byte(at + 3);
+    if (length > png.size() - at - 12) break;
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(png.data() + at + 4), static_cast<uInt>(length + 4));
+    for (std::size_t i = 0; i < 4; ++i) png[at + 8 + length + i] = static_cast<char>(sum >> (24 - 8 * i));
+    at += 12 + length;
+  }
+  return png;
+}
+
+}  // namespace
+
+void read_stage(std::string_view text) {
+  read([text](const worldio::LoadOptions& options, Diagnostics& diagnostics) {
+    return worldio::load_stage_world(k_folder / "fuzz.world", std::string(text), registry(), options,
+                                     diagnostics);
+  });
+}
+
+void read_json(std::string_view text) {
+  read([text](const worldio::LoadOptions& options, Diagnostics& diagnostics) {
+    return worldio::load_json_world(k_folder / "fuzz.json", std::string(text), registry(), options,
+                                    diagnostics);
+  });
+}
+
+void read_bitmap(std::string_view bytes) {
+  decode(bytes);
+  if (const std::string repaired = with_right_checksums(bytes); repaired != bytes) decode(repaired);
+}
+
+}  // namespace troupe::fuzz

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string_view>
+
+/// What the fuzz targets do with an input, and the tests with their corpus. Whatever the bytes are: no crash,
+/// no undefined behaviour, no leak, an end within seconds and memory in proportion; a world that can be
+/// loaded can be built and steps. What is wrong must have been said: an input is refused with an error, or
+/// taken.
+namespace troupe::fuzz {
+
+/// The text of a Stage world.
+void read_stage(std::string_view text);
+/// That of a JSON world.
+void read_json(std::string_view text);
+/// The content of an image.
+void read_bitmap(std::string_view bytes);
+
+}  // namespace troupe::fuzz

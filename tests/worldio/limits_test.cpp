@@ -1,0 +1,216 @@
+// A file of some kilobytes must not take all memory, nor all day: what macros, images and numbers can
+// multiply has limits that are met with an error.
+
+#include "base/diagnostics.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/bitmap.hpp"
+#include "worldio/png.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <chrono>
+#include <string>
+
+namespace troupe::worldio {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+class Limits : public test::ScratchTest {
+ protected:
+  /// What is said when the world is refused.
+  std::string refusal(const std::string& name, std::string_view text) const {
+    const auto file = write(name, text);
+    try {
+      Simulation simulation(file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "the world was loaded";
+    return {};
+  }
+
+  ~Limits() override {
+    if (!test::k_slow_build) {
+      EXPECT_LT(std::chrono::steady_clock::now() - start_, std::chrono::seconds(30));
+    }
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string repeated(std::string_view text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+std::string number(std::uint32_t n) {
+  return {static_cast<char>(n >> 24), static_cast<char>(n >> 16), static_cast<char>(n >> 8),
+          static_cast<char>(n)};
+}
+
+std::string chunk(const std::string& kind, const std::string& data) {
+  const std::string all = kind + data;
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(all.data()), static_cast<uInt>(all.size()));
+  return number(static_cast<std::uint32_t>(data.size())) + all + number(static_cast<std::uint32_t>(sum));
+}
+
+/// A grey PNG of this size, whatever its pixels are.
+std::string png(std::uint32_t width, std::uint32_t height, const std::string& rows) {
+  std::string packed(compressBound(rows.size()), '\0');
+  uLongf size = packed.size();
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+           rows.size());
+  packed.resize(size);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", number(width) + number(height) + std::string("\x08\0\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+std::string error_of(std::string_view bytes) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(decode_bitmap(bytes, "map.png", {}, diagnostics));
+  EXPECT_THAT(diagnostics.findings(), SizeIs(1));
+  return diagnostics.text(diagnostics.findings()[0]);
+}
+
+TEST(BitmapLimits, PixelsAreCountedBeforeTheyTakeMemory) {
+  EXPECT_EQ(error_of(png(20000, 20000, "")),
+            "error: the image map.png is too large: 20000 x 20000 pixels, at most 100 million are read");
+}
+
+TEST(BitmapLimits, WhatUnpacksToMoreThanThePixelsIsDamaged) {
+  EXPECT_THAT(error_of(png(10, 10, std::string(10 << 20, '\0'))),
+              HasSubstr("or it holds more than its pixels"));
+  Diagnostics diagnostics;
+  EXPECT_TRUE(decode_bitmap(png(10, 10, std::string(110, '\0')), "map.png", {}, diagnostics));
+}
+
+TEST(BitmapLimits, CornersAreCounted) {
+  std::string checkers;
+  for (int y = 0; y < 1500; ++y) {
+    checkers += '\0';
+    for (int x = 0; x < 1500; ++x) checkers += static_cast<char>((x + y) % 2 == 0 ? 0 : 255);
+  }
+  EXPECT_THAT(error_of(png(1500, 1500, checkers)), HasSubstr("too large: its outlines have 45"));
+}
+
+TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
+  using std::string_view_literals::operator""sv;
+  EXPECT_THAT(error_of("P5\n4 4\n255\n0123456789"), HasSubstr("it ends too early"));
+  EXPECT_THAT(error_of("P6\n2 1\n65535\n0123456789"), HasSubstr("it ends too early"));
+  EXPECT_THAT(error_of("P5\n552562327681 1\n255\n0"), HasSubstr("its numbers make no sense"));
+  EXPECT_THAT(error_of("BM\xff\0\0\0"sv), HasSubstr("it ends too early"));
+  EXPECT_THAT(error_of("\xff\xd8\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x07"sv),
+              HasSubstr("it breaks the rules of JPEG, or ends too early"));
+  Diagnostics diagnostics;
+  const auto bitmap = decode_bitmap("P5 # a comment\n2 #\n 1 255\n\x7f\x80"sv, "map.pgm", {}, diagnostics);
+  ASSERT_TRUE(bitmap);
+  EXPECT_TRUE(bitmap->at(0, 0));
+  EXPECT_FALSE(bitmap->at(1, 0));
+}
+
+TEST_F(Limits, IncludedFiles) {
+  write("long.inc", repeated("# nothing but a comment, and a long one\n", 30000));
+  EXPECT_THAT(refusal("w.world", repeated("include \"long.inc\"\n", 400)),
+              HasSubstr("too large: the included files add up to more than 256 MiB"));
+}
+
+TEST_F(Limits, MacrosThatMultiply) {
+  if (test::k_slow_build) GTEST_SKIP() << "a million models";
+  std::string world =
+      "define a model( " + repeated("model() ", 140) + ")\ndefine b model( " + repeated("a() ", 140) + ")\n";
+  for (int i = 1; i < 60; ++i) world += "b( size [1 1 " + std::to_string(i) + "] )\n";
+  EXPECT_THAT(refusal("w.world", world),
+              HasSubstr("too large: the macros of the world expand to more than 1000000"));
+}
+
+TEST_F(Limits, MacrosOnMacros) {
+  if (test::k_slow_build) GTEST_SKIP() << "twenty million steps";
+  std::string world = "define m0 model()\n";
+  for (int i = 1; i < 5000; ++i)
+    world += "define m" + std::to_string(i) + " m" + std::to_string(i - 1) + "( size [1 1 1] )\n";
+  EXPECT_THAT(refusal("w.world", world + repeated("m4999()\n", 5000)),
+              HasSubstr("error: too large: it takes more than 20000000 steps to follow the macros"));
+}
+
+TEST_F(Limits, PointsThatAreNotThere) {
+  EXPECT_THAT(refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
+              HasSubstr("w.world:1: error: \"points\" is 99999, but far fewer are given"));
+}
+
+TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {
+  constexpr int k_points = 3000;
+  std::string block = "block( z [0 1] points " + std::to_string(k_points);
+  for (int i = 0; i < k_points; ++i)
+    block += "\n point[" + std::to_string(i) + "] [" + std::to_string((i * 7919) % 3001) + " " +
+             std::to_string(i % 2 == 0 ? i : 100000 - i) + "]";
+  EXPECT_THAT(refusal("w.world", "position( " + block + ") )\n"),
+              HasSubstr("w.world:1: error: a body of type \"position\": the outline is too intricate"));
+  EXPECT_NO_THROW(Simulation(write("fixed.world", "model( " + block + ") )\n")))
+      << "what stands still is not cut up";
+}
+
+TEST_F(Limits, SamplesAndReadings) {
+  const std::string sensor = "ranger( alwayson 1 " + repeated("sensor( samples 100000 ) ", 11) + ")";
+  EXPECT_THAT(
+      refusal("w.world", "position( " + sensor + " )\n"),
+      HasSubstr("w.world:1: error: too large: sensor \"ranger:0\" has 1100000 samples, at most 1000000"));
+  std::string many =
+      "define bot position( ranger( alwayson 1 " + repeated("sensor( samples 100000 ) ", 9) + ") )\n";
+  EXPECT_THAT(refusal("many.world", many + repeated("bot( obstacle_return 0 )\n", 6000)),
+              HasSubstr("too large: with this body readings, memories and outlines take more than 16 GB"));
+  std::string types = many;
+  for (int i = 1; i < 14; ++i) types += "bot( size [1 1 " + std::to_string(i) + "] )\n";
+  EXPECT_THAT(refusal("types.world", types),
+              HasSubstr("too large: with this type the world's sensors have more than"));
+}
+
+TEST_F(Limits, Populations) {
+  const auto world = [](const std::string& count, const std::string& pitch) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.1, 0.1, 0.1]}}, "populations": [
+  {"name": "a", "type": "bot", "count": )" +
+           count + R"(, "place": {"rule": "grid", "region_m": [[0, 0], [600, 600]], "pitch_m": )" + pitch +
+           R"(}},
+  {"name": "b", "type": "bot", "count": 1, "place": {"rule": "grid", "region_m": [[0, 0], [600, 600]], "pitch_m": 0.08}}
+  ] })";
+  };
+  EXPECT_THAT(refusal("w.json", world("1000000000000", "1")),
+              AllOf(HasSubstr("w.json:2: error: /populations/0/count"), HasSubstr("10000000")));
+  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are looked at"));
+  EXPECT_THAT(
+      refusal("w.json", world("1", "0.08")),
+      HasSubstr(
+          "w.json:3: error: /populations/1/place: the regions of all populations have 1.125e+08 cells"));
+}
+
+TEST_F(Limits, ErrorsAndWhatTheyQuote) {
+  std::string types, models;
+  for (int i = 0; i < 5000; ++i) {
+    types += (i ? ",\n" : "") + ("\"t" + std::to_string(i)) + R"(": {"size_m": [1, 1, 1]})";
+    models += (i ? ",\n" : "") + std::string(R"({"name": "m", "type": "none"})");
+  }
+  const std::string text =
+      refusal("w.json", R"({ "troupe": 1, "types": {)" + types + "}, \"models\": [" + models + "] }");
+  EXPECT_THAT(text, HasSubstr("unknown type \"none\"; known: t0, t1, t10, "));
+  EXPECT_THAT(text, HasSubstr(" and 4950 more\n"));
+  EXPECT_THAT(text, HasSubstr("... and 950 more errors; the rest was not read"));
+  EXPECT_LT(text.size(), 100000u);
+
+  const std::string endless =
+      refusal("e.json", R"({ "troupe": 1, ")" + std::string(1000000, 'x') + "\": 1 }");
+  EXPECT_LT(endless.size(), 10000u);
+  EXPECT_THAT(endless, HasSubstr("e.json:1: error: unknown key \"xxx"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,265 @@
+#include "troupe/lint.hpp"
+
+#include "base/fp_environment.hpp"
+#include "engine/world.hpp"
+#include "sensors/ranger_beams.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t k_most_listed = 100;  // of findings that there may be one of for each robot
+constexpr double k_scene_cell_m = 0.5;
+
+constexpr ZInterval k_no_heights{std::numeric_limits<double>::infinity(),
+                                 -std::numeric_limits<double>::infinity()};
+
+ZInterval united(const ZInterval& a, const ZInterval& b) {
+  return {std::min(a.min, b.min), std::max(a.max, b.max)};
+}
+
+/// How many things there are at a height.
+class Heights {
+ public:
+  void add(const ZInterval& z, std::size_t count) {
+    begins_.push_back({z.min, count});
+    ends_.push_back({z.max, count});
+    extent_ = united(extent_, z);
+  }
+  /// To be called between the last add() and the first at().
+  void sort() {
+    for (auto* list : {&begins_, &ends_}) {
+      std::ranges::sort(*list, {}, &Step::z);
+      for (std::size_t i = 1; i < list->size(); ++i) (*list)[i].count += (*list)[i - 1].count;
+    }
+  }
+  std::size_t at(double z) const {
+    const auto begun = std::ranges::upper_bound(begins_, z, {}, &Step::z);
+    const auto ended = std::ranges::lower_bound(ends_, z, {}, &Step::z);
+    return (begun == begins_.begin() ? 0 : (begun - 1)->count) -
+           (ended == ends_.begin() ? 0 : (ended - 1)->count);
+  }
+  bool empty() const { return begins_.empty(); }
+  const ZInterval& extent() const { return extent_; }
+
+ private:
+  struct Step {
+    double z;
+    std::size_t count;
+  };
+  std::vector<Step> begins_;
+  std::vector<Step> ends_;
+  ZInterval extent_ = k_no_heights;
+};
+
+bool is_in(const ConvexPrism& piece, const Vec2& point) {
+  for (std::size_t i = 0; i < piece.outline.size(); ++i) {
+    const Vec2& a = piece.outline[i];
+    const Vec2& b = piece.outline[(i + 1) % piece.outline.size()];
+    if (cross(b - a, point - a) < 0) return false;
+  }
+  return true;
+}
+
+/// True when no beam leaves the body, where nothing else can be that does not overlap it.
+bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleShape& body) {
+  const auto stays = [&](std::size_t beam, double z) {
+    const Vec2 from = ranger.reference + Vec2(ranger.ox[beam], ranger.oy[beam]);
+    const Vec2 to = from + ranger.range_max[beam] * Vec2(ranger.dx[beam], ranger.dy[beam]);
+    return std::ranges::any_of(body.pieces, [&](const ConvexPrism& piece) {
+      return piece.z.contains(z) && is_in(piece, from) && is_in(piece, to);
+    });
+  };
+  return std::ranges::all_of(ranger.groups, [&](const sensors::BeamGroup& group) {
+    for (std::size_t beam = group.first; beam < group.first + group.count; ++beam)
+      if (!stays(beam, group.z)) return false;
+    return true;
+  });
+}
+
+class Lint {
+ public:
+  Lint(const engine::World& world, Diagnostics& diagnostics)
+      : world_(world), spec_(world.spec()), diagnostics_(diagnostics) {
+    levels_.resize(spec_.types.size());
+    for (const engine::BodySpec& body : spec_.bodies) ++levels_[body.type.index()][body.pose_world_body.z];
+  }
+
+  void check() {
+    check_types();
+    check_sensors();
+    check_floor_plans();
+  }
+
+ private:
+  void check_types();
+  void check_sensors();
+  void check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sensor, Where where,
+                    const Heights& visible);
+  void check_floor_plans();
+  std::string why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const;
+  void check_who_stands_in(const std::vector<BodyId>& plans);
+
+  const engine::World& world_;
+  const engine::WorldSpec& spec_;
+  Diagnostics& diagnostics_;
+  std::vector<std::map<double, std::size_t>> levels_;  // of each type: how many bodies stand at which z
+};
+
+void Lint::check_types() {
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    if (levels_[t].empty())
+      diagnostics_.warning(spec_.types[t].parts.front().where,
+                           fmt::format("type \"{}\" is never used", spec_.types[t].name));
+}
+
+void Lint::check_sensors() {
+  Heights visible;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (const auto& [z, count] : levels_[t])
+      for (const engine::RayOutline& outline : world_.types()[t].outlines)
+        visible.add(outline.z.shifted(z), count);
+  visible.sort();
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t s = 0; s < world_.types()[t].sensors.size(); ++s)
+      if (!levels_[t].empty())
+        check_sensor(t, world_.types()[t].sensors[s], spec_.types[t].sensors[s].where, visible);
+}
+
+void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sensor, Where where,
+                        const Heights& visible) {
+  const auto* ranger = std::any_cast<sensors::RangerBeams>(&sensor.prepared.data);
+  if (!ranger) return;
+  const engine::BodyType& body = world_.types()[type];
+  const std::string called = fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor.name, body.name);
+  if (ranger->count == 0) {
+    diagnostics_.warning(where, called + "it has no beam");
+    return;
+  }
+  if (stays_inside(*ranger, body.obstacle)) {
+    const float longest = *std::max_element(
+        ranger->range_max.begin(), ranger->range_max.begin() + static_cast<std::ptrdiff_t>(ranger->count));
+    diagnostics_.warning(where,
+                         called + fmt::format("its beams of {:.4g} m end inside of its own body", longest));
+    return;
+  }
+  ZInterval looks = k_no_heights;
+  for (const auto& level : levels_[type])
+    for (const sensors::BeamGroup& group : ranger->groups) {
+      const double z = group.z + level.first;
+      const auto meets = [&](const engine::RayOutline& outline) {
+        return outline.z.shifted(level.first).contains(z);
+      };
+      // A robot's beams pass the robot itself.
+      if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
+      looks = united(looks, {z, z});
+    }
+  const auto heights = [](const ZInterval& z) {
+    return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
+  };
+  diagnostics_.warning(
+      where, called + (visible.empty() || visible.extent().contains(looks.min)
+                           ? fmt::format("nothing else stands at its height, {}", heights(looks))
+                           : fmt::format("it looks at a height of {}, what could be seen stands at {}",
+                                         heights(looks), heights(visible.extent()))));
+}
+
+/// Why no robot is ever stopped by it; empty where one can be.
+std::string Lint::why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const {
+  if (!plan.returns.obstacle) return "it is no obstacle";
+  const double height = body.pose_world_body.z;
+  ZInterval robots = k_no_heights;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    const engine::BodyType& type = world_.types()[t];
+    if (!type.drive) continue;
+    for (const auto& level : levels_[t])
+      for (const ConvexPrism& piece : type.obstacle.pieces) {
+        const ZInterval z = piece.z.shifted(level.first);
+        for (const Solid& solid : plan.solids)
+          if (z.overlaps(solid.z.shifted(height))) return {};
+        robots = united(robots, z);
+      }
+  }
+  if (robots == k_no_heights) return "no robot is an obstacle";
+  ZInterval walls = robots;
+  if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
+  return fmt::format("it stands from {:.4g} to {:.4g} m, the robots from {:.4g} to {:.4g} m", walls.min,
+                     walls.max, robots.min, robots.max);
+}
+
+void Lint::check_floor_plans() {
+  if (world_.robots() == 0) return;
+  std::vector<BodyId> open;  // robots pass them
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const engine::BodySpec& body = spec_.bodies[b];
+    if (world_.row(BodyId(b)).valid()) continue;
+    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts) {
+      if (!part.floor_plan) continue;
+      const std::string why = why_it_stops_nobody(body, part);
+      if (why.empty()) continue;
+      diagnostics_.warning(body.where,
+                           fmt::format("floor plan \"{}\" blocks nothing: {}", spec_.name(BodyId(b)), why));
+      if (!part.returns.obstacle) open.push_back(BodyId(b));
+      break;
+    }
+  }
+  if (!open.empty()) check_who_stands_in(open);
+}
+
+/// Who stands in a wall that stops nobody: engine::World reports those in walls that do.
+void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
+  std::vector<partition::FixedSolid> solids;
+  for (const BodyId plan : plans) {
+    const engine::BodySpec& body = spec_.bodies[plan.index()];
+    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
+      for (const Solid& solid : part.solids)
+        if (part.floor_plan) solids.push_back({placed(solid, body.pose_world_body), plan, true, -1});
+  }
+  const partition::StaticScene scene(std::move(solids), k_scene_cell_m);
+  std::size_t found = 0;
+  Where last;
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const engine::BodySpec& body = spec_.bodies[b];
+    const engine::BodyType& type = world_.types()[body.type.index()];
+    if (!type.drive || type.obstacle.empty()) continue;
+    for (const BodyId plan : scene.overlapping(type.obstacle, body.pose_world_body)) {
+      if (found++ >= k_most_listed) continue;
+      last = body.where;
+      diagnostics_.warning(last, fmt::format("\"{}\" stands in floor plan \"{}\", which does not block it",
+                                             spec_.name(BodyId(b)), spec_.name(plan)));
+    }
+  }
+  if (found > k_most_listed)
+    diagnostics_.warning(last, fmt::format("{} more robots stand in floor plans", found - k_most_listed));
+}
+
+}  // namespace
+
+std::vector<std::string> lint(const std::filesystem::path& file, const SimulationOptions& options) {
+  restore_fp_environment();  // before anything is computed from the file
+  Diagnostics diagnostics(true);
+  const engine::Registry registry = make_registry();
+  const worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path,
+                                  options.threads};
+  engine::WorldSpec spec = worldio::load_world(file, registry, load, diagnostics);
+  diagnostics.throw_if_errors();
+  const engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
+  Lint(world, diagnostics).check();
+
+  std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());
+  std::ranges::stable_sort(findings, {},
+                           [](const Finding& f) { return std::tuple(f.where.file, f.where.line); });
+  std::vector<std::string> lines;
+  for (const Finding& finding : findings) lines.push_back(diagnostics.text(finding));
+  return lines;
+}
+
+}  // namespace troupe
