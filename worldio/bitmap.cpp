@@ -83,11 +83,12 @@ bool png_is_damaged(std::string_view bytes) {
   return true;
 }
 
-/// True when the segments of a JPEG do not follow one another, or a Huffman table has more codes than there
-/// are bytes: stb_image (2.27, Debian 12) writes such a table behind the room it has for it.
+/// True when the segments of a JPEG do not follow one another, a Huffman table has more codes than there are
+/// bytes, or a scan uses one that was not given: stb_image (2.27, Debian 12) writes the one behind the room
+/// it has for it, and searches whatever lay in memory for the other.
 bool jpeg_is_damaged(std::string_view bytes) {
   constexpr unsigned k_first_marker = 0xc0, k_huffman = 0xc4, k_first_restart = 0xd0, k_last_restart = 0xd7,
-                     k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
+                     k_progressive = 0xc2, k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
   std::size_t at = 0;
   const auto byte = [&](std::size_t i) {
     return i < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) : 0;
@@ -99,6 +100,9 @@ bool jpeg_is_damaged(std::string_view bytes) {
     return byte(at++);
   };
   if (take_marker() != k_start) return false;
+  unsigned given[2] = {0,
+                       0};  // Huffman tables, a bit each: for the means of blocks, and for what they vary by
+  bool is_progressive = false;
   unsigned marker = take_marker();
   while (marker != k_end) {
     if (marker < k_first_marker || (marker >= k_first_restart && marker <= k_start)) return true;
@@ -107,11 +111,24 @@ bool jpeg_is_damaged(std::string_view bytes) {
     if (length < 2 || end > bytes.size()) return true;
     if (marker == k_huffman)
       for (std::size_t table = at + 2; table < end;) {  // a byte that says which, 16 counts, the codes
+        given[byte(table) >> 4 & 1] |= 1u << (byte(table) & 15);
         unsigned codes = 0;
         for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
         table += 17 + codes;
         if (codes > 256 || table > end) return true;
       }
+    is_progressive = is_progressive || marker == k_progressive;
+    if (marker ==
+        k_start_of_scan) {  // components: a byte that says which, its two tables; then the coefficients
+      const std::size_t after = at + 3 + 2 * std::size_t{byte(at + 2)};
+      if (after + 3 != end) return true;
+      const bool needs[] = {!is_progressive || byte(after) == 0, !is_progressive || byte(after + 1) > 0};
+      for (std::size_t component = at + 3; component < after; component += 2)
+        for (const unsigned kind : {0u, 1u}) {
+          const unsigned table = kind == 0 ? byte(component + 1) >> 4 : byte(component + 1) & 15;
+          if (table > 3 || (needs[kind] && !(given[kind] >> table & 1))) return true;
+        }
+    }
     at = end;
     const bool is_scan = marker == k_start_of_scan;
     do {  // behind the head of a scan its pixels, up to a marker that is neither a byte 0xff of them nor a

@@ -112,6 +112,10 @@ TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
   EXPECT_THAT(error_of("BM\xff\0\0\0"sv), HasSubstr("it ends too early"));
   EXPECT_THAT(error_of("\xff\xd8\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x07"sv),
               HasSubstr("it breaks the rules of JPEG, or ends too early"));
+  EXPECT_THAT(
+      error_of("\xff\xd8\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0\xff\xda\0\x08\1\1\0\0\x3f\0\0\xff\xd9"sv),
+      HasSubstr("it breaks the rules of JPEG"))
+      << "its Huffman tables were not given";
   Diagnostics diagnostics;
   const auto bitmap = decode_bitmap("P5 # a comment\n2 #\n 1 255\n\x7f\x80"sv, "map.pgm", {}, diagnostics);
   ASSERT_TRUE(bitmap);
