@@ -71,16 +71,16 @@ bool is_in(const ConvexPrism& piece, const Vec2& point) {
 
 /// True when no beam leaves the body, where nothing else can be that does not overlap it.
 bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleShape& body) {
-  const auto stays = [&](std::size_t beam, double z) {
-    const Vec2 from = ranger.reference + Vec2(ranger.ox[beam], ranger.oy[beam]);
-    const Vec2 to = from + ranger.range_max[beam] * Vec2(ranger.dx[beam], ranger.dy[beam]);
+  const auto stays = [&](const sensors::BeamGroup& group, std::size_t beam) {
+    const Vec2 from = ranger.reference + Vec2(group.ox[beam], group.oy[beam]);
+    const Vec2 to = from + group.range_max[beam] * Vec2(group.dx[beam], group.dy[beam]);
     return std::ranges::any_of(body.pieces, [&](const ConvexPrism& piece) {
-      return piece.z.contains(z) && is_in(piece, from) && is_in(piece, to);
+      return piece.z.contains(group.z) && is_in(piece, from) && is_in(piece, to);
     });
   };
   return std::ranges::all_of(ranger.groups, [&](const sensors::BeamGroup& group) {
-    for (std::size_t beam = group.first; beam < group.first + group.count; ++beam)
-      if (!stays(beam, group.z)) return false;
+    for (std::size_t beam = 0; beam < group.count; ++beam)
+      if (!stays(group, beam)) return false;
     return true;
   });
 }
@@ -145,8 +145,9 @@ void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sens
     return;
   }
   if (stays_inside(*ranger, body.obstacle)) {
-    const float longest = *std::max_element(
-        ranger->range_max.begin(), ranger->range_max.begin() + static_cast<std::ptrdiff_t>(ranger->count));
+    float longest = 0;
+    for (const sensors::BeamGroup& group : ranger->groups)
+      longest = std::max(longest, *std::ranges::max_element(group.range_max));
     diagnostics_.warning(where,
                          called + fmt::format("its beams of {:.4g} m end inside of its own body", longest));
     return;
