@@ -1,6 +1,7 @@
 #pragma once
 
 #include "tests/engine/conflict_oracle.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <array>
 #include <cstdint>
@@ -11,12 +12,8 @@
 
 namespace troupe::oracle {
 
-/// Builds that are slow, unoptimised or under a sanitizer, do a tenth of the work.
-#if defined(__OPTIMIZE__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-inline constexpr std::uint64_t k_thrift = 1;
-#else
-inline constexpr std::uint64_t k_thrift = 10;
-#endif
+/// Slow builds do a tenth of the work.
+inline constexpr std::uint64_t k_thrift = test::k_slow_build ? 10 : 1;
 
 /// Draws for tests: the engine's words are fixed by the standard, and what is made of them is written here,
 /// so that a seed means the same everywhere.

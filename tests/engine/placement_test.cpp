@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -194,7 +195,7 @@ TEST(Placement, ThreadsChangeNobodysPlace) {
   const PlacementRule uniform{.kind = PlacementRule::Kind::uniform, .region = region(0, 0, 20, 20)};
   const PlacementRule grid{.region = region(0, 0, 20, 20), .pitch_m = 0.12, .heading = 0.1};
   const PlacementRule drawn{.region = region(0, 0, 20, 20), .pitch_m = 0.12, .jitter_m = 0.05};
-  constexpr std::size_t k_bodies = 12000;
+  constexpr std::size_t k_bodies = test::k_slow_build ? 3000 : 12000;
 
   std::vector<Pose> one_by_one;  // the rule of `uniform`, as it is defined
   Crowd crowd;
