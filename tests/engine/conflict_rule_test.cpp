@@ -115,7 +115,7 @@ TEST(ConflictRule, LargeCrowdsWithLongChainsSettleAsTheRuleSays) {
   report(tally);
   EXPECT_GT(100 * tally.refused, tally.moving) << "too easy: under 1 % are refused";
   EXPECT_EQ(tally.order_matters, tally.crowds);
-  EXPECT_GT(2 * tally.deep, tally.crowds) << "too easy: few wait for one who waits";
+  EXPECT_GT(2 * k_fewer * tally.deep, tally.crowds) << "too easy: few wait for one who waits";
 }
 
 // Bodies of whole millimetres on a lattice of their own width touch on all sides, and touching is free: a row
