@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <span>
 
@@ -145,8 +146,9 @@ class EdgeBlock {
     for (std::size_t i = 0; i < edges; i += k_piece) {
       // How many are left is not to be foretold, so always a whole piece: the next one writes over the rest.
       const std::size_t at = vertices_ + i;
-      std::copy_n(rest[i].data(), 2 * k_piece, out + 2 + 2 * i);
-      std::copy_n(&k_open_then_gap[k_piece - std::min(edges - i, k_piece)], k_piece, &open_[at]);
+      std::memcpy(out + 2 + 2 * i, rest[i].data(), 2 * k_piece * sizeof(double));
+      std::memcpy(&open_[at], &k_open_then_gap[k_piece - std::min(edges - i, k_piece)],
+                  k_piece * sizeof(float));
       std::fill_n(&returns_[at], k_piece, ranger_return);
       pieces_[pieces_count_++] = {static_cast<std::uint32_t>(at), met_by};
     }
