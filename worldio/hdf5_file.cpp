@@ -554,17 +554,37 @@ std::string Hdf5Group::read_text(const std::string& name) const {
 
 // ---- files
 
+namespace {
+
+Hdf5Id made(const fs::path& file, std::size_t user_block, hid_t access) {
+  const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
+  H5Pset_userblock(creation.get(), user_block);
+  Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
+  return made;
+}
+
+}  // namespace
+
 Hdf5File::Hdf5File(Hdf5Id id, fs::path file) : Hdf5Group(std::move(id), std::move(file), "/") {}
 
 Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
   start_library();
   const Quiet quiet;
   const Hdf5Id access = access_properties();
-  const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
-  H5Pset_userblock(creation.get(), user_block);
-  Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
-  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
-  return {std::move(made), file};
+  return {made(file, user_block, access.get()), file};
+}
+
+Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
+  constexpr std::size_t k_piece = 1 << 20;  // that memory grows by
+  start_library();
+  const Quiet quiet;
+  const Hdf5Id access = access_properties();
+  H5Pset_fapl_core(access.get(), k_piece, false);
+  // Newer heads say that the file is open to be written, and hold a sum of themselves; H5Fget_file_image
+  // takes out the one and leaves the other as it was.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
+  return {made(file, user_block, access.get()), file};
 }
 
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
@@ -595,6 +615,19 @@ void Hdf5File::flush() {
   const Quiet quiet;
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0)
     fail_with(file_, fmt::format("cannot be written: {}", reason()));
+}
+
+std::vector<std::byte> Hdf5File::image() {
+  flush();
+  const Quiet quiet;
+  const Hdf5Id creation(H5Fget_create_plist(id_.get()), H5Pclose);
+  hsize_t user_block = 0;
+  H5Pget_userblock(creation.get(), &user_block);
+  const auto size = static_cast<std::size_t>(check(H5Fget_file_image(id_.get(), nullptr, 0), "copied"));
+  // The library's image begins behind the user block.
+  std::vector<std::byte> bytes(user_block + size);
+  check(H5Fget_file_image(id_.get(), bytes.data() + user_block, size), "copied");
+  return bytes;
 }
 
 void Hdf5File::close() {

@@ -190,6 +190,9 @@ class Hdf5File : public Hdf5Group {
   /// A new file, replacing one of the same name. The first `user_block` bytes are the caller's (0, or a power
   /// of two from 512 on): HDF5 leaves them alone.
   static Hdf5File create(const std::filesystem::path& file, std::size_t user_block = 0);
+  /// A new file that lies in memory, under the name that messages are to give it; what the disk does cannot
+  /// harm it. image() is the file.
+  static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
   /// To read, a file that was closed.
   static Hdf5File open(const std::filesystem::path& file);
   /// To read, a file that is being written in SWMR mode or whose writer was killed there.
@@ -202,6 +205,8 @@ class Hdf5File : public Hdf5Group {
   void start_swmr();
   /// Hands everything that was written to the operating system.
   void flush();
+  /// The bytes of a file in memory as it is now, the user block's (zeros) first.
+  std::vector<std::byte> image();
   /// Writes what is left and closes; datasets and groups of the file must be gone. Throws where it fails.
   void close();
   /// Leaves the file on the disk as it is now and writes no more to it: what a full disk makes of the rest is
