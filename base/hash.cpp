@@ -11,6 +11,19 @@ std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) {
 
 std::uint64_t hash_text(std::string_view text) { return hash_bytes(std::as_bytes(std::span(text))); }
 
+struct HashStream::State {
+  XXH3_state_t xxh3;
+};
+
+HashStream::HashStream() : state_(std::make_unique<State>()) { XXH3_64bits_reset(&state_->xxh3); }
+HashStream::~HashStream() = default;
+
+void HashStream::add(std::span<const std::byte> bytes) {
+  XXH3_64bits_update(&state_->xxh3, bytes.data(), bytes.size());
+}
+
+std::uint64_t HashStream::hash() const { return XXH3_64bits_digest(&state_->xxh3); }
+
 std::string hex(std::uint64_t value) {
   constexpr std::string_view k_digits = "0123456789abcdef";
   std::string text(16, '0');

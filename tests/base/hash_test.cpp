@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -25,6 +26,18 @@ TEST(Hash, LongInputsAreTheSameEverywhere) {
   std::string text;
   for (int i = 0; i < 1000; ++i) text += static_cast<char>('a' + i % 26);
   EXPECT_EQ(hex(hash_text(text)), "e153425558d7da5d");
+}
+
+TEST(Hash, OfPiecesIsThatOfTheWhole) {
+  std::string text;
+  for (int i = 0; i < 5000; ++i) text += static_cast<char>('a' + i % 23);
+  for (const std::size_t piece : {1, 7, 240, 256, 1024, 5000}) {
+    HashStream stream;
+    for (std::size_t at = 0; at < text.size(); at += piece)
+      stream.add(std::as_bytes(std::span(text).subspan(at, std::min(piece, text.size() - at))));
+    EXPECT_EQ(stream.hash(), hash_text(text)) << piece;
+  }
+  EXPECT_EQ(HashStream().hash(), hash_text(""));
 }
 
 TEST(Hash, HexHasSixteenLowerCaseDigits) {
