@@ -78,7 +78,7 @@ class Unlike {
     std::set<std::string> keys;
     for (const HashLogReader* log : {&first_, &second_})
       for (const auto& [key, header] : log->headers()) keys.insert(key);
-    for (const char* free : {"version", "threads", "tile_m"}) keys.erase(free);
+    for (const char* free : {"version", "threads", "tile_m", "resumed_at_tick"}) keys.erase(free);
     for (const std::string& key : keys) {
       std::string a = value(first_, key);
       std::string b = value(second_, key);

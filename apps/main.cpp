@@ -74,6 +74,8 @@ int troupe_main(int argc, char** argv) {
 
   RunOptions options;
   const CLI::App* run_command = add_run_command(app, options);
+  RunOptions resume_options;
+  const CLI::App* resume_command = add_resume_command(app, resume_options);
   CheckOptions check_options;
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
@@ -96,6 +98,7 @@ int troupe_main(int argc, char** argv) {
   }
 
   if (run_command->parsed()) return run(options);
+  if (resume_command->parsed()) return run(resume_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (lint_command->parsed()) return lint_world(linted);

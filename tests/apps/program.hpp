@@ -23,6 +23,7 @@ class ProgramTest : public ::testing::Test {
   ProgramTest();
   ~ProgramTest() override;
 
+  const std::filesystem::path& folder() const { return folder_; }
   /// Writes a file into the folder.
   void write(const std::string& name, std::string_view text);
   /// Reads one from it; a missing file fails the test and reads as nothing.
