@@ -52,10 +52,9 @@ void rehearse_snapshot(const Simulation& simulation, const fs::path& png) {
 HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(file), stream_(file) {
   if (!stream_) refuse(file, std::strerror(errno));
   stream_ << simulation.hash_log_header();
-  write(simulation);
 }
 
-void HashLog::write(const Simulation& simulation) {
+void HashLog::observe(const Simulation& simulation) {
   stream_ << simulation.hash_log_line() << '\n' << std::flush;
   if (!stream_)
     throw std::runtime_error(fmt::format("{}: error: writing failed at tick {}: {}", file_.string(),

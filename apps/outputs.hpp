@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/observer.hpp"
 #include "troupe/simulation.hpp"
 
 #include <filesystem>
@@ -26,14 +27,13 @@ void check_outputs(const std::filesystem::path& world, const std::vector<std::fi
 void rehearse_snapshot(const Simulation& simulation, const std::filesystem::path& png);
 
 /// A hash log, streamed: each line is in the file when its tick has ended.
-class HashLog {
+class HashLog : public Observer {
  public:
-  /// Opens the file, and writes the header and the line of the tick that the simulation is at. Throws
-  /// OutputError.
+  /// Opens the file and writes the header. Throws OutputError.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
   /// Writes the line of the simulation's tick. Throws std::runtime_error when the disk is full.
-  void write(const Simulation& simulation);
+  void observe(const Simulation& simulation) override;
 
  private:
   std::filesystem::path file_;

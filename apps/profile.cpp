@@ -38,7 +38,8 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
       limits_(limits),
       tasks_left_(limits.most_tasks),
       ticks_left_(limits.most_ticks),
-      tick_(simulation.tick()),
+      start_tick_(simulation.tick()),
+      tick_(start_tick_),
       threads_(simulation.threads()) {
   static std::atomic<std::uint64_t> generations = 0;
   generation_ = ++generations;
@@ -85,7 +86,8 @@ void Profile::task(std::size_t index, bool begins) {
     track.tasks.push_back({{track.begin, Clock::now()}, index, *current_});
 }
 
-void Profile::write(const Simulation& simulation) {
+void Profile::observe(const Simulation& simulation) {
+  if (tick_ == start_tick_) return;
   if (!recording_) {
     const bool wanted = tick_ >= limits_.first_tick && tick_ <= limits_.last_tick;
     if (wanted && std::exchange(ended_, true) == false) {

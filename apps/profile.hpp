@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/observer.hpp"
 #include "troupe/simulation.hpp"
 
 #include <array>
@@ -37,18 +38,16 @@ struct ProfileLimits {
 /// load    a phase's argument `imbalance` is the busiest worker's time in tasks by the mean of all `threads`
 ///         workers (1: perfect; `threads`: one did everything); left out where a phase ran no task
 /// errors  OutputError when the file cannot be opened, std::runtime_error when it cannot be written
-class Profile {
+class Profile : public Observer {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);
-  Profile(const Profile&) = delete;
-  Profile& operator=(const Profile&) = delete;
 
   /// What the simulation's on_phase() and on_task() are to call.
   void phase(std::optional<Phase> phase);
   void task(std::size_t index, bool begins);
 
-  /// Between steps: writes the tick that has just ended.
-  void write(const Simulation& simulation);
+  /// Writes the tick that has just ended, if one has.
+  void observe(const Simulation& simulation) override;
 
   /// What the limits left out, in words; empty when nothing.
   const std::string& left_out() const { return left_out_; }
@@ -93,7 +92,8 @@ class Profile {
   std::string left_out_;
 
   Clock::time_point start_ = Clock::now();
-  std::uint64_t tick_ = 0;  // the last that began
+  std::uint64_t start_tick_;
+  std::uint64_t tick_;      // the last that began
   bool recording_ = false;  // this tick
   bool ended_ = false;      // no tick is recorded any more, though more were wanted
   std::optional<Phase> current_;

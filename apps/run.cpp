@@ -17,9 +17,11 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -56,8 +58,28 @@ void print_options(const Report& report) {
   std::fflush(stdout);
 }
 
+/// What the run writes tick by tick.
+struct Observers {
+  std::vector<std::unique_ptr<Observer>> all;
+  Profile* profile = nullptr;  // of them the one that the phases and tasks are told, too
+};
+
+/// Opens the files: before the first tick, so that one that cannot be written costs no run.
+Observers make_observers(const RunOptions& options, const Simulation& simulation) {
+  Observers observers;
+  if (!options.hash_log.empty())
+    observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
+  if (!options.profile.empty()) {
+    auto profile = std::make_unique<Profile>(options.profile, simulation, options.profile_limits);
+    observers.profile = profile.get();
+    observers.all.push_back(std::move(profile));
+  }
+  return observers;
+}
+
 /// Steps to the end, or to a signal; fills in what a run measures.
-void step_to_end(Simulation& simulation, HashLog* log, Profile* profile, bool show_progress, Report& report) {
+void step_to_end(Simulation& simulation, const Observers& observers, bool show_progress, Report& report) {
+  Profile* const profile = observers.profile;
   PhaseClock phases;
   simulation.on_phase([&phases, profile](std::optional<Phase> phase) {
     phases(phase);
@@ -65,17 +87,21 @@ void step_to_end(Simulation& simulation, HashLog* log, Profile* profile, bool sh
   });
   if (profile) simulation.on_task([profile](std::size_t task, bool begins) { profile->task(task, begins); });
   const std::uint64_t ticks = engine::ticks_until(report.end_s, simulation.tick_s());
+  const auto observe = [&] {
+    for (const auto& observer : observers.all) observer->observe(simulation);
+  };
+  observe();
   {
     Progress progress(ticks, simulation.tick_s(), show_progress);
     const auto start = Clock::now();
     while (simulation.tick() < ticks && !stop_requested) {
       simulation.step();
-      if (profile) profile->write(simulation);
-      if (log) log->write(simulation);
+      observe();
       progress.update(simulation.tick());
     }
     report.wall_s = seconds_since(start);
   }
+  for (const auto& observer : observers.all) observer->finish(simulation);
   simulation.on_phase(nullptr);
   simulation.on_task(nullptr);
   report.phase_s = phases.seconds();
@@ -102,14 +128,11 @@ ExitCode run_checked(const RunOptions& options) {
 
   stop_on_signals();
   if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
-  std::optional<HashLog> log;
-  if (!options.hash_log.empty()) log.emplace(options.hash_log, simulation);
-  std::optional<Profile> profile;
-  if (!options.profile.empty()) profile.emplace(options.profile, simulation, options.profile_limits);
+  const Observers observers = make_observers(options, simulation);
 
   if (!options.quiet && !options.json) print_options(report);
-  step_to_end(simulation, log ? &*log : nullptr, profile ? &*profile : nullptr, !options.quiet, report);
-  if (profile && !profile->left_out().empty() && !options.quiet)
+  step_to_end(simulation, observers, !options.quiet, report);
+  if (const Profile* profile = observers.profile; profile && !profile->left_out().empty() && !options.quiet)
     fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
                options.profile.string(), profile->left_out());
   report.peak_rss_bytes = peak_rss_bytes();

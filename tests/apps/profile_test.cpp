@@ -150,7 +150,7 @@ std::string limited(const std::string& file, const ProfileLimits& limits, std::s
   simulation.on_task([&](std::size_t task, bool begins) { profile.task(task, begins); });
   for (int i = 0; i < 10; ++i) {
     simulation.step();
-    profile.write(simulation);
+    profile.observe(simulation);
     std::ifstream stream(file);
     readable += nlohmann::json::accept(std::string(std::istreambuf_iterator<char>(stream), {}));
   }
