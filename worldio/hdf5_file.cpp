@@ -136,9 +136,9 @@ Hdf5Id access_properties() {
   return access;
 }
 
-void set_fill(hid_t properties, engine::Element element, std::optional<std::int64_t> fill) {
+void set_fill(hid_t properties, engine::Element element, std::optional<std::uint64_t> fill) {
   if (fill) {
-    H5Pset_fill_value(properties, H5T_NATIVE_INT64, &*fill);
+    H5Pset_fill_value(properties, H5T_NATIVE_UINT64, &*fill);
   } else if (element == engine::Element::f64 || element == engine::Element::f32) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &nan);
@@ -301,11 +301,12 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Rows that were never written take no room; nobody makes a file of nothing but those.
-  std::error_code unknown;
-  const std::uintmax_t bytes = fs::file_size(file_, unknown);
-  if (unknown || values > bytes / engine::element_size(element_))
-    if (values > 0) fail("is larger than the file: the file is damaged");
+  // Rows that were never written take no room, but nobody makes a file of nothing else.
+  const Quiet quiet;
+  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(open_file.get(), &bytes), "read");
+  if (values > bytes / engine::element_size(element_)) fail("is larger than the file: the file is damaged");
   return values;
 }
 

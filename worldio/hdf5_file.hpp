@@ -82,6 +82,7 @@ class Hdf5Object {
 /// row-major.
 class Hdf5Dataset : public Hdf5Object {
  public:
+  Hdf5Dataset() = default;  ///< of no file
   engine::Element element() const { return element_; }
   const std::vector<std::size_t>& extent() const { return extent_; }
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
@@ -143,7 +144,7 @@ class Hdf5Dataset : public Hdf5Object {
 /// How an extendible dataset lies in the file.
 struct Hdf5Chunks {
   std::vector<std::size_t> extent;   ///< of a chunk: as many dimensions as the dataset, none 0
-  std::optional<std::int64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
+  std::optional<std::uint64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
 };
 
 class Hdf5Group : public Hdf5Object {
