@@ -3,14 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
 
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
+constexpr double k_most_seconds = 1e9;  // from frame to frame, as in a world's `record`
 
 constexpr const char* k_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -26,7 +30,8 @@ Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
-  troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log)";
+  troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
 
 void set_picture_size(RunOptions& options, const std::string& text) {
   const auto cross = text.find('x');
@@ -40,6 +45,13 @@ void set_picture_size(RunOptions& options, const std::string& text) {
   options.height = *height;
 }
 
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + separator);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
+}
+
 void set_profile_ticks(RunOptions& options, const std::string& text) {
   const auto colon = text.find(':');
   const auto first = number<std::uint64_t>(text.substr(0, colon));
@@ -48,6 +60,31 @@ void set_profile_ticks(RunOptions& options, const std::string& text) {
     refuse("--profile-ticks", text, "a first and a last tick, counted from 1, as in --profile-ticks 100:120");
   options.profile_limits.first_tick = *first;
   options.profile_limits.last_tick = *last;
+}
+
+void add_record_options(CLI::App& run, RunOptions& options) {
+  add_value(run, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+            [&options](const std::string& text) {
+              if (text.empty() || text.starts_with('-')) refuse("--record", text, "a file name");
+              options.record = text;
+            });
+  add_value(run, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+            [&options](const std::string& text) {
+              const auto seconds = finite(text);
+              if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+                refuse("--record-every", text,
+                       fmt::format("a time in seconds, above 0 and at most {:g}", k_most_seconds));
+              options.recording.every_s = *seconds;
+            });
+  add_value(run, "--record-fields", "A,B,...",
+            "What of it: pose, velocity, stall, ranges, ..., or all (default: pose)",
+            [&options](const std::string& text) {
+              options.recording.fields = split(text, ',');
+              if (std::ranges::count(options.recording.fields, "") > 0)
+                refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+            });
+  run.add_flag("--force", options.recording.replace, "Replace a recording that exists")
+      ->disable_flag_override();
 }
 
 }  // namespace
@@ -87,6 +124,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
             "Only ticks A to B of it (default: all, while the file stays small)",
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
+  add_record_options(*run, options);
   const auto add_switch = [run](const char* name, bool& on, const char* help) {
     run->add_flag(name, on, help)->disable_flag_override();
   };

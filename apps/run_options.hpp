@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 #include "apps/profile.hpp"
+#include "troupe/recording.hpp"
 
 #include <filesystem>
 
@@ -13,6 +14,8 @@ struct RunOptions : WorldOptions {
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none
   ProfileLimits profile_limits;
+  std::filesystem::path record;  ///< empty: where the world says, if it does
+  RecordingOptions recording;
   int width = 1280;
   int height = 720;
   bool json = false;
