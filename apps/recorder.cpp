@@ -1,6 +1,7 @@
 #include "apps/recorder.hpp"
 
 #include "apps/run_options.hpp"
+#include "base/diagnostics.hpp"
 #include "engine/world.hpp"
 
 namespace troupe::apps {
@@ -13,6 +14,20 @@ constexpr std::chrono::seconds k_flush_period{2};
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation) {
   const auto& record = simulation.world().spec().record;
   return options.record.empty() && record ? std::filesystem::path(record->file) : options.record;
+}
+
+std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation) {
+  const std::filesystem::path file = recording_file(options, simulation);
+  if (file.empty()) {
+    if (options.recording.every_s > 0 || !options.recording.fields.empty())
+      throw InputError(
+          "troupe run: error: --record-every and --record-fields say how to record: --record FILE.h5 says "
+          "where");
+    return nullptr;
+  }
+  RecordingOptions recording = options.recording;
+  recording.replace = options.force;
+  return std::make_unique<Recorder>(Recording(file, simulation, recording));
 }
 
 void Recorder::observe(const Simulation& simulation) {

@@ -68,6 +68,7 @@ struct Observers {
 /// Opens the files: before the first tick, so that one that cannot be written costs no run.
 Observers make_observers(const RunOptions& options, const Simulation& simulation) {
   Observers observers;
+  if (auto recorder = make_recorder(options, simulation)) observers.all.push_back(std::move(recorder));
   if (!options.hash_log.empty())
     observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
   if (!options.profile.empty()) {
@@ -75,8 +76,6 @@ Observers make_observers(const RunOptions& options, const Simulation& simulation
     observers.profile = profile.get();
     observers.all.push_back(std::move(profile));
   }
-  if (const auto file = recording_file(options, simulation); !file.empty())
-    observers.all.push_back(std::make_unique<Recorder>(Recording(file, simulation, options.recording)));
   return observers;
 }
 

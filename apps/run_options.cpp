@@ -83,8 +83,6 @@ void add_record_options(CLI::App& run, RunOptions& options) {
               if (std::ranges::count(options.recording.fields, "") > 0)
                 refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
             });
-  run.add_flag("--force", options.recording.replace, "Replace a recording that exists")
-      ->disable_flag_override();
 }
 
 }  // namespace
@@ -128,6 +126,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   const auto add_switch = [run](const char* name, bool& on, const char* help) {
     run->add_flag(name, on, help)->disable_flag_override();
   };
+  add_switch("--force", options.force, "Replace a recording that is there already");
   add_switch("--json", options.json,
              "Print the summary as one flat JSON object, and nothing else, on stdout");
   add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");

@@ -16,6 +16,7 @@ struct RunOptions : WorldOptions {
   ProfileLimits profile_limits;
   std::filesystem::path record;  ///< empty: where the world says, if it does
   RecordingOptions recording;
+  bool force = false;  ///< outputs that exist may be replaced
   int width = 1280;
   int height = 720;
   bool json = false;
