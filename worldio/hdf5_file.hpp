@@ -50,7 +50,7 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// A new attribute; texts are UTF-8 of fixed length.
+  /// A new attribute. Texts are UTF-8, of variable length: what h5py gives its users as str, and not as bytes.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
