@@ -13,8 +13,10 @@
 namespace troupe::apps {
 namespace fs = std::filesystem;
 
-Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const Simulation& simulation)
+Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const Simulation& simulation,
+                             std::vector<Observer*> others)
     : file_(std::move(file)),
+      others_(std::move(others)),
       period_(every_s ? engine::period_ticks(*every_s, simulation.tick_s()) : 0),
       first_tick_(simulation.tick()) {
   const fs::path rehearsal = fs::path(file_).concat(".rehearsal");
@@ -31,12 +33,17 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
 void Checkpointing::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
   if (period_ == 0 || tick % period_ != 0 || tick == first_tick_) return;
-  simulation.save(file_);
-  saved_ = tick;
+  for (Observer* other : others_) other->flush();
+  save(simulation);
 }
 
 void Checkpointing::finish(const Simulation& simulation) {
-  if (saved_ != simulation.tick()) simulation.save(file_);
+  if (saved_ != simulation.tick()) save(simulation);
+}
+
+void Checkpointing::save(const Simulation& simulation) {
+  simulation.save(file_);
+  saved_ = simulation.tick();
 }
 
 void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool force) {

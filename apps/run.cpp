@@ -5,6 +5,7 @@
 #include "apps/phase_clock.hpp"
 #include "apps/profile.hpp"
 #include "apps/progress.hpp"
+#include "apps/recorder.hpp"
 #include "apps/report.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
@@ -98,6 +99,7 @@ struct Observers {
 /// Opens the files: before the first tick, so that one that cannot be written costs no run.
 Observers make_observers(const RunOptions& options, const Simulation& simulation) {
   Observers observers;
+  if (auto recorder = make_recorder(options, simulation)) observers.all.push_back(std::move(recorder));
   if (!options.hash_log.empty())
     observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
   if (!options.profile.empty()) {
@@ -106,8 +108,10 @@ Observers make_observers(const RunOptions& options, const Simulation& simulation
     observers.all.push_back(std::move(profile));
   }
   if (!options.checkpoint.empty()) {
-    observers.all.push_back(
-        std::make_unique<Checkpointing>(options.checkpoint, options.checkpoint_every_s, simulation));
+    std::vector<Observer*> others;
+    for (const auto& observer : observers.all) others.push_back(observer.get());
+    observers.all.push_back(std::make_unique<Checkpointing>(options.checkpoint, options.checkpoint_every_s,
+                                                            simulation, std::move(others)));
     observers.checkpointing = observers.all.back().get();
   }
   return observers;
@@ -144,13 +148,13 @@ void step_to_end(Simulation& simulation, const Observers& observers, const std::
   report.hashes = simulation.hashes();
 }
 
-/// What has to be right before anything is loaded.
-void check_files(const RunOptions& options) {
+/// What has to be right before anything is loaded; and, since the world may name a recording, once it is.
+void check_files(const RunOptions& options, const std::filesystem::path& recording) {
   const std::filesystem::path resumed_from = options.is_checkpoint ? options.world : "";
   check_checkpoint(options.checkpoint, resumed_from, options.force);
   const bool goes_on = same_file(options.checkpoint, resumed_from);
   check_outputs(options.world, options.is_checkpoint ? "the checkpoint" : "the world",
-                {options.hash_log, options.snapshot, options.profile,
+                {options.hash_log, options.snapshot, options.profile, recording,
                  goes_on ? std::filesystem::path() : options.checkpoint});
 }
 
@@ -166,7 +170,7 @@ Simulation load(const RunOptions& options) {
 
 ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
-  check_files(options);
+  check_files(options, options.record);
   Simulation simulation = load(options);
   Report report;
   report.load_s = seconds_since(start);
@@ -185,6 +189,7 @@ ExitCode run_checked(const RunOptions& options) {
 
   stop_on_signals();
   if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
+  check_files(options, recording_file(options, simulation));
   const Observers observers = make_observers(options, simulation);
 
   if (!options.quiet && !options.json) print_options(report);

@@ -5,15 +5,19 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
 
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
+constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
 
 constexpr const char* k_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -34,7 +38,8 @@ Examples:
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
-  troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000)";
+  troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
 
 std::string resume_footer() {
   std::string changeable(worldio::k_changeable);
@@ -43,8 +48,8 @@ std::string resume_footer() {
   return fmt::format(R"(
 Goes on where the checkpoint was saved, with the same bits as a run that never stopped, on any number of threads and
 without the world's own files. --for S is a time on the world's clock, counted from tick 0 as in troupe run. Outputs are
-those of run. A hash log that is there already goes on behind the checkpoint's tick; another log begins at it. The
-checkpoint may be written again under its own name without --force.
+those of run. A hash log or a recording that is there already goes on behind the checkpoint's tick, without a gap or a
+repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
 
 --set changes what keeps the shape of the state, from here on; h5dump -d /world CHECKPOINT shows the stored world:
   {}
@@ -73,6 +78,13 @@ void set_picture_size(RunOptions& options, const std::string& text) {
   options.height = *height;
 }
 
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + separator);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
+}
+
 void set_profile_ticks(RunOptions& options, const std::string& text) {
   const auto colon = text.find(':');
   const auto first = number<std::uint64_t>(text.substr(0, colon));
@@ -89,11 +101,26 @@ std::filesystem::path file_name(const char* option, const std::string& text) {
 }
 
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
-  constexpr double k_most = 1e12;
   const std::optional<double> seconds = finite(text);
-  if (!seconds || *seconds <= 0 || *seconds > k_most)
-    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most));
+  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
   return *seconds;
+}
+
+void add_record_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+            [&options](const std::string& text) { options.record = file_name("--record", text); });
+  add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+            [&options](const std::string& text) {
+              options.recording.every_s = positive_seconds("--record-every", text, "a time");
+            });
+  add_value(app, "--record-fields", "A,B,...",
+            "What of it: pose, velocity, stall, ranges, ..., or all (default: pose)",
+            [&options](const std::string& text) {
+              options.recording.fields = split(text, ',');
+              if (std::ranges::count(options.recording.fields, "") > 0)
+                refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+            });
 }
 
 void add_checkpoint_options(CLI::App& app, RunOptions& options) {
@@ -142,10 +169,11 @@ void add_output_options(CLI::App& app, RunOptions& options) {
             "Only ticks A to B of it (default: all, while the file stays small)",
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
+  add_record_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();
   };
-  add_switch("--force", options.force, "Replace a checkpoint that is there already");
+  add_switch("--force", options.force, "Replace a checkpoint or a recording that is there already");
   add_switch("--json", options.json,
              "Print the summary as one flat JSON object, and nothing else, on stdout");
   add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");

@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 #include "apps/profile.hpp"
+#include "troupe/recording.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -17,6 +18,8 @@ struct RunOptions : WorldOptions {
   std::filesystem::path checkpoint;          ///< empty: none
   std::optional<double> checkpoint_every_s;  ///< not given: at the end alone
   std::optional<double> wall_limit_s;
+  std::filesystem::path record;  ///< empty: where the world says, if it does
+  RecordingOptions recording;
   bool force = false;  ///< outputs that exist may be replaced
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;

@@ -105,7 +105,7 @@ Hdf5Id text_type(std::size_t size) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
-  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   return type;
 }
 
@@ -136,9 +136,9 @@ Hdf5Id access_properties() {
   return access;
 }
 
-void set_fill(hid_t properties, engine::Element element, std::optional<std::int64_t> fill) {
+void set_fill(hid_t properties, engine::Element element, std::optional<std::uint64_t> fill) {
   if (fill) {
-    H5Pset_fill_value(properties, H5T_NATIVE_INT64, &*fill);
+    H5Pset_fill_value(properties, H5T_NATIVE_UINT64, &*fill);
   } else if (element == engine::Element::f64 || element == engine::Element::f32) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &nan);
@@ -201,9 +201,10 @@ void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std
 
 void Hdf5Object::set_text(const std::string& name, std::string_view value) {
   const Quiet quiet;
-  const Hdf5Id type = text_type(value.size());
-  const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
-  write_attribute(name, type.get(), type.get(), padded.data());
+  const Hdf5Id type = text_type(H5T_VARIABLE);
+  const std::string copy(value);
+  const char* const text = copy.c_str();
+  write_attribute(name, type.get(), type.get(), &text);
 }
 
 void Hdf5Object::set_integer(const std::string& name, std::int64_t value) {
@@ -251,11 +252,13 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Quiet quiet;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
-    fail(fmt::format("has an attribute \"{}\" that is no text of fixed length", name));
-  std::string value(H5Tget_size(type.get()), '\0');
-  check(H5Aread(attribute.get(), type.get(), value.data()), "read");
-  return unpadded(std::move(value));
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) <= 0)
+    fail(fmt::format("has an attribute \"{}\" that is no text", name));
+  char* text = nullptr;
+  check(H5Aread(attribute.get(), type.get(), static_cast<void*>(&text)), "read");
+  const std::string value(text ? text : "");
+  H5free_memory(text);
+  return value;
 }
 
 std::int64_t Hdf5Object::integer(const std::string& name) const {
@@ -301,11 +304,12 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Rows that were never written take no room; nobody makes a file of nothing but those.
-  std::error_code unknown;
-  const std::uintmax_t bytes = fs::file_size(file_, unknown);
-  if (unknown || values > bytes / engine::element_size(element_))
-    if (values > 0) fail("is larger than the file: the file is damaged");
+  // Rows that were never written take no room, but nobody makes a file of nothing else.
+  const Quiet quiet;
+  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(open_file.get(), &bytes), "read");
+  if (values > bytes / engine::element_size(element_)) fail("is larger than the file: the file is damaged");
   return values;
 }
 

@@ -50,7 +50,8 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// A new attribute; texts are UTF-8 of fixed length.
+  /// A new attribute. Texts are UTF-8, of variable length: what h5py gives its users as str, and not as
+  /// bytes.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
@@ -82,6 +83,7 @@ class Hdf5Object {
 /// row-major.
 class Hdf5Dataset : public Hdf5Object {
  public:
+  Hdf5Dataset() = default;  ///< of no file
   engine::Element element() const { return element_; }
   const std::vector<std::size_t>& extent() const { return extent_; }
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
@@ -142,8 +144,8 @@ class Hdf5Dataset : public Hdf5Object {
 
 /// How an extendible dataset lies in the file.
 struct Hdf5Chunks {
-  std::vector<std::size_t> extent;   ///< of a chunk: as many dimensions as the dataset, none 0
-  std::optional<std::int64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
+  std::vector<std::size_t> extent;    ///< of a chunk: as many dimensions as the dataset, none 0
+  std::optional<std::uint64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
 };
 
 class Hdf5Group : public Hdf5Object {

@@ -93,6 +93,7 @@ class SpecReader {
   void each_of(JsonObject& object, std::string_view key, Read&& read);
 
   void read_settings(JsonObject& object, engine::WorldSpec& spec);
+  engine::RecordSpec record(const JsonCursor& at);
   void read_names(JsonObject& object, engine::WorldSpec& spec);
   Ring ring(const JsonCursor& at);
   Solid solid(const JsonCursor& at);
@@ -219,6 +220,8 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
     files_.push_back(diagnostics_.files()->add(name.value_or("")));
   });
   spec.resolution_where = where(object, "resolution_where");
+  if (const JsonNode* node = object.find("record"))
+    spec.record = record(JsonCursor(object.at(), "record", *node));
   if (object.find("bounds_m")) {
     const std::vector<double> b = numbers(object, "bounds_m", 4);
     spec.bounds.emplace();
@@ -226,6 +229,22 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
     spec.bounds->max = {b[2], b[3]};
     if (spec.bounds->empty()) object.at().error("bounds_m: these are [x_min, y_min, x_max, y_max]");
   }
+}
+
+engine::RecordSpec SpecReader::record(const JsonCursor& at) {
+  JsonObject object(at);
+  engine::RecordSpec record;
+  record.file = text(object, "file");
+  each_of(object, "fields", [&](const JsonCursor& field) {
+    std::optional<std::string> name = text_of(field.node());
+    if (!name) field.expected("the name of a field");
+    record.fields.push_back(std::move(name).value_or(""));
+  });
+  if (object.find("every_s")) record.every_s = number(object, "every_s", 0, k_most, 0);
+  record.where = where(object);
+  record.where_fields = where(object, "where_fields");
+  object.finish();
+  return record;
 }
 
 void SpecReader::read_names(JsonObject& object, engine::WorldSpec& spec) {

@@ -202,6 +202,18 @@ Json type_json(const engine::TypeSpec& type, const engine::Registry& registry) {
   return json;
 }
 
+Json record_json(const engine::RecordSpec& record) {
+  const auto& [file, fields, every_s, where, where_fields] = record;
+  Json json;
+  json["file"] = text_json(file);
+  json["fields"] = Json::array();
+  for (const std::string& field : fields) json["fields"].push_back(text_json(field));
+  if (every_s) json["every_s"] = finite(*every_s);
+  json["where"] = where_json(where);
+  json["where_fields"] = where_json(where_fields);
+  return json;
+}
+
 Json files_json(const SourceFiles* files) {
   Json json = Json::array();
   for (std::uint32_t i = 0; files && i < files->size(); ++i) json.push_back(text_json(files->name(i)));
@@ -234,8 +246,8 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 }  // namespace
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  const auto& [title, files, seed, tick_s, quit_time_s, ranging, resolution_m, resolution_where, bounds,
-               types, names, bodies, aliases, part_aliases] = spec;
+  const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
+               bounds, types, names, bodies, aliases, part_aliases] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;
@@ -243,6 +255,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   json["seed"] = seed;
   json["tick_s"] = finite(tick_s);
   if (quit_time_s) json["quit_time_s"] = finite(*quit_time_s);
+  if (record) json["record"] = record_json(*record);
   json["ranging"] = engine::ranging_engine_name(ranging);
   json["resolution_m"] = finite(resolution_m);
   json["resolution_where"] = where_json(resolution_where);

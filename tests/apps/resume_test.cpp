@@ -2,7 +2,6 @@
 #include "worldio/hdf5_file.hpp"
 
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <csignal>
@@ -41,7 +40,7 @@ class Resume : public ProgramTest {
   void straight_log(const std::string& seconds) const {
     good({"run", "room.world", "--for", seconds, "--hash-log", "straight.log"});
   }
-  void remove_world() { std::filesystem::remove(folder() / "room.world"); }
+  void remove_world() { std::filesystem::remove(path("room.world")); }
 };
 
 TEST_F(Resume, GoesOnWithTheSameBitsInAnEmptyFolder) {
@@ -232,17 +231,44 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
 TEST_F(Resume, AFullDiskIsAnErrorThatKeepsTheLastCheckpoint) {
   good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
   const std::string before = read("c.h5");
-  rlimit old{};
-  getrlimit(RLIMIT_FSIZE, &old);
-  const rlimit small{before.size() / 2, old.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
-  const Outcome at_once = troupe({"resume", "c.h5", "--for", "2", "--checkpoint", "c.h5"});
-  setrlimit(RLIMIT_FSIZE, &old);
+  const Outcome at_once =
+      troupe_with_file_limit({"resume", "c.h5", "--for", "2", "--checkpoint", "c.h5"}, before.size() / 2);
   EXPECT_EQ(at_once.code, 2);
   EXPECT_THAT(at_once.err, StartsWith("c.h5: error: "));
   EXPECT_THAT(at_once.err, HasSubstr("File too large"));
   EXPECT_EQ(read("c.h5"), before);
   EXPECT_THAT(files(), ElementsAre("c.h5", "room.world"));
+}
+
+TEST_F(Resume, ARecordingGoesOnWithoutAGapOrARepeat) {
+  const std::vector<std::string> record{"--record-every", "0.3", "--record-fields", "pose,ranges,stall"};
+  const auto with = [&record](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), record.begin(), record.end());
+    return arguments;
+  };
+  good(with({"run", "room.world", "--for", "4", "--record", "straight.h5"}));
+  good(with({"run", "room.world", "--for", "1.4", "--record", "r.h5", "--checkpoint", "c.h5"}));
+  good({"resume", "c.h5", "--for", "2.5", "--record", "r.h5"});  // what came of this is cut off again
+  good({"resume", "c.h5", "--for", "2", "--record", "r.h5", "--checkpoint", "c.h5", "--checkpoint-every",
+        "0.1"});
+  good({"resume", "c.h5", "--for", "4", "--record", "r.h5"});
+  const Outcome outcome = troupe({"diff", "straight.h5", "r.h5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("same"));
+  good({"resume", "c.h5", "--for", "4", "--record", "later.h5"});
+  EXPECT_EQ(troupe(with({"resume", "c.h5", "--for", "4", "--record", "r.h5"})).code, 2);
+}
+
+TEST_F(Resume, ARecordingWhoseRunWasKilledGoesOn) {
+  const Outcome killed =
+      troupe_until({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5", "--checkpoint-every", "0.5",
+                    "--record", "r.h5", "--hash-log", "h.log"},
+                   "h.log", 80, SIGKILL);
+  EXPECT_EQ(killed.code, 128 + SIGKILL);
+  good({"resume", "c.h5", "--for", "30", "--record", "r.h5", "--hash-log", "h.log"});
+  good({"run", "room.world", "--for", "30", "--record", "straight.h5"});
+  const Outcome outcome = troupe({"diff", "straight.h5", "r.h5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
 }
 
 TEST_F(Resume, ManyCheckpointsLeaveOneFile) {

@@ -136,7 +136,7 @@ TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
   {
     Hdf5File file = Hdf5File::create(file_);
     Hdf5Dataset x = file.create_extendible("x", Element::f64, {2, 1}, {.extent = {4, 2, 1}});
-    Hdf5Dataset tick = file.create_extendible("tick", Element::u64, {}, {.extent = {4}, .fill = -1});
+    Hdf5Dataset tick = file.create_extendible("tick", Element::u64, {}, {.extent = {4}, .fill = ~0ull});
     const std::vector<double> values = counted<double>(10);
     x.append(std::span<const double>(values).first(4));
     x.append(std::span<const double>(values).subspan(4));

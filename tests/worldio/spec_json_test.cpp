@@ -46,13 +46,15 @@ class Comparison {
 
   void compare() {
     // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
-    const auto& [title, files, seed, tick_s, quit_time_s, ranging, resolution_m, resolution_where, bounds,
-                 types, names, bodies, aliases, part_aliases] = a_;
+    const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
+                 bounds, types, names, bodies, aliases, part_aliases] = a_;
     EXPECT_EQ(title, b_.title);
     EXPECT_TRUE(files && b_.files);
     EXPECT_EQ(seed, b_.seed);
     same(tick_s, b_.tick_s);
     EXPECT_EQ(quit_time_s, b_.quit_time_s);
+    ASSERT_EQ(record.has_value(), b_.record.has_value());
+    if (record) same(*record, *b_.record);
     EXPECT_EQ(ranging, b_.ranging);
     same(resolution_m, b_.resolution_m);
     same(resolution_where, b_.resolution_where);
@@ -96,6 +98,14 @@ class Comparison {
     same(a.y, b.y);
     same(a.z, b.z);
     same(a.heading, b.heading);
+  }
+  void same(const engine::RecordSpec& a, const engine::RecordSpec& b) {
+    const auto& [file, fields, every_s, where, where_fields] = a;
+    EXPECT_EQ(file, b.file);
+    EXPECT_EQ(fields, b.fields);
+    EXPECT_EQ(every_s, b.every_s);
+    same(where, b.where);
+    same(where_fields, b.where_fields);
   }
   void same(const engine::PartSpec& a, const engine::PartSpec& b) {
     const auto& [name, alias, kind, pose, size, solids, returns, floor_plan, color, where] = a;
@@ -183,6 +193,7 @@ WorldSpec full_spec() {
   spec.seed = std::numeric_limits<std::uint64_t>::max();
   spec.tick_s = 0.1 + 1e-17;
   spec.quit_time_s = 1.0 / 3;
+  spec.record = engine::RecordSpec{"a.h5", {"pose", "ranges"}, 0.3, {file, 1}, {file, 2}};
   spec.ranging = engine::RangingEngine::grid;
   spec.resolution_m = 0.1;
   spec.resolution_where = {file, 3};
