@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills `troupe run --checkpoint` with SIGKILL at random moments, N times, and asks each time for a whole checkpoint.
 
-    kill_test.py PROGRAM [N] [--seed S]
+    checkpoint_kill_test.py PROGRAM [N] [--seed S]
 
 Each run goes on from the checkpoint of the one before, writes a checkpoint every tick, and would never end by itself.
 What it leaves must be a checkpoint that `troupe resume` takes, not older than the one before it, with the state that a
