@@ -68,6 +68,7 @@ std::string summary_text(const Report& report) {
                               percent(static_cast<double>(s.stalled), static_cast<double>(s.robots))));
   if (s.held_at_bounds > 0) line("held at bounds", grouped(s.held_at_bounds));
   line("mean displacement", fmt::format("{:.3f} m", s.mean_displacement_m));
+  if (!report.checkpoint.empty()) line("saved in", report.checkpoint);
   line("state hash", hash_text(report.hashes.state));
   return text;
 }
@@ -99,6 +100,7 @@ std::string summary_json(const Report& report) {
   json["held_at_bounds"] = s.held_at_bounds;
   json["conflict_rounds"] = s.conflict_rounds;
   json["mean_displacement_m"] = s.mean_displacement_m;
+  if (!report.checkpoint.empty()) json["checkpoint"] = report.checkpoint;
   json["state_hash"] = hash_text(report.hashes.state);
   json["pose_hash"] = hash_text(report.hashes.pose);
   json["velocity_hash"] = hash_text(report.hashes.velocity);

@@ -26,6 +26,7 @@ struct Report {
   /// Part of wall_s in each phase; the rest went into watching.
   std::array<double, k_phases> phase_s{};
   std::uint64_t peak_rss_bytes = 0;
+  std::string checkpoint;  ///< where the last state was saved; empty: nowhere
   std::vector<std::pair<std::string, std::string>> options;  ///< as they took effect
 
   /// Ratios are 0 where their denominator is: no ticks, no robots, no measurable time.

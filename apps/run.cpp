@@ -199,6 +199,7 @@ ExitCode run_checked(const RunOptions& options) {
     fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
                options.profile.string(), profile->left_out());
   report.peak_rss_bytes = peak_rss_bytes();
+  report.checkpoint = options.checkpoint.string();
 
   if (options.json)
     fmt::print("{}", summary_json(report));

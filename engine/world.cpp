@@ -375,8 +375,9 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     start();
     throw;
   }
+  constexpr double k_reach = 2e6;  // m: beyond any bounds, and cells still count in 32 bits
   const auto stands_somewhere = [](const Pose& pose) {
-    return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) &&
+    return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
            std::isfinite(pose.heading);
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere)) {

@@ -15,7 +15,8 @@ using engine::Field;
 using engine::FieldType;
 using engine::Value;
 
-constexpr double k_most = 1e15;  // s or m: more than any world says, and far from where numbers end
+constexpr double k_most_s = 1e15;  // more than any world says, and its ticks still count in 64 bits
+constexpr double k_reach = 1e6;    // m: ten times as far as worlds reach, and cells still count in 32 bits
 
 std::vector<std::string_view> tokens_of(std::string_view pointer) {
   std::vector<std::string_view> tokens;
@@ -129,9 +130,9 @@ std::vector<double> SpecReader::numbers(JsonObject& object, std::string_view key
   std::vector<double> none(count, 0.0);
   const JsonNode* node = require(object, key);
   if (!node) return none;
-  const Value value =
-      read_value(JsonCursor(object.at(), key, *node),
-                 {.name = key, .type = FieldType::numbers, .min = -k_most, .max = k_most, .columns = count});
+  const Value value = read_value(
+      JsonCursor(object.at(), key, *node),
+      {.name = key, .type = FieldType::numbers, .min = -k_reach, .max = k_reach, .columns = count});
   return value.given() ? value.numbers() : none;
 }
 
@@ -200,8 +201,8 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
     else
       JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
   }
-  spec.tick_s = number(object, "tick_s", 1e-6, k_most, spec.tick_s);
-  if (object.find("quit_time_s")) spec.quit_time_s = number(object, "quit_time_s", 0, k_most, 0);
+  spec.tick_s = number(object, "tick_s", 1e-6, k_most_s, spec.tick_s);
+  if (object.find("quit_time_s")) spec.quit_time_s = number(object, "quit_time_s", 0, k_most_s, 0);
   if (const JsonNode* node = require(object, "ranging")) {
     const auto& engines = engine::k_ranging_engines;
     const Value name =
@@ -239,7 +240,7 @@ engine::RecordSpec SpecReader::record(const JsonCursor& at) {
     if (!name) field.expected("the name of a field");
     record.fields.push_back(std::move(name).value_or(""));
   });
-  if (object.find("every_s")) record.every_s = number(object, "every_s", 0, k_most, 0);
+  if (object.find("every_s")) record.every_s = number(object, "every_s", 0, k_most_s, 0);
   record.where = where(object);
   record.where_fields = where(object, "where_fields");
   object.finish();
@@ -268,7 +269,8 @@ void SpecReader::read_names(JsonObject& object, engine::WorldSpec& spec) {
 }
 
 Ring SpecReader::ring(const JsonCursor& at) {
-  const Field point{.name = "point", .type = FieldType::numbers, .min = -k_most, .max = k_most, .columns = 2};
+  const Field point{
+      .name = "point", .type = FieldType::numbers, .min = -k_reach, .max = k_reach, .columns = 2};
   Ring ring;
   const JsonNode::List* list = read_list(at);
   for (std::size_t i = 0; list && i < list->size(); ++i) {
@@ -334,7 +336,7 @@ engine::DriveSpec SpecReader::drive(const JsonCursor& at) {
   JsonObject object(at);
   engine::DriveSpec drive;
   drive.kind = text(object, "kind");
-  drive.period_s = number(object, "period_s", 0, k_most, 0);
+  drive.period_s = number(object, "period_s", 0, k_most_s, 0);
   drive.params = params(object, "drive", drive.kind, registry_.drives);
   drive.where = where(object);
   object.finish();
@@ -347,7 +349,7 @@ engine::SensorSpec SpecReader::sensor(const JsonCursor& at) {
   sensor.name = text(object, "name");
   sensor.kind = text(object, "kind");
   sensor.pose_body_sensor = pose(object);
-  sensor.period_s = number(object, "period_s", 0, k_most, 0);
+  sensor.period_s = number(object, "period_s", 0, k_most_s, 0);
   sensor.active = boolean(object, "active");
   sensor.params = params(object, "sensor", sensor.kind, registry_.sensors);
   sensor.where = where(object);
@@ -407,7 +409,7 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
     return error("a body has a name that is not there");
   if (!std::ranges::all_of(c.alias_body, [&](std::uint32_t body) { return body < count; }))
     return error("a name is of a body that is not there");
-  if (!std::ranges::all_of(c.pose, [](double x) { return std::abs(x) <= k_most; }))
+  if (!std::ranges::all_of(c.pose, [](double x) { return std::abs(x) <= k_reach; }))
     return error("a body stands nowhere");
 
   spec.bodies.reserve(count);

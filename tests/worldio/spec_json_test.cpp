@@ -199,11 +199,11 @@ WorldSpec full_spec() {
   spec.resolution_where = {file, 3};
   spec.bounds.emplace();
   spec.bounds->extend(Vec2(-1.0 / 3, -2));
-  spec.bounds->extend(Vec2(1e-300, 5e8));
+  spec.bounds->extend(Vec2(1e-300, 5e5));
   engine::add_ground(spec);
   engine::TypeSpec type{.name = "bot"};
   engine::PartSpec part{.name = "ranger:0", .alias = "r/\"\\\n\t", .kind = "ranger"};
-  part.pose_body_part = {-0.0, 5e-324, 1.7976931348623157e308 / 1e300, 3};
+  part.pose_body_part = {-0.0, 5e-324, 1e5 / 3, 3};
   part.size = {1.0 / 7, 2, 3};
   part.solids = {{{{{0.1, 0.2}, {0.3, -0.0}, {1, 1}}, {}}, {0.1, 0.7}}};
   part.returns = {.obstacle = false, .ranger = 0.1f};
