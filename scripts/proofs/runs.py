@@ -47,12 +47,13 @@ class Variant:
     options: tuple = ()  # further ones of the program
     environment: dict = field(default_factory=dict)
     folder: pathlib.Path = None  # to run in
+    emulator: tuple = ()  # what runs the program
 
     def lines(self, world, ticks, folder, robots=None):
         """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
         log = folder / "run.log"
-        command = [self.program, "run", *world.arguments, "--for", f"{ticks * world.tick_s:.9g}", "--threads", self.threads,
-                   "--hash-log", log, "--quiet", *self.options]
+        command = [*self.emulator, self.program, "run", *world.arguments, "--for", f"{ticks * world.tick_s:.9g}",
+                   "--threads", self.threads, "--hash-log", log, "--quiet", *self.options]
         if self.tile_m:
             command += ["--tile-size", self.tile_m]
         if robots is not None:
