@@ -43,9 +43,9 @@ class Runs:
         """A run that is killed wait_s after its start."""
         go_on = (self.folder / "c.h5").exists()
         command = ["resume", "c.h5"] if go_on else ["run", "room.world", "--force"]
-        process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1",
-                                    "--checkpoint", "c.h5", "--checkpoint-every", "0.2", "--record", "r.h5"], cwd=self.folder,
-                                   stderr=subprocess.PIPE, text=True)
+        outputs = ["--checkpoint", "c.h5", "--checkpoint-every", "0.2", "--record", "r.h5"]
+        process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1", *outputs],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True)
         time.sleep(wait_s)
         process.send_signal(signal.SIGKILL)
         _, errors = process.communicate()
@@ -74,8 +74,10 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         runs = Runs(options.program.resolve(), Path(name))
         while len(lines) < options.kills:
-            runs.kill_one(moments.uniform(0.005, 0.15))
-            in_a_write += any(Path(name).glob("*.partial"))
+            partial = Path(name) / "c.h5.partial"
+            partial.unlink(missing_ok=True)
+            runs.kill_one(moments.uniform(0.02, 0.25))
+            in_a_write += partial.exists()
             if not (Path(name) / "c.h5").exists():
                 continue  # killed before the first one was there: nothing is lost
             line = runs.first_line()

@@ -48,6 +48,7 @@ class Variant:
     environment: dict = field(default_factory=dict)
     folder: pathlib.Path = None  # to run in
     restarts: tuple = ()  # ticks at which the run is saved, and resumed by another process
+    emulator: tuple = ()  # what runs the program
 
     def lines(self, world, ticks, folder, robots=None):
         """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
@@ -64,7 +65,7 @@ class Variant:
         return lines
 
     def _call(self, arguments):
-        command = [self.program, *arguments, "--threads", self.threads, "--quiet", *self.options]
+        command = [*self.emulator, self.program, *arguments, "--threads", self.threads, "--quiet", *self.options]
         if self.tile_m:
             command += ["--tile-size", self.tile_m]
         command = [str(word) for word in command]
