@@ -83,7 +83,7 @@ int troupe_main(int argc, char** argv) {
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
-  describe->add_option("KIND", kind, "Model, sensor, drive or controller; all of them if not given")
+  describe->add_option("KIND", kind, "Model, sensor, drive, controller or measure; all of them if not given")
       ->option_text(" ");
   describe->footer("\nExamples:\n  troupe describe\n  troupe describe ranger");
 

@@ -5,8 +5,10 @@
 #include "apps/profile.hpp"
 #include "apps/progress.hpp"
 #include "apps/report.hpp"
+#include "apps/tables.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
+#include "engine/world.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -65,8 +67,10 @@ struct Observers {
 };
 
 /// Opens the files: before the first tick, so that one that cannot be written costs no run.
-Observers make_observers(const RunOptions& options, const Simulation& simulation) {
+Observers make_observers(const RunOptions& options, Simulation& simulation) {
   Observers observers;
+  std::optional<Measures> measures;  // before any file: what is wrong with them is bad input
+  if (!options.measures.empty()) measures.emplace(simulation, options.measure);
   if (!options.hash_log.empty())
     observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
   if (!options.profile.empty()) {
@@ -74,6 +78,13 @@ Observers make_observers(const RunOptions& options, const Simulation& simulation
     observers.profile = profile.get();
     observers.all.push_back(std::move(profile));
   }
+  if (measures) {
+    const double every_s = options.measure_every_s.value_or(simulation.world().spec().measure_every_s);
+    const std::uint64_t every = engine::period_ticks(every_s, simulation.tick_s());
+    observers.all.push_back(std::make_unique<MeasuresTable>(options.measures, std::move(*measures), every));
+  }
+  if (!options.events.empty())
+    observers.all.push_back(std::make_unique<EventsTable>(options.events, simulation));
   return observers;
 }
 
@@ -111,7 +122,8 @@ void step_to_end(Simulation& simulation, const Observers& observers, bool show_p
 }
 
 ExitCode run_checked(const RunOptions& options) {
-  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile});
+  check_outputs(options.world,
+                {options.hash_log, options.snapshot, options.profile, options.measures, options.events});
 
   const auto start = Clock::now();
   Simulation simulation(options.world, with_stage_path(options.simulation));

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -26,7 +27,8 @@ Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
-  troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log)";
+  troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
+  troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5)";
 
 void set_picture_size(RunOptions& options, const std::string& text) {
   const auto cross = text.find('x');
@@ -50,6 +52,48 @@ void set_profile_ticks(RunOptions& options, const std::string& text) {
   options.profile_limits.last_tick = *last;
 }
 
+std::filesystem::path file_name(const char* option, const std::string& text) {
+  if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
+  return text;
+}
+
+/// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+void add_measures(RunOptions& options, const std::string& text) {
+  if (text.starts_with('{')) {
+    options.measure.push_back(text);
+    return;
+  }
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    if (end == start)
+      refuse("--measure", text,
+             "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
+    options.measure.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+}
+
+void add_table_options(CLI::App& run, RunOptions& options) {
+  CLI::Option* measures = add_value(
+      run, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
+      [&options](const std::string& text) { options.measures = file_name("--measures", text); });
+  add_values(run, "--measure", "NAME[:OF],...",
+             "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
+             [&options](const std::string& text) { add_measures(options, text); })
+      ->needs(measures);
+  add_value(run, "--measure-every", "S",
+            "How often, in seconds; 0: every tick (default: the world's, else 1)",
+            [&options](const std::string& text) {
+              options.measure_every_s = finite(text);
+              if (!options.measure_every_s || *options.measure_every_s < 0 || *options.measure_every_s > 1e9)
+                refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
+            })
+      ->needs(measures);
+  add_value(run, "--events", "FILE.csv",
+            "Write what happens to robots (stalls, held at the bounds), a line each",
+            [&options](const std::string& text) { options.events = file_name("--events", text); });
+}
+
 }  // namespace
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
@@ -62,10 +106,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   add_value(*run, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
   add_value(*run, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from tick 0",
-            [&options](const std::string& text) {
-              if (text.empty() || text.starts_with('-')) refuse("--hash-log", text, "a file name");
-              options.hash_log = text;
-            });
+            [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
   CLI::Option* snapshot =
       add_value(*run, "--snapshot", "FILE.png", "Draw the last tick from above into a PNG",
                 [&options](const std::string& text) {
@@ -87,6 +128,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
             "Only ticks A to B of it (default: all, while the file stays small)",
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
+  add_table_options(*run, options);
   const auto add_switch = [run](const char* name, bool& on, const char* help) {
     run->add_flag(name, on, help)->disable_flag_override();
   };

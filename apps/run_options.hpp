@@ -4,6 +4,9 @@
 #include "apps/profile.hpp"
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace troupe::apps {
 
@@ -13,6 +16,10 @@ struct RunOptions : WorldOptions {
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none
   ProfileLimits profile_limits;
+  std::filesystem::path measures;         ///< empty: none
+  std::vector<std::string> measure;       ///< as Measures takes them; empty: as the world says
+  std::optional<double> measure_every_s;  ///< not given: as the world says
+  std::filesystem::path events;           ///< empty: none
   int width = 1280;
   int height = 720;
   bool json = false;

@@ -354,6 +354,7 @@ Pose World::pose(BodyId body) const {
 }
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
+bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 
 void World::reset() {
   restore_fp_environment();  // as before a step

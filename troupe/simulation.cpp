@@ -286,6 +286,7 @@ void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
 
 engine::World& Simulation::world() { return *impl_->world; }
 const engine::World& Simulation::world() const { return *impl_->world; }
+const engine::Registry& Simulation::registry() const { return impl_->registry; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
 #ifdef TROUPE_HAS_RENDER

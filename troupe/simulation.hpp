@@ -173,6 +173,8 @@ class Simulation {
   /// save a state without knowing it. Lives as long as the simulation does.
   engine::World& world();
   const engine::World& world() const;
+  /// The kinds it was made of. Lives as long as the simulation does.
+  const engine::Registry& registry() const;
 
   /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
   /// no render, or the file cannot be written.
