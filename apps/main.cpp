@@ -1,6 +1,7 @@
 #include "apps/check.hpp"
 #include "apps/describe.hpp"
 #include "apps/diff.hpp"
+#include "apps/info.hpp"
 #include "apps/lint.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
@@ -80,6 +81,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::filesystem::path linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
+  std::filesystem::path shown;
+  const CLI::App* info_command = add_info_command(app, shown);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
@@ -99,6 +102,7 @@ int troupe_main(int argc, char** argv) {
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (lint_command->parsed()) return lint_world(linted);
+  if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

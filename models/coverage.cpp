@@ -55,8 +55,8 @@ class Coverage : public Measure {
                       cells, grid_.cell_m, k_most_cells));
     low_ = grid_.cell(ground.min);
     const partition::Cell high = grid_.cell(ground.max);
-    columns_ = static_cast<std::size_t>(high.x - low_.x + 1);
-    lines_ = static_cast<std::size_t>(high.y - low_.y + 1);
+    columns_ = static_cast<std::size_t>(std::int64_t{high.x} - low_.x + 1);
+    lines_ = static_cast<std::size_t>(std::int64_t{high.y} - low_.y + 1);
     free_.assign(columns_ * lines_, 0);
     visited_.assign(free_.size(), 0);
     for (std::size_t y = 0; y < lines_; ++y)

@@ -10,7 +10,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::Field;
 using engine::FieldTable;
 using engine::Measure;
 using engine::Record;
