@@ -212,7 +212,7 @@ int measure(Options& options) {
     for (const Timing& t : report.cases.back().timings)
       progress.keep(fmt::format("{}/{}, {} thread{}{}: {:.0f} ns, {:.4g} x real time", one.table,
                                 t.run.scene.name, t.run.threads, t.run.threads > 1 ? "s" : "",
-                                t.run.frames ? ", frames" : "", t.ns(median(t.wall_s)),
+                                with_text(t.run), t.ns(median(t.wall_s)),
                                 t.times_real_time(median(t.wall_s))));
   }
 

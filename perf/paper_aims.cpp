@@ -28,7 +28,7 @@ class Aims {
     std::optional<double> found;
     for (const CaseTiming& one : report_.cases)
       for (const Timing& timing : one.timings)
-        if (timing.run.scene.name == scene && !timing.run.frames)
+        if (timing.run.scene.name == scene && !timing.run.frames && timing.run.watch == Watch::nothing)
           if (const auto v = value(one, timing)) found = std::max(found.value_or(*v), *v);
     return found;
   }
@@ -118,6 +118,16 @@ void add_clusters(Aims& aims) {
   }
 }
 
+void add_watching(Aims& aims) {
+  for (const CaseTiming& one : aims.report().cases)
+    for (const Timing& timing : one.timings)
+      if (timing.run.watch == Watch::hashes)
+        if (const auto cost = watching_cost(one, timing))
+          aims.at_most(fmt::format("{}, hashes of every tick, {} thread{}", timing.run.scene.name,
+                                   timing.run.threads, timing.run.threads > 1 ? "s" : ""),
+                       5, "% of the run", 100 * *cost);
+}
+
 void add_memory_and_loading(Aims& aims) {
   const auto rss = [](const ChildReport& r) { return r.rss_bytes; };
   const auto load = [](const ChildReport& r) { return r.read_s + r.build_s; };
@@ -142,6 +152,7 @@ Sheet aims_sheet(const Report& report) {
   add_costs(aims);
   add_threads(aims);
   add_clusters(aims);
+  add_watching(aims);
   add_memory_and_loading(aims);
   return std::move(aims).sheet();
 }
