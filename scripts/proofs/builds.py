@@ -1,0 +1,77 @@
+"""Programs built in other ways: by other compilers and levels, and with a fault planted in a copy of the sources."""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from .runs import ROOT, Fault
+
+COMPILERS = ("g++", "clang++")
+LEVELS = ("-O0", "-O1", "-O2", "-O3")
+PLANTED = ROOT / "tests" / "planted"
+
+
+def _run(command, **options):
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          **options)
+    if done.returncode != 0:
+        raise Fault(f"{' '.join(map(str, command))} failed:\n{done.stdout[-4000:]}")
+
+
+def _build(sources, folder, options, targets):
+    print(f"building {folder.relative_to(ROOT)} ...", flush=True)
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    _run(["cmake", "-S", sources, "-B", folder, "-G", "Ninja", *launcher, *options])
+    _run(["cmake", "--build", folder, "--target", *targets])
+    return folder / "bin" / "troupe"
+
+
+def compiled(compiler, level):
+    """The program by this compiler at this level, in a folder of its own under build/."""
+    folder = ROOT / "build" / "prove" / f"{compiler}{level}"
+    options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=None", f"-DCMAKE_CXX_FLAGS={level}",
+               "-DTROUPE_TESTS=OFF", "-DTROUPE_PERF=OFF"]
+    return _build(ROOT, folder, options, ["bin/troupe"])
+
+
+def planted_faults():
+    """(name, what it does) of each of tests/planted: the text before the first line of the patch."""
+    return [(file.stem, file.read_text().split("\ndiff ")[0].strip()) for file in sorted(PLANTED.glob("*.patch"))]
+
+
+def with_planted(name):
+    """The program, and that with the hostile scheduler, with one fault planted."""
+    sources = ROOT / "build" / "planted" / name
+    files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    for file in filter(None, files.split("\0")):
+        copy_if_changed(ROOT / file, sources / file)
+    patch = PLANTED / f"{name}.patch"
+    for file in patched_files(patch):  # what an earlier run patched
+        shutil.copyfile(ROOT / file, sources / file)
+    _run(["patch", "--strip=1", "--quiet", "--fuzz=0", "--no-backup-if-mismatch", "--input", patch], cwd=sources)
+    return _build(sources, sources / "build" / "release", ["-DCMAKE_BUILD_TYPE=Release", "-DTROUPE_PERF=OFF"],
+                  ["bin/troupe", "bin/troupe_shuffled"])
+
+
+def patched_files(patch):
+    return re.findall(r"^\+\+\+ b/(.+)$", patch.read_text(), re.M)
+
+
+def copy_if_changed(source, target):
+    if not source.exists():
+        return
+    if target.exists() and target.read_bytes() == source.read_bytes():
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(source, target)
+
+
+def calls_libm(program):
+    """Whether tests/symbols_test.py finds functions of libm in what computes a program's state."""
+    folder = pathlib.Path(program).parent.parent
+    libraries = [library for library in sorted(folder.glob("*/libtroupe_*.a")) if library.parent.name != "render"]
+    test = [ROOT / "tests" / "symbols_test.py", *libraries]
+    done = subprocess.run([sys.executable, *map(str, test)], capture_output=True, text=True)
+    return done.returncode != 0

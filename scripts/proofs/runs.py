@@ -1,0 +1,109 @@
+"""Runs of the program, and what their hash logs say."""
+
+import os
+import pathlib
+import subprocess
+from dataclasses import dataclass, field
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+GOLDEN = ROOT / "worlds" / "golden_hashes.txt"
+
+
+class Fault(Exception):
+    """Nothing could be proved or disproved."""
+
+
+@dataclass(frozen=True)
+class World:
+    file: str
+    tick_s: float = 0.1
+    # Cost of a tick against that of the first world, per thread; for the estimate of the time left only.
+    weight: float = 1.0
+    # Ray engine, where it is not the world's own.
+    ranging: str = ""
+
+    @property
+    def key(self):
+        """What the golden file calls it."""
+        return f"{self.file}:{self.ranging}" if self.ranging else self.file
+
+    @property
+    def name(self):
+        return "-".join(filter(None, (pathlib.Path(self.file).stem, self.ranging)))
+
+    @property
+    def arguments(self):
+        return [ROOT / "worlds" / self.file, *(["--raytracer", self.ranging] if self.ranging else [])]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way of running a world that must not change a bit."""
+
+    label: str
+    program: pathlib.Path
+    threads: int = 1
+    tile_m: float = 0
+    options: tuple = ()  # further ones of the program
+    environment: dict = field(default_factory=dict)
+    folder: pathlib.Path = None  # to run in
+
+    def lines(self, world, ticks, folder, robots=None):
+        """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
+        log = folder / "run.log"
+        command = [self.program, "run", *world.arguments, "--for", f"{ticks * world.tick_s:.9g}", "--threads", self.threads,
+                   "--hash-log", log, "--quiet", *self.options]
+        if self.tile_m:
+            command += ["--tile-size", self.tile_m]
+        if robots is not None:
+            command += ["--robots", robots]
+        command = [str(word) for word in command]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, env={**os.environ, **self.environment})
+        if done.returncode != 0:
+            raise Fault(f"{self.label}: {' '.join(command)}\nexit code {done.returncode}: {done.stderr.strip()}")
+        lines = read_log(log)
+        if len(lines) != ticks + 1:
+            raise Fault(f"{world.file}: {ticks} ticks were asked for, the hash log has {len(lines)} lines")
+        return lines
+
+
+def read_log(log):
+    return [line for line in pathlib.Path(log).read_text().splitlines() if not line.startswith("#")]
+
+
+def state_of(line):
+    return line.split()[1]
+
+
+def difference(expected, got):
+    """Where two hash logs part, in words; nothing when they agree."""
+    for a, b in zip(expected, got):
+        if a == b:
+            continue
+        tick = a.split()[0]
+        groups = [x.split("=")[0] for x, y in zip(a.split()[2:], b.split()[2:]) if x != y]
+        return f"differs from tick {tick} on, in {', '.join(groups) or 'its form'}:\n  expected {a}\n  got      {b}"
+    return ""
+
+
+def read_golden():
+    golden = {}
+    if not GOLDEN.exists():
+        return golden
+    for line in GOLDEN.read_text().splitlines():
+        if line.strip() and not line.startswith("#"):
+            world, robots, tick, state = line.split()
+            golden[world, None if robots == "-" else int(robots), int(tick)] = state
+    return golden
+
+
+def program_of(preset):
+    return ROOT / "build" / preset / "bin" / "troupe"
+
+
+def build(preset, *targets):
+    print(f"building {preset} ...", flush=True)
+    done = subprocess.run([ROOT / "scripts" / "build", preset, *targets], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True)
+    if done.returncode != 0:
+        raise Fault(f"{done.stdout}scripts/build {preset} failed")

@@ -1,0 +1,35 @@
+"""The table that scripts/prove prints, and the line that says how far it is."""
+
+import sys
+import time
+
+
+def clock(seconds):
+    return f"{int(seconds // 60)}:{int(seconds % 60):02d}"
+
+
+def print_row(cells):
+    widths = (52, 47, 5, 9, 16)
+    print("  ".join(f"{cell:<{width}}" for cell, width in zip(cells, widths)).rstrip(), flush=True)
+
+
+class Progress:
+    """One line that is rewritten on a terminal; a line now and then elsewhere."""
+
+    def __init__(self, total):
+        self.total, self.done, self.start, self.shown = total, 0.0, time.monotonic(), 0.0
+        self.terminal = sys.stderr.isatty()
+
+    def show(self, what):
+        now = time.monotonic()
+        if not self.terminal and now - self.shown < 15:
+            return
+        self.shown = now
+        elapsed = now - self.start
+        left = f", about {clock(elapsed * (self.total - self.done) / self.done)} left" if self.done else ""
+        text = f"  {what}; {clock(elapsed)} gone{left}"
+        print(f"\r{text:<120}" if self.terminal else text, end="" if self.terminal else "\n", file=sys.stderr, flush=True)
+
+    def clear(self):
+        if self.terminal:
+            print(f"\r{'':<120}\r", end="", file=sys.stderr, flush=True)

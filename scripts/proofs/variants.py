@@ -1,0 +1,98 @@
+"""What a run may be subjected to without a bit of its state changing."""
+
+import pathlib
+import subprocess
+from dataclasses import dataclass, replace
+
+from .runs import ROOT, Fault, Variant
+
+# Highway's names of what the kernels can be dispatched to on x86-64, and the flag of /proc/cpuinfo that tells whether the
+# processor has it; EMU128 are the portable kernels.
+INSTRUCTION_SETS = (("SSSE3", "ssse3"), ("SSE4", "sse4_2"), ("AVX2", "avx2"), ("AVX3", "avx512bw"), ("EMU128", None))
+
+# What glibc chooses its own code by; unknown names are ignored by it.
+GLIBC_MASKS = ("-AVX512F,-AVX512VL,-AVX2,-FMA,-FMA4,-AVX,-ERMS", "-AVX512F,-AVX512VL", "-FMA,-FMA4")
+
+
+@dataclass(frozen=True)
+class Proof:
+    name: str
+    about: str  # of its variants
+    variants: tuple
+    # Called with a folder before the runs; what is wrong, in words, after them.
+    verify: object = None
+
+
+def hostile(name):
+    """A library of tests/hostile, built with the preset."""
+    return ROOT / "build" / "release" / "hostile" / f"{name}.so"
+
+
+def threads_and_tiles(program, threads, tiles):
+    variants = tuple(Variant(f"{n} thread{'s' if n > 1 else ''}, tiles of {tile or 'any'} m", program, n, tile)
+                     for tile in tiles for n in threads)
+    return Proof("T0 threads and tiles", f"{len(threads)} thread counts x {len(tiles)} tile sizes", variants)
+
+
+def scheduler(base):
+    """The parallel loop that shuffles tasks, and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
+    program = base.program.with_name("troupe_shuffled")
+    variants = tuple(replace(base, label=f"shuffled tasks, {n} threads", program=program, threads=n, tile_m=tile)
+                     for n, tile in ((1, 0), (2, 0), (3, 1.7), (8, 0)))
+    return Proof("T0 hostile scheduler", "shuffled tasks, random sleeps, new threads", variants)
+
+
+def allocator(base):
+    variants = tuple(
+        replace(base, label=f"{order} addresses, {n} threads", threads=n,
+                environment={"LD_PRELOAD": str(hostile("allocator")), "TROUPE_ALLOCATOR": order})
+        for order in ("descending", "shuffled") for n in (1, 2))
+    return Proof("T0 hostile allocator", "descending, shuffled addresses; junk", variants)
+
+
+def surroundings(base, folder):
+    """Fast maths, rounding, locale and working directory (tests/hostile/surroundings.cpp)."""
+    locale = folder / "locale" / "de_DE.UTF-8"
+    if not locale.exists():
+        locale.parent.mkdir()
+        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", locale], capture_output=True, text=True)
+        if not locale.exists():
+            raise Fault(f"no locale with decimal commas: {made.stderr.strip()}; scripts/setup --checks installs Debian's "
+                        "locales")
+    environment = {"LD_PRELOAD": str(hostile("surroundings")), "LOCPATH": str(locale.parent),
+                   "TROUPE_LOCALE": locale.name, "LC_ALL": locale.name}
+    variants = tuple(replace(base, label=f"hostile surroundings, {n} threads", threads=n, environment=environment,
+                             folder=pathlib.Path("/")) for n in (1, 2))
+    return Proof("T0 hostile surroundings", "fast maths, rounding up, locale, folder", variants)
+
+
+def instruction_sets(base, folder):
+    """Each instruction set that the processor has. Verified: that the kernels were really dispatched to each."""
+    flags = set()
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("flags"):
+            flags = set(line.split(":")[1].split())
+    names = [name for name, flag in INSTRUCTION_SETS if flag is None or flag in flags]
+    told = {name: folder / f"ran-{name}" for name in names}
+    variants = tuple(
+        replace(base, label=f"kernels of {name}", threads=2,
+                environment={"LD_PRELOAD": str(hostile("instruction_set")), "TROUPE_INSTRUCTION_SET": name,
+                             "TROUPE_INSTRUCTION_SET_FILE": str(file)})
+        for name, file in told.items())
+
+    def verify():
+        ran = {name: file.read_text() if file.exists() else "nothing" for name, file in told.items()}
+        return "; ".join(f"{name} was asked for, {was} ran" for name, was in ran.items() if was != name)
+
+    return Proof("T1 instruction sets", " ".join(names), variants, verify)
+
+
+def glibc(base):
+    variants = tuple(replace(base, label=f"glibc without {mask}",
+                             environment={"GLIBC_TUNABLES": f"glibc.cpu.hwcaps={mask}"}) for mask in GLIBC_MASKS)
+    return Proof("T1 glibc for other processors", "GLIBC_TUNABLES: old processors, no FMA", variants)
+
+
+def another_build(label, program):
+    variants = tuple(Variant(f"{label}, {n} threads", program, n, tile) for n, tile in ((1, 0), (2, 1.7)))
+    return Proof(f"T2 {label}", "1 and 2 threads", variants)
