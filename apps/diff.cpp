@@ -1,6 +1,8 @@
 #include "apps/diff.hpp"
 
+#include "apps/diff_recordings.hpp"
 #include "apps/hash_log_reader.hpp"
+#include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 
@@ -8,10 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -26,97 +26,18 @@ Takes two hash logs (troupe run --hash-log) and names the first tick at which th
 in which it shows: sensor alone at first means ranging; pose or velocity the drives or the conflict rule; memory a
 controller. Where one begins later, the ticks before are left out; where one ends earlier, they differ.
 
-Logs of another version, compiler, flags or instruction set are refused unless --across-domains is given, those of
+Or takes two recordings (troupe run --record) and names the first frame that differs, of the ticks that both have, with
+component, entity and field, and both values in hex and decimal: of the fields that both recorded.
+
+Results of another version, compiler, flags or instruction set are refused unless --across-domains is given, those of
 another world, seed or option unless --across-runs is. Threads and tile size change no result, and are not looked at.
 
 Exit codes: 0 same bits; 1 they differ; 2 bad input or usage.
 
 Examples:
   troupe diff one-thread.log eight-threads.log
-  troupe diff gcc.log clang.log --across-domains)";
-
-/// A part of the version line that bits may depend on.
-struct DomainPart {
-  std::string_view name;
-  std::string value;
-};
-
-/// The parts of `troupe 0.1.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)`; assertions only look on.
-/// The whole where it reads otherwise.
-std::vector<DomainPart> domain_of(const std::string& version_line) {
-  constexpr std::array<std::string_view, 3> k_names = {"compiler", "flags", "instruction set"};
-  std::vector<DomainPart> parts;
-  std::size_t start = version_line.find(" (");
-  if (start == version_line.npos) return {{"version", version_line}};
-  parts.push_back({"version", version_line.substr(0, start)});
-  start += 2;
-  for (const std::string_view name : k_names) {
-    const std::size_t end = version_line.find("; ", start);
-    if (end == version_line.npos) return {{"version", version_line}};
-    parts.push_back({name, version_line.substr(start, end - start)});
-    start = end + 2;
-  }
-  return parts;
-}
-
-/// What two logs do not have in common, as errors that stand where the second says it.
-class Unlike {
- public:
-  Unlike(const HashLogReader& first, const HashLogReader& second) : first_(first), second_(second) {}
-
-  void compare_domains() {
-    const std::vector<DomainPart> a = domain_of(value(first_, "version"));
-    const std::vector<DomainPart> b = domain_of(value(second_, "version"));
-    if (a.size() != b.size()) {
-      note("version", "version", value(first_, "version"), value(second_, "version"), k_domain);
-      return;
-    }
-    for (std::size_t i = 0; i < a.size(); ++i) note("version", a[i].name, a[i].value, b[i].value, k_domain);
-  }
-
-  void compare_runs() {
-    std::set<std::string> keys;
-    for (const HashLogReader* log : {&first_, &second_})
-      for (const auto& [key, header] : log->headers()) keys.insert(key);
-    for (const char* free : {"version", "threads", "tile_m"}) keys.erase(free);
-    for (const std::string& key : keys) {
-      std::string a = value(first_, key);
-      std::string b = value(second_, key);
-      if (key == "world") {  // wherever it was read from
-        a = std::filesystem::path(a).filename().string();
-        b = std::filesystem::path(b).filename().string();
-      }
-      note(key, key, a, b, k_run);
-    }
-  }
-
-  void throw_if_any() const {
-    if (!text_.empty()) throw InputError(text_);
-  }
-
- private:
-  static constexpr const char* k_domain = "another determinism domain; --across-domains";
-  static constexpr const char* k_run = "another run; --across-runs";
-
-  static std::string value(const HashLogReader& log, const std::string& key) {
-    const auto header = log.headers().find(key);
-    return header == log.headers().end() ? "" : header->second.value;
-  }
-
-  void note(const std::string& key, std::string_view what, const std::string& a, const std::string& b,
-            const char* reason) {
-    if (a == b) return;
-    const auto header = second_.headers().find(key);
-    const std::size_t line = header == second_.headers().end() ? 1 : header->second.line;
-    if (!text_.empty()) text_ += '\n';
-    text_ += fmt::format("{}:{}: error: {} is \"{}\", in {} \"{}\": {} compares them all the same",
-                         second_.file().string(), line, what, b, first_.file().string(), a, reason);
-  }
-
-  const HashLogReader& first_;
-  const HashLogReader& second_;
-  std::string text_;
-};
+  troupe diff gcc.log clang.log --across-domains
+  troupe diff monday.h5 tuesday.h5)";
 
 std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader::Line& b) {
   std::vector<std::string_view> names;
@@ -134,10 +55,7 @@ void skip_to(HashLogReader& log, std::optional<HashLogReader::Line>& line, std::
 ExitCode diff_hash_logs(const DiffOptions& options) {
   HashLogReader first(options.first);
   HashLogReader second(options.second);
-  Unlike unlike(first, second);
-  if (!options.across_domains) unlike.compare_domains();
-  if (!options.across_runs) unlike.compare_runs();
-  unlike.throw_if_any();
+  refuse_unlike(first.header(), second.header(), options.across_domains, options.across_runs);
 
   std::optional<HashLogReader::Line> a = first.next();
   std::optional<HashLogReader::Line> b = second.next();
@@ -171,7 +89,8 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
 }  // namespace
 
 CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
-  CLI::App* command = app.add_subcommand("diff", "Find the first tick at which two hash logs differ");
+  CLI::App* command =
+      app.add_subcommand("diff", "Find the first tick at which two hash logs or recordings differ");
   command->footer(k_footer);
   const auto add_file = [command](const char* name, std::filesystem::path& file, const char* help) {
     command
@@ -180,8 +99,8 @@ CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
         ->option_text(" ")
         ->required();
   };
-  add_file("A", options.first, "A hash log");
-  add_file("B", options.second, "Another");
+  add_file("A", options.first, "A hash log or a recording");
+  add_file("B", options.second, "Another of the same kind");
   const auto add_switch = [command](const char* name, bool& on, const char* help) {
     command->add_flag(name, on, help)->disable_flag_override();
   };
@@ -193,7 +112,8 @@ CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
 
 ExitCode diff(const DiffOptions& options) {
   try {
-    const ExitCode code = diff_hash_logs(options);
+    const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
+    const ExitCode code = recordings ? diff_recordings(options) : diff_hash_logs(options);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
     return code;
   } catch (const InputError& error) {

@@ -21,8 +21,8 @@ struct DiffOptions {
 /// Adds `diff` and its options to the program; parsing fills `options`, which must outlive `app`.
 CLI::App* add_diff_command(CLI::App& app, DiffOptions& options);
 
-/// `troupe diff`: compares two hash logs tick by tick, to the first that differs. Tells it on standard
-/// output.
+/// `troupe diff`: compares two hash logs or two recordings tick by tick, to the first that differs. Tells it
+/// on standard output.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

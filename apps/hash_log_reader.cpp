@@ -38,7 +38,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }  // namespace
 
 HashLogReader::HashLogReader(const std::filesystem::path& file)
-    : file_(file), stream_(file, std::ios::binary) {
+    : header_{.file = file, .entries = {}}, stream_(file, std::ios::binary) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
     throw InputError(fmt::format("{}: error: there is no such file", file.string()));
@@ -89,7 +89,7 @@ void HashLogReader::read_header(const std::string& line) {
   if (!line.starts_with("# ") || colon == line.npos)
     fail(fmt::format("\"{}\" is no header: these read # KEY: VALUE", line.substr(0, k_shown)));
   const std::string key = line.substr(2, colon - 2);
-  if (!headers_.emplace(key, Header{line.substr(colon + 2), number_}).second)
+  if (!header_.entries.emplace(key, RunHeader::Entry{line.substr(colon + 2), number_}).second)
     fail(fmt::format("a second header \"{}\"", key));
 }
 
@@ -118,7 +118,7 @@ HashLogReader::Line HashLogReader::parse(const std::string& text) const {
 }
 
 void HashLogReader::fail(const std::string& message) const {
-  throw InputError(fmt::format("{}:{}: error: {}", file_.string(), number_, message));
+  throw InputError(fmt::format("{}:{}: error: {}", file().string(), number_, message));
 }
 
 }  // namespace troupe::apps

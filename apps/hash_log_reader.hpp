@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/run_header.hpp"
 #include "engine/state_table.hpp"
 
 #include <array>
@@ -7,7 +8,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,13 +24,9 @@ class HashLogReader {
   /// Opens the file and reads its header.
   explicit HashLogReader(const std::filesystem::path& file);
 
-  const std::filesystem::path& file() const { return file_; }
-  /// What a header line `# key: value` says, and where.
-  struct Header {
-    std::string value;
-    std::size_t line = 0;
-  };
-  const std::map<std::string, Header>& headers() const { return headers_; }
+  const std::filesystem::path& file() const { return header_.file; }
+  /// What the header lines `# key: value` say, and where.
+  const RunHeader& header() const { return header_; }
 
   struct Line {
     std::size_t number;  ///< in the file, from 1
@@ -49,10 +45,9 @@ class HashLogReader {
   Line parse(const std::string& line) const;
   [[noreturn]] void fail(const std::string& message) const;
 
-  std::filesystem::path file_;
+  RunHeader header_;
   std::ifstream stream_;
   std::size_t number_ = 0;
-  std::map<std::string, Header> headers_;
   std::optional<std::string> ahead_;  // the first line behind the header
   std::optional<std::uint64_t> last_tick_;
 };

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_footer = R"(
-Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a table of measures or events, a
-profile. What it is, is found out from its content, whatever its name.
+Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a table of measures or
+events, a profile. What it is, is found out from its content, whatever its name.
 
 Told are the kind, what wrote it, and the world, seed, robots, ticks and fields in it; and whether it is whole or was
 cut off, as by a full disk or a killed run.
@@ -39,6 +39,7 @@ Examples:
   troupe info run.log)";
 
 constexpr std::size_t k_start_bytes = 4096;
+constexpr std::string_view k_hdf5_mark = "\x89HDF\r\n\x1a\n";
 
 std::string start_of(const fs::path& file) {
   std::error_code ignored;
@@ -92,6 +93,7 @@ bool is_json_world(const std::string& text) {
 std::optional<Summary> summary_of(const fs::path& file) {
   const std::string start = start_of(file);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
+  if (start.starts_with(k_hdf5_mark)) return summary_of_recording(file);
   if (start.starts_with(k_events_header)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
   if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
@@ -122,8 +124,8 @@ ExitCode info(const fs::path& file) {
   const std::optional<Summary> summary = summary_of(file);
   if (!summary)
     throw InputError(fmt::format(
-        "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a table of "
-        "measures or events, nor a profile",
+        "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a "
+        "recording, a table of measures or events, nor a profile",
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);

@@ -18,6 +18,7 @@ Summary summary_of_hash_log(const std::filesystem::path& file);
 Summary summary_of_measures(const std::filesystem::path& file);
 Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
+Summary summary_of_recording(const std::filesystem::path& file);
 /// json: ours, not Stage's.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json);
 

@@ -3,6 +3,7 @@
 #include "apps/diff.hpp"
 #include "apps/info.hpp"
 #include "apps/lint.hpp"
+#include "apps/repair.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -79,6 +80,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
   const CLI::App* diff_command = add_diff_command(app, diff_options);
+  std::filesystem::path cut_off;
+  const CLI::App* repair_command = add_repair_command(app, cut_off);
   std::filesystem::path linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   std::filesystem::path shown;
@@ -101,6 +104,7 @@ int troupe_main(int argc, char** argv) {
   if (run_command->parsed()) return run(options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
+  if (repair_command->parsed()) return repair(cut_off);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {

@@ -4,6 +4,7 @@
 #include "apps/phase_clock.hpp"
 #include "apps/profile.hpp"
 #include "apps/progress.hpp"
+#include "apps/recorder.hpp"
 #include "apps/report.hpp"
 #include "apps/tables.hpp"
 #include "base/diagnostics.hpp"
@@ -78,6 +79,8 @@ Observers make_observers(const RunOptions& options, Simulation& simulation) {
     observers.profile = profile.get();
     observers.all.push_back(std::move(profile));
   }
+  if (const auto file = recording_file(options, simulation); !file.empty())
+    observers.all.push_back(std::make_unique<Recorder>(Recording(file, simulation, options.recording)));
   if (measures) {
     const double every_s = options.measure_every_s.value_or(simulation.world().spec().measure_every_s);
     const std::uint64_t every = engine::period_ticks(every_s, simulation.tick_s());
@@ -122,8 +125,8 @@ void step_to_end(Simulation& simulation, const Observers& observers, bool show_p
 }
 
 ExitCode run_checked(const RunOptions& options) {
-  check_outputs(options.world,
-                {options.hash_log, options.snapshot, options.profile, options.measures, options.events});
+  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile, options.record,
+                                options.measures, options.events});
 
   const auto start = Clock::now();
   Simulation simulation(options.world, with_stage_path(options.simulation));
@@ -140,6 +143,8 @@ ExitCode run_checked(const RunOptions& options) {
 
   stop_on_signals();
   if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
+  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile,
+                                recording_file(options, simulation)});  // the world may name it
   const Observers observers = make_observers(options, simulation);
 
   if (!options.quiet && !options.json) print_options(report);

@@ -5,13 +5,16 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
 
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
+constexpr double k_most_seconds = 1e9;  // from frame to frame, as in a world's `record`
 
 constexpr const char* k_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -28,7 +31,8 @@ Examples:
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
-  troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5)";
+  troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
 
 void set_picture_size(RunOptions& options, const std::string& text) {
   const auto cross = text.find('x');
@@ -40,6 +44,13 @@ void set_picture_size(RunOptions& options, const std::string& text) {
            fmt::format("a width and a height in pixels, 1 to {} each, as in --size 1280x720", k_max_pixels));
   options.width = *width;
   options.height = *height;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + separator);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
 }
 
 void set_profile_ticks(RunOptions& options, const std::string& text) {
@@ -94,6 +105,31 @@ void add_table_options(CLI::App& run, RunOptions& options) {
             [&options](const std::string& text) { options.events = file_name("--events", text); });
 }
 
+void add_record_options(CLI::App& run, RunOptions& options) {
+  add_value(run, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+            [&options](const std::string& text) {
+              if (text.empty() || text.starts_with('-')) refuse("--record", text, "a file name");
+              options.record = text;
+            });
+  add_value(run, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+            [&options](const std::string& text) {
+              const auto seconds = finite(text);
+              if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+                refuse("--record-every", text,
+                       fmt::format("a time in seconds, above 0 and at most {:g}", k_most_seconds));
+              options.recording.every_s = *seconds;
+            });
+  add_value(run, "--record-fields", "A,B,...",
+            "What of it: pose, velocity, stall, ranges, ..., or all (default: pose)",
+            [&options](const std::string& text) {
+              options.recording.fields = split(text, ',');
+              if (std::ranges::count(options.recording.fields, "") > 0)
+                refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+            });
+  run.add_flag("--force", options.recording.replace, "Replace a recording that exists")
+      ->disable_flag_override();
+}
+
 }  // namespace
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
@@ -128,6 +164,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
             "Only ticks A to B of it (default: all, while the file stays small)",
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
+  add_record_options(*run, options);
   add_table_options(*run, options);
   const auto add_switch = [run](const char* name, bool& on, const char* help) {
     run->add_flag(name, on, help)->disable_flag_override();

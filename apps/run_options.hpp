@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 #include "apps/profile.hpp"
+#include "troupe/recording.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -16,6 +17,8 @@ struct RunOptions : WorldOptions {
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none
   ProfileLimits profile_limits;
+  std::filesystem::path record;  ///< empty: where the world says, if it does
+  RecordingOptions recording;
   std::filesystem::path measures;         ///< empty: none
   std::vector<std::string> measure;       ///< as Measures takes them; empty: as the world says
   std::optional<double> measure_every_s;  ///< not given: as the world says

@@ -98,12 +98,22 @@ struct PartName {
   std::string part;  ///< PartSpec::name
 };
 
+/// What the world wants recorded, where a run records (docs/recordings.md).
+struct RecordSpec {
+  std::string file;                 ///< empty: only where the command line names one
+  std::vector<std::string> fields;  ///< empty: as by default
+  std::optional<double> every_s;
+  Where where;
+  Where where_fields;
+};
+
 struct WorldSpec {
   std::string title;
   std::shared_ptr<SourceFiles> files;  ///< what the Where of each value points into; may be null
   std::uint64_t seed = 1;
   double tick_s = 0.1;
   std::optional<double> quit_time_s;
+  std::optional<RecordSpec> record;
   RangingEngine ranging = RangingEngine::exact;
   double resolution_m = k_resolution_m;  ///< edge of the grid engine's cells
   Where resolution_where;

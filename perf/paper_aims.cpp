@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace troupe::perf {
 namespace {
@@ -119,13 +120,15 @@ void add_clusters(Aims& aims) {
 }
 
 void add_watching(Aims& aims) {
+  const std::pair<Watch, double> limits[] = {
+      {Watch::hashes, 5}, {Watch::recording, 15}, {Watch::measures, 100}};
   for (const CaseTiming& one : aims.report().cases)
     for (const Timing& timing : one.timings)
-      if (timing.run.watch == Watch::hashes)
-        if (const auto cost = watching_cost(one, timing))
-          aims.at_most(fmt::format("{}, hashes of every tick, {} thread{}", timing.run.scene.name,
-                                   timing.run.threads, timing.run.threads > 1 ? "s" : ""),
-                       5, "% of the run", 100 * *cost);
+      for (const auto& [watch, limit] : limits)
+        if (const auto cost = watching_cost(one, timing); cost && timing.run.watch == watch)
+          aims.at_most(fmt::format("{}, {} at every tick, {} thread{}", timing.run.scene.name,
+                                   watch_name(watch), timing.run.threads, timing.run.threads > 1 ? "s" : ""),
+                       limit, "% of the run", 100 * *cost);
 }
 
 void add_memory_and_loading(Aims& aims) {

@@ -91,8 +91,9 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
        "consecutive pieces of one run."},
       {"campus", "A million minibots in sixteen hospitals", ""},
       {"watching", "What looking on costs",
-       "Hashes as --hash-log takes them and all measures of docs/measures.md, both at every tick, against "
-       "the same run unwatched: the median over the repetitions."},
+       "At every tick of 0.1 s: hashes as --hash-log takes them; poses as --record writes them; all measures "
+       "of "
+       "docs/measures.md. Against the same run unwatched: the median over the repetitions."},
       {"grid", "The paper's ray tracer beside the exact engine", ""},
   };
   const double times = quick ? 0.01 : 1;
@@ -134,7 +135,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   const Scene watched = population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s);
   Case watching{"watching", {}};
   for (const unsigned n : threads)
-    for (const Watch watch : {Watch::nothing, Watch::hashes, Watch::measures})
+    for (const Watch watch : {Watch::nothing, Watch::hashes, Watch::recording, Watch::measures})
       watching.runs.push_back({watched, n, false, watch});
   plan.cases.push_back(std::move(watching));
 

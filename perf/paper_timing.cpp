@@ -121,6 +121,7 @@ void time_steps(engine::World& world, Timing& timing, const engine::Registry& re
       world.step();
       watcher->look();
     }
+    watcher->finish();
   } else {
     for (std::uint64_t i = 0; i < timing.ticks; ++i) world.step();
   }

@@ -1,7 +1,12 @@
 #include "perf/paper_watch.hpp"
 
 #include "engine/measures.hpp"
+#include "worldio/recording_writer.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +21,28 @@ class HashWatcher : public Watcher {
  private:
   engine::World& world_;
   engine::Hashes last_;
+};
+
+/// Into a file that goes with it.
+class RecordingWatcher : public Watcher {
+ public:
+  explicit RecordingWatcher(engine::World& world)
+      : file_(std::filesystem::temp_directory_path() / fmt::format("perf_paper.{}.h5", getpid())),
+        world_(world),
+        writer_(file_, world, worldio::recorded_components(world, std::vector<std::string>{"pose"}), {}) {}
+  ~RecordingWatcher() override {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+  }
+  void look() override {
+    if (writer_.due(world_.tick())) writer_.record(world_, world_.hashes().state);
+  }
+  void finish() override { writer_.close(); }
+
+ private:
+  std::filesystem::path file_;
+  engine::World& world_;
+  worldio::RecordingWriter writer_;
 };
 
 class MeasureWatcher : public Watcher {
@@ -47,6 +74,7 @@ class MeasureWatcher : public Watcher {
 std::string_view watch_name(Watch watch) {
   switch (watch) {
     case Watch::hashes: return "hashes";
+    case Watch::recording: return "recording";
     case Watch::measures: return "measures";
     case Watch::nothing: break;
   }
@@ -56,6 +84,7 @@ std::string_view watch_name(Watch watch) {
 std::unique_ptr<Watcher> make_watcher(Watch watch, engine::World& world, const engine::Registry& registry) {
   switch (watch) {
     case Watch::hashes: return std::make_unique<HashWatcher>(world);
+    case Watch::recording: return std::make_unique<RecordingWatcher>(world);
     case Watch::measures: return std::make_unique<MeasureWatcher>(world, registry);
     case Watch::nothing: break;
   }

@@ -212,6 +212,8 @@ class PlantedFaults(unittest.TestCase):
             ("engine/tasks.cpp", "#include <tbb/task_group.h>\n", "oneTBB is not for this file"),
             ("worldio/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
             ("engine/json.cpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
+            ("worldio/hdf5_file.hpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),
+            ("apps/record.cpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),
             ("render/context.hpp", "#include <GL/gl.h>\n", "OpenGL is not for this file"),
             ("base/text.hpp", "#include <fmt/core.h>\n", "fmt is not for this file"),
             ("engine/boost.cpp", "#include <boost/any.hpp>\n", "<boost/any.hpp> is unknown"),

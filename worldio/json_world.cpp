@@ -5,6 +5,7 @@
 #include "worldio/fields_json.hpp"
 #include "worldio/json_document.hpp"
 #include "worldio/json_reader.hpp"
+#include "worldio/json_record.hpp"
 #include "worldio/json_types.hpp"
 #include "worldio/load.hpp"
 #include "worldio/measures_json.hpp"
@@ -200,6 +201,8 @@ void WorldReader::read_settings(JsonObject& object) {
     if (const JsonNode* node = object.find(fmt::format("resolution{}", unit.suffix)))
       spec_.resolution_where = node->where;
   if (resolution.given()) spec_.resolution_m = resolution.number();
+  if (const JsonNode* node = object.find("record"))
+    spec_.record = read_record(JsonCursor(object.at(), "record", *node));
 }
 
 void WorldReader::read_floorplan(const JsonCursor& at) {

@@ -152,7 +152,7 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
   const std::string none =
       "b.log:1: error: this is no hash log: one begins with \"# troupe hash log 1\" (troupe run "
       "--hash-log)\n";
-  for (const char* other : {"", "{}\n", "\x89HDF\r\n\x1a\n", "# troupe hash log 2\n"})
+  for (const char* other : {"", "{}\n", "\x89PNG\r\n\x1a\n", "# troupe hash log 2\n"})
     EXPECT_EQ(error_of(other), none);
 }
 

@@ -1,6 +1,7 @@
 #include "tests/apps/program.hpp"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -59,7 +60,8 @@ std::vector<std::string> ProgramTest::files() const {
   return names;
 }
 
-int ProgramTest::start(const std::vector<std::string>& arguments, int out, int err) const {
+int ProgramTest::start(const std::vector<std::string>& arguments, int out, int err,
+                       std::size_t file_bytes) const {
   std::vector<std::string> words{TROUPE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -71,6 +73,11 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
   if (process == 0) {
     dup2(out, STDOUT_FILENO);
     dup2(err, STDERR_FILENO);
+    if (file_bytes > 0) {
+      const rlimit limit{file_bytes, file_bytes};
+      setrlimit(RLIMIT_FSIZE, &limit);
+      signal(SIGXFSZ, SIG_IGN);  // so that writing fails, as on a full disk, and the program goes on
+    }
     if (chdir(folder_.c_str()) == 0) execv(TROUPE_PROGRAM, argv.data());
     _exit(127);
   }
@@ -88,6 +95,16 @@ Outcome ProgramTest::troupe(const std::vector<std::string>& arguments) const {
   const int out = create(streams_ / "out");
   const int err = create(streams_ / "err");
   const int process = start(arguments, out, err);
+  close(out);
+  close(err);
+  return finish(process);
+}
+
+Outcome ProgramTest::troupe_with_file_limit(const std::vector<std::string>& arguments,
+                                            std::size_t bytes) const {
+  const int out = create(streams_ / "out");
+  const int err = create(streams_ / "err");
+  const int process = start(arguments, out, err, bytes);
   close(out);
   close(err);
   return finish(process);

@@ -27,6 +27,8 @@ class ProgramTest : public ::testing::Test {
   void write(const std::string& name, std::string_view text);
   /// Reads one from it; a missing file fails the test and reads as nothing.
   std::string read(const std::string& name) const;
+  /// Where a file of the folder lies.
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
   /// Names of all files in the folder, sorted.
   std::vector<std::string> files() const;
 
@@ -35,11 +37,13 @@ class ProgramTest : public ::testing::Test {
   /// The same; as soon as `file` has `lines` lines it is sent `signal`.
   Outcome troupe_until(const std::vector<std::string>& arguments, const std::string& file, std::size_t lines,
                        int signal) const;
+  /// The same on a disk that is full: no file may be longer than `bytes`.
+  Outcome troupe_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes) const;
   /// The same with a terminal for its standard error, whose every byte lands in `err`.
   Outcome troupe_on_terminal(const std::vector<std::string>& arguments) const;
 
  private:
-  int start(const std::vector<std::string>& arguments, int out, int err) const;
+  int start(const std::vector<std::string>& arguments, int out, int err, std::size_t file_bytes = 0) const;
   Outcome finish(int process) const;
 
   std::filesystem::path folder_;   // the program's working folder

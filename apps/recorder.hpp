@@ -1,0 +1,31 @@
+#pragma once
+
+#include "apps/observer.hpp"
+#include "troupe/recording.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+namespace troupe::apps {
+
+struct RunOptions;
+
+/// Where the run records: what the command line says, else the world's `record`; empty: nowhere.
+std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
+
+/// A recording that is flushed every few seconds, so that who looks at it while it grows sees what happens
+/// now, and a run that is killed loses no more than that.
+class Recorder : public Observer {
+ public:
+  explicit Recorder(Recording recording) : recording_(std::move(recording)) {}
+
+  void observe(const Simulation& simulation) override;
+  void finish(const Simulation& simulation) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Recording recording_;
+  Clock::time_point flushed_ = Clock::now();
+};
+
+}  // namespace troupe::apps

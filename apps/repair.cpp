@@ -1,0 +1,52 @@
+#include "apps/repair.hpp"
+
+#include "worldio/hdf5_file.hpp"
+#include "worldio/recording_repair.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_footer = R"(
+A recording whose run was killed is marked as still being written, and its arrays may be of different lengths: plain
+tools refuse it. This closes it and cuts it to the frames that are whole, which are all that were flushed. It works on a
+copy beside the file, which takes the file's place when it is whole: there must be room for it. A recording that was
+closed is left alone, and one that a run is still writing is refused.
+
+Exit codes: 0 readable now; 2 no recording, or one that cannot be repaired: it is as it was.
+
+Example:
+  troupe repair run.h5)";
+
+}  // namespace
+
+CLI::App* add_repair_command(CLI::App& app, std::filesystem::path& recording) {
+  CLI::App* command =
+      app.add_subcommand("repair", "Make a recording that was cut off readable for plain tools");
+  command->footer(k_footer);
+  command
+      ->add_option_function<std::string>(
+          "FILE", [&recording](const std::string& text) { recording = text; }, "A recording")
+      ->option_text(" ")
+      ->required();
+  return command;
+}
+
+ExitCode repair(const std::filesystem::path& recording) {
+  try {
+    const worldio::Repair done = worldio::repair_recording(recording);
+    fmt::print("{}: {}: {} {}\n", recording.string(), done.needed ? "repaired" : "nothing to repair",
+               done.frames, done.frames == 1 ? "frame" : "frames");
+    return k_finished;
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

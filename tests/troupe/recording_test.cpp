@@ -1,0 +1,165 @@
+#include "troupe/recording.hpp"
+
+#include "base/diagnostics.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "worldio/hdf5_file.hpp"
+#include "worldio/recording_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using ::testing::HasSubstr;
+using worldio::RecordingReader;
+
+constexpr const char* k_world = R"({
+  "troupe": 1,
+  "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+    "sensors": [{"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "samples": 9, "fov_deg": 90}]}]}},
+  "populations": [{"name": "r", "type": "bot", "count": 8,
+                   "place": {"rule": "grid", "region_m": [[0, 0], [4, 4]], "pitch_m": 1}}]
+})";
+
+class RecordingTest : public test::ScratchTest {
+ protected:
+  void SetUp() override {
+    if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+    world_ = write("w.json", k_world);
+  }
+  static void step(Simulation& simulation, Recording& recording, std::uint64_t until) {
+    while (simulation.tick() < until) {
+      simulation.step();
+      recording.observe(simulation);
+    }
+  }
+  /// Every value of a recording, as text.
+  std::string values(const std::string& name) const {
+    const RecordingReader recording(folder_ / name);
+    std::string all;
+    for (std::size_t f = 0; f < recording.frames(); ++f) {
+      all += std::to_string(recording.ticks()[f]) + " " + std::to_string(recording.hashes()[f]) + "\n";
+      for (const RecordingReader::Array& array : recording.arrays()) {
+        std::string bytes(array.bodies.size() * array.row_bytes(), '\0');
+        recording.read(array, f, std::as_writable_bytes(std::span(bytes)));
+        all += array.component + " " + array.field.name + " " + bytes;
+      }
+    }
+    return all;
+  }
+  void record_whole(std::uint64_t until) {
+    Simulation simulation(world_);
+    Recording recording(folder_ / "whole.h5", simulation, options_);
+    step(simulation, recording, until);
+    recording.close();
+  }
+  /// The message of what `call` throws.
+  template <class Error, class Call>
+  std::string error_of(Call&& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+
+  std::filesystem::path world_;
+  RecordingOptions options_{.fields = {"all"}, .every_s = 0.2};
+};
+
+TEST_F(RecordingTest, GoesOnWithoutGapOrRepeat) {
+  record_whole(30);
+  const std::string whole = values("whole.h5");
+  for (const std::uint64_t stop : {0u, 1u, 16u, 17u, 30u}) {
+    Simulation simulation(world_);
+    {
+      Recording first(folder_ / "run.h5", simulation, options_);
+      step(simulation, first, stop);
+    }
+    {
+      Recording second = Recording::resume(folder_ / "run.h5", simulation);
+      step(simulation, second, 30);
+    }
+    EXPECT_EQ(values("run.h5"), whole) << stop;
+    std::filesystem::remove(folder_ / "run.h5");
+  }
+}
+
+TEST_F(RecordingTest, CutsOffWhatTheResumedRunDoesAgain) {
+  record_whole(30);
+  Simulation simulation(world_);
+  {
+    Recording first(folder_ / "run.h5", simulation, options_);
+    step(simulation, first, 25);
+  }
+  simulation.reset();
+  for (int i = 0; i < 11; ++i) simulation.step();
+  {
+    Recording second = Recording::resume(folder_ / "run.h5", simulation);
+    step(simulation, second, 30);
+  }
+  EXPECT_EQ(values("run.h5"), values("whole.h5"));
+}
+
+TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
+  Simulation simulation(world_);
+  const auto resume = [&] { Recording::resume(folder_ / "run.h5", simulation); };
+  EXPECT_THAT(error_of<std::runtime_error>(resume), HasSubstr("there is no such file"));
+  {
+    Recording first(folder_ / "run.h5", simulation, options_);
+    step(simulation, first, 5);
+  }
+  simulation.run_for(1);
+  EXPECT_THAT(error_of<std::runtime_error>(resume),
+              HasSubstr("run.h5: error: /frames/tick ends before tick 6, where the run goes on at tick 15"));
+  Simulation other(world_, {.robots = {{"r", 7}}});
+  EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
+              HasSubstr("run.h5: error: /bodies is of another world: it has other bodies"));
+}
+
+TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {
+  Simulation simulation(world_);
+  {
+    Recording recording(folder_ / "run.h5", simulation);
+    step(simulation, recording, 3);
+  }
+  const RecordingReader recording(folder_ / "run.h5");
+  EXPECT_FALSE(recording.unfinished());
+  EXPECT_EQ(recording.frames(), 4u);
+  EXPECT_EQ(recording.arrays().size(), 4u);
+}
+
+TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
+  Simulation simulation(world_);
+  write("run.h5", "precious");
+  EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "run.h5", simulation); }),
+              HasSubstr("exists already"));
+  EXPECT_EQ(content(folder_ / "run.h5"), "precious");
+  EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "new.h5", simulation, {.fields = {"rangs"}}); }),
+              HasSubstr("new.h5: error: unknown field \"rangs\"; known: "));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
+}
+
+TEST_F(RecordingTest, SeveralAtOnce) {
+  Simulation simulation(world_);
+  {
+    Recording often(folder_ / "often.h5", simulation, {.fields = {"pose"}, .every_s = 0.1});
+    Recording rarely(folder_ / "rarely.h5", simulation, {.fields = {"velocity"}, .every_s = 0.5});
+    while (simulation.tick() < 10) {
+      simulation.step();
+      often.observe(simulation);
+      rarely.observe(simulation);
+    }
+  }
+  EXPECT_EQ(RecordingReader(folder_ / "often.h5").frames(), 11u);
+  EXPECT_EQ(RecordingReader(folder_ / "rarely.h5").frames(), 3u);
+}
+
+}  // namespace
+}  // namespace troupe

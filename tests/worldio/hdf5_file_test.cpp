@@ -1,0 +1,249 @@
+#include "worldio/hdf5_file.hpp"
+
+#include "tests/troupe/scratch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+
+namespace troupe::worldio {
+namespace {
+
+namespace fs = std::filesystem;
+using engine::Element;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Hdf5 : public test::ScratchTest {
+ protected:
+  void SetUp() override {
+    if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  }
+  /// The message of the Hdf5Error that `call` throws.
+  template <class Call>
+  std::string error_of(Call&& call) {
+    try {
+      call();
+    } catch (const Hdf5Error& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+
+  fs::path file_ = folder_ / "a.h5";
+};
+
+template <class T>
+std::vector<T> counted(std::size_t n) {
+  std::vector<T> values(n);
+  std::iota(values.begin(), values.end(), T(0));
+  return values;
+}
+
+template <class T>
+void write_and_read(Hdf5Group group, const std::string& name) {
+  const std::vector<T> values = counted<T>(12);
+  Hdf5Dataset dataset = group.create_dataset(name, engine::element_of<T>(), {3, 4});
+  dataset.write(std::span<const T>(values));
+  EXPECT_EQ(dataset.element(), engine::element_of<T>());
+  EXPECT_THAT(dataset.extent(), ElementsAre(3, 4));
+  EXPECT_EQ(group.dataset(name).read<T>(), values);
+  std::vector<T> row(4);
+  group.dataset(name).read_rows(1, std::span<T>(row));
+  EXPECT_THAT(row, ElementsAre(T(4), T(5), T(6), T(7)));
+}
+
+TEST_F(Hdf5, EveryElementTypeComesBackAsItWent) {
+  Hdf5File file = Hdf5File::create(file_);
+  Hdf5Group group = file.create_group("numbers");
+  write_and_read<double>(file.group("numbers"), "f64");
+  write_and_read<float>(file.group("numbers"), "f32");
+  write_and_read<std::int64_t>(file.group("numbers"), "i64");
+  write_and_read<std::int32_t>(file.group("numbers"), "i32");
+  write_and_read<std::uint64_t>(file.group("numbers"), "u64");
+  write_and_read<std::uint32_t>(file.group("numbers"), "u32");
+  write_and_read<std::uint8_t>(file.group("numbers"), "u8");
+  EXPECT_THAT(group.names(), ElementsAre("f32", "f64", "i32", "i64", "u32", "u64", "u8"));
+  EXPECT_TRUE(file.has_group("numbers"));
+  EXPECT_FALSE(group.has_group("f64"));
+  EXPECT_FALSE(group.has("f16"));
+}
+
+TEST_F(Hdf5, BitsOfNumbersStay) {
+  const std::vector<std::uint64_t> bits = {0x7ff8000000000123, 0x8000000000000000, 1, 0xfff0000000000000};
+  std::vector<double> values(bits.size());
+  std::memcpy(values.data(), bits.data(), bits.size() * 8);
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    file.write("values", std::span<const double>(values));
+    file.close();
+  }
+  const std::vector<double> back = Hdf5File::open(file_).dataset("values").read<double>();
+  EXPECT_EQ(std::memcmp(back.data(), bits.data(), bits.size() * 8), 0);
+}
+
+TEST_F(Hdf5, BytesOfAnElementThatIsKnownAtRunTime) {
+  const std::vector<float> values = counted<float>(6);
+  Hdf5File file = Hdf5File::create(file_);
+  Hdf5Dataset dataset = file.create_dataset("v", Element::f32, {3, 2});
+  dataset.write_bytes(std::as_bytes(std::span(values)));
+  std::vector<float> last(2);
+  dataset.read_bytes(2, std::as_writable_bytes(std::span(last)));
+  EXPECT_THAT(last, ElementsAre(4, 5));
+}
+
+TEST_F(Hdf5, AttributesAndTexts) {
+  const std::vector<std::string> names = {"r0", "", "a robot with a long name", "grün"};
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    file.set_text("version", "troupe 1");
+    file.set_text("empty", "");
+    file.set_text("set /populations/0/count", "5");
+    file.set_integer("layout", -3);
+    file.set_number("tick_s", 0.1);
+    file.write_text("world", "{\"a\": 1}");
+    file.write_texts("names", names);
+    file.write_texts("none", {});
+    file.close();
+  }
+  const Hdf5File file = Hdf5File::open(file_);
+  EXPECT_EQ(file.text("version"), "troupe 1");
+  EXPECT_EQ(file.text("empty"), "");
+  EXPECT_EQ(file.text("set /populations/0/count"), "5");
+  EXPECT_EQ(file.integer("layout"), -3);
+  EXPECT_EQ(file.number("tick_s"), 0.1);
+  EXPECT_THAT(file.attributes(),
+              ElementsAre("empty", "layout", "set /populations/0/count", "tick_s", "version"));
+  EXPECT_EQ(file.read_text("world"), "{\"a\": 1}");
+  EXPECT_EQ(file.read_texts("names"), names);
+  EXPECT_THAT(file.read_texts("none"), IsEmpty());
+  EXPECT_THAT(error_of([&] { file.text("seed"); }), HasSubstr("a.h5: error: / has no attribute \"seed\""));
+  EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is no text"));
+  EXPECT_THAT(error_of([&] { file.integer("tick_s"); }), HasSubstr("that is no integer"));
+  EXPECT_THAT(error_of([&] { file.number("layout"); }), HasSubstr("that is no number"));
+  EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names is not one text"));
+}
+
+TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    Hdf5Dataset x = file.create_extendible("x", Element::f64, {2, 1}, {.extent = {4, 2, 1}});
+    Hdf5Dataset tick = file.create_extendible("tick", Element::u64, {}, {.extent = {4}, .fill = ~0ull});
+    const std::vector<double> values = counted<double>(10);
+    x.append(std::span<const double>(values).first(4));
+    x.append(std::span<const double>(values).subspan(4));
+    EXPECT_THAT(x.extent(), ElementsAre(5, 2, 1));
+    x.resize(4);
+    x.resize(6);
+    tick.append(std::span<const std::uint64_t>());
+    tick.resize(2);
+    EXPECT_THAT(error_of([&] { x.append(std::span<const double>(values).first(3)); }),
+                HasSubstr("/x has rows of 2 values, not 3"));
+  }
+  const Hdf5File file = Hdf5File::open(file_);
+  std::vector<double> row(2);
+  file.dataset("x").read_rows(3, std::span<double>(row));
+  EXPECT_THAT(row, ElementsAre(6, 7));
+  file.dataset("x").read_rows(4, std::span<double>(row));
+  EXPECT_TRUE(std::isnan(row[0]) && std::isnan(row[1]));
+  EXPECT_THAT(file.dataset("tick").read<std::uint64_t>(), ElementsAre(~0ull, ~0ull));
+}
+
+TEST_F(Hdf5, NothingIsAnArrayToo) {
+  Hdf5File file = Hdf5File::create(file_);
+  Hdf5Dataset none = file.create_extendible("none", Element::f64, {0, 1}, {.extent = {4, 1, 1}});
+  none.append(std::span<const double>());
+  none.resize(3);
+  EXPECT_EQ(none.values(), 0u);
+  EXPECT_THAT(file.create_dataset("zero", Element::u8, {0}).read<std::uint8_t>(), IsEmpty());
+}
+
+TEST_F(Hdf5, AReaderFollowsAWriter) {
+  Hdf5File file = Hdf5File::create(file_);
+  Hdf5Dataset x = file.create_extendible("x", Element::u32, {}, {.extent = {16}});
+  file.start_swmr();
+  const std::vector<std::uint32_t> values = counted<std::uint32_t>(1000);
+  for (std::size_t i = 0; i < 1000; i += 100) {
+    x.append(std::span<const std::uint32_t>(values).subspan(i, 100));
+    x.flush();
+    const Hdf5File copy = [&] {
+      // A copy is what a killed writer leaves; the file itself cannot be opened twice in one process.
+      fs::copy_file(file_, folder_ / "copy.h5", fs::copy_options::overwrite_existing);
+      return Hdf5File::open_swmr(folder_ / "copy.h5");
+    }();
+    std::vector<std::uint32_t> read(i + 100);
+    copy.dataset("x").read_rows(0, std::span<std::uint32_t>(read));
+    EXPECT_TRUE(std::equal(read.begin(), read.end(), values.begin())) << i;
+  }
+}
+
+TEST_F(Hdf5, EqualContentsAreEqualBytes) {
+  const auto made = [&](const char* name) {
+    Hdf5File file = Hdf5File::create(folder_ / name);
+    Hdf5Group group = file.create_group("group");
+    group.set_integer("one", 1);
+    group.write("v", std::span<const float>(counted<float>(100)));
+    file.write_text("world", "{}");
+    Hdf5Dataset x = group.create_extendible("x", Element::u32, {}, {.extent = {16}});
+    x.append(std::span<const std::uint32_t>(counted<std::uint32_t>(100)));
+    std::ifstream stream(folder_ / name, std::ios::binary);
+    return folder_ / name;
+  };
+  const auto bytes = [](const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  EXPECT_EQ(bytes(made("one.h5")), bytes(made("two.h5")));
+}
+
+TEST_F(Hdf5, AUserBlockIsLeftAlone) {
+  { Hdf5File::create(file_, 512).write("v", std::span<const float>(counted<float>(3))); }
+  std::fstream(file_, std::ios::binary | std::ios::in | std::ios::out) << "troupe";
+  EXPECT_THAT(Hdf5File::open(file_).dataset("v").read<float>(), ElementsAre(0, 1, 2));
+}
+
+TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
+  const fs::path none = folder_ / "none.h5";
+  EXPECT_EQ(error_of([&] { Hdf5File::open(none); }), none.string() + ": error: there is no such file");
+  EXPECT_THAT(error_of([&] { Hdf5File::create(folder_ / "no" / "folder.h5"); }),
+              AllOf(StartsWith((folder_ / "no" / "folder.h5").string() + ": error: cannot be written: "),
+                    HasSubstr("No such file or directory")));
+  std::ofstream(none) << "no HDF5 at all";
+  EXPECT_THAT(error_of([&] { Hdf5File::open(none); }), HasSubstr("none.h5: error: cannot be read: "));
+
+  Hdf5File file = Hdf5File::create(file_);
+  file.write("v", std::span<const float>(counted<float>(3)));
+  EXPECT_THAT(error_of([&] { file.dataset("w"); }), HasSubstr("a.h5: error: there is no dataset /w"));
+  EXPECT_THAT(error_of([&] { file.group("v"); }), HasSubstr("there is no group /v"));
+  EXPECT_THAT(error_of([&] { file.dataset("v").read<double>(); }),
+              HasSubstr("/v holds float32, not float64"));
+  std::vector<float> four(4);
+  EXPECT_THAT(error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
+              HasSubstr("/v has 3 rows of 1 values: it has no 4 values from row 0 on"));
+  EXPECT_THAT(error_of([&] { file.create_group("v"); }), HasSubstr("/v cannot be written"));
+}
+
+TEST_F(Hdf5, ADatasetThatCannotBeTrueIsNotAllocated) {
+  Hdf5File file = Hdf5File::create(file_);
+  Hdf5Dataset x = file.create_extendible("x", Element::f64, {}, {.extent = {16}});
+  x.resize(std::size_t{1} << 40);
+  EXPECT_THAT(error_of([&] { x.read<double>(); }), HasSubstr("/x is larger than the file"));
+}
+
+TEST_F(Hdf5, NamesAreOneStep) {
+  EXPECT_EQ(hdf5_name("ranger:0"), "ranger:0");
+  EXPECT_EQ(hdf5_name("/x%"), "%2Fx%25");
+  EXPECT_EQ(hdf5_name("."), "%2E");
+  EXPECT_EQ(hdf5_name(""), "%");
+}
+
+}  // namespace
+}  // namespace troupe::worldio

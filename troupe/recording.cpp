@@ -1,0 +1,90 @@
+#include "troupe/recording.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+#include "worldio/recording_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+constexpr double k_every_s = 0.1;
+constexpr const char* k_fields = "pose";
+
+/// What is recorded, by the options, else the world, else by default.
+worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
+  const engine::WorldSpec& spec = simulation.world().spec();
+  const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
+  const double every_s = options.every_s > 0 ? options.every_s : record.every_s.value_or(k_every_s);
+  worldio::RecordingHead head{.meta = simulation.effective_options(),
+                              .world_json = "{}",
+                              .every_ticks = engine::period_ticks(every_s, simulation.tick_s()),
+                              .fields = !options.fields.empty() ? options.fields : record.fields};
+  head.meta.insert(head.meta.begin(), {"version", version_line()});
+  if (head.fields.empty()) head.fields = {k_fields};
+  return head;
+}
+
+/// The components, or an InputError that says where the wrong name stands.
+std::vector<worldio::RecordedComponent> components_of(const std::filesystem::path& file,
+                                                      const Simulation& simulation,
+                                                      const std::vector<std::string>& fields,
+                                                      const RecordingOptions& options) {
+  try {
+    return worldio::recorded_components(simulation.world(), fields);
+  } catch (const std::invalid_argument& fault) {
+    const engine::WorldSpec& spec = simulation.world().spec();
+    if (!options.fields.empty() || !spec.record || !spec.files)
+      throw InputError(fmt::format("{}: error: {}", file.string(), fault.what()));
+    const Where& where = spec.record->where_fields;
+    throw InputError(fmt::format("{}:{}: error: /record/fields: {}", spec.files->name(where.file), where.line,
+                                 fault.what()));
+  }
+}
+
+}  // namespace
+
+struct Recording::Impl {
+  worldio::RecordingWriter writer;
+};
+
+Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
+                     const RecordingOptions& options) {
+  std::error_code ignored;
+  if (!options.replace && std::filesystem::exists(file, ignored))
+    throw InputError(fmt::format("{}: error: exists already; --force replaces it", file.string()));
+  const worldio::RecordingHead head = head_of(simulation, options);
+  std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
+  try {
+    impl_ = std::unique_ptr<Impl>(new Impl{{file, simulation.world(), std::move(components), head}});
+  } catch (const worldio::Hdf5Error& fault) {
+    throw InputError(fault.what());
+  }
+  observe(simulation);
+}
+
+Recording::Recording(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Recording::Recording(Recording&&) noexcept = default;
+Recording& Recording::operator=(Recording&&) noexcept = default;
+Recording::~Recording() = default;
+
+Recording Recording::resume(const std::filesystem::path& file, const Simulation& simulation) {
+  Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world()}}));
+  recording.observe(simulation);
+  return recording;
+}
+
+void Recording::observe(const Simulation& simulation) {
+  if (impl_->writer.due(simulation.tick())) impl_->writer.record(simulation.world(), simulation.state_hash());
+}
+
+void Recording::flush() { impl_->writer.flush(); }
+
+void Recording::close() { impl_->writer.close(); }
+
+}  // namespace troupe

@@ -1,0 +1,127 @@
+#include "worldio/recording_reader.hpp"
+
+#include "worldio/hdf5_superblock.hpp"
+#include "worldio/recording_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace troupe::worldio {
+namespace {
+
+/// Places in the order of the phases: what went wrong first stands first.
+int phase_order(const RecordingReader::Array& array) {
+  const std::string& component = array.component;
+  if (component.starts_with("sensors/")) return 0;
+  if (component == "pose") return 3;
+  return component == "velocity" || component == "command" || component == "stall" ? 2 : 1;
+}
+
+bool is_unfinished(const std::filesystem::path& file) {
+  const std::optional<Hdf5Superblock> head = read_superblock(file);
+  return head && head->writing();
+}
+
+Hdf5File opened(const std::filesystem::path& file, bool unfinished) {
+  return unfinished ? Hdf5File::open_swmr(file) : Hdf5File::open(file);
+}
+
+}  // namespace
+
+RecordingReader::RecordingReader(const std::filesystem::path& file)
+    : unfinished_(is_unfinished(file)), hdf5_(opened(file, unfinished_)) {
+  const Hdf5Group meta = checked_meta(hdf5_);
+  for (const std::string& name : meta.attributes())
+    meta_[name] = name == "layout" || name == "record_every_ticks" ? std::to_string(meta.integer(name))
+                                                                   : meta.text(name);
+  const std::int64_t every = meta.integer("record_every_ticks");
+  if (every < 1) meta.fail("has a record_every_ticks below 1: the file is damaged");
+  every_ticks_ = static_cast<std::uint64_t>(every);
+
+  const Hdf5Group bodies = hdf5_.group("bodies");
+  ids_ = bodies.dataset("id").read<std::uint32_t>();
+  types_ = bodies.read_texts("type");
+  names_ = bodies.read_texts("name");
+  if (types_.size() != ids_.size() || names_.size() != ids_.size())
+    bodies.fail("has lists of different lengths: the file is damaged");
+
+  std::vector<std::uint32_t> all(ids_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  find_arrays(hdf5_.group("state"), "", all);
+  if (hdf5_.has_group("sensors")) {
+    const Hdf5Group sensors = hdf5_.group("sensors");
+    for (const std::string& type : sensors.names()) {
+      std::vector<std::uint32_t> of_type;
+      for (const std::uint32_t body : all)
+        if (types_[body] == type) of_type.push_back(body);
+      find_arrays(sensors.group(type), "sensors/" + type, of_type);
+    }
+  }
+  std::ranges::stable_sort(arrays_, {}, phase_order);
+  read_frames();
+}
+
+Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
+  constexpr std::string_view k_kind = "troupe recording";
+  if (!file.has_group("meta") || !file.group("meta").has_attribute("kind") ||
+      file.group("meta").text("kind") != k_kind)
+    file.fail(fmt::format("has no /meta of kind \"{}\": the file is no recording", k_kind));
+  Hdf5Group meta = file.group("meta");
+  if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
+    meta.fail(fmt::format("says layout {}; this program reads {}", layout, k_recording_layout));
+  return meta;
+}
+
+void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& component,
+                                  const std::vector<std::uint32_t>& bodies) {
+  for (const std::string& name : group.names()) {
+    if (group.has_group(name)) {
+      find_arrays(group.group(name), component.empty() ? name : fmt::format("{}/{}", component, name),
+                  bodies);
+      continue;
+    }
+    if (component.empty()) continue;  // /state/alive is of no component
+    Hdf5Dataset dataset = group.dataset(name);
+    const std::vector<std::size_t>& extent = dataset.extent();
+    if (extent.size() != 3 || extent[1] != bodies.size())
+      dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
+    if (extent[1] * extent[2] > 0) dataset.values();  // throws where no file could hold them
+    Array array;
+    array.component = component;
+    array.frame = dataset.text("frame");
+    array.bodies = bodies;
+    array.field.name = name;
+    array.field.element = dataset.element();
+    array.field.columns = static_cast<std::uint32_t>(extent[2]);
+    array.field.unit = dataset.text("unit");
+    array.field.text = dataset.text("text");
+    array.dataset = std::move(dataset);
+    arrays_.push_back(std::move(array));
+  }
+}
+
+void RecordingReader::read_frames() {
+  const Hdf5Group frames = hdf5_.group("frames");
+  ticks_ = frames.dataset("tick").read<std::uint64_t>();
+  times_s_ = frames.dataset("time_s").read<double>();
+  hashes_ = frames.dataset("hash").read<std::uint64_t>();
+  // Ticks are written last: of those that stand there, everything does.
+  std::size_t whole = std::min({ticks_.size(), times_s_.size(), hashes_.size()});
+  whole = static_cast<std::size_t>(
+      std::find(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(whole), k_no_tick) -
+      ticks_.begin());
+  for (const Array& array : arrays_) whole = std::min(whole, array.dataset.rows());
+  ticks_.resize(whole);
+  times_s_.resize(whole);
+  hashes_.resize(whole);
+  if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
+    frames.fail("has ticks that do not rise: the file is damaged");
+}
+
+void RecordingReader::read(const Array& array, std::size_t frame, std::span<std::byte> into) const {
+  array.dataset.read_bytes(frame, into);
+}
+
+}  // namespace troupe::worldio
