@@ -93,12 +93,12 @@ Summary summary_of_hash_log(const fs::path& file) {
   HashLogReader log(file);
   Summary summary{{"kind", "hash log, format 1"}};
   const auto header = [&](const std::string& key) {
-    const auto found = log.headers().find(key);
-    return found == log.headers().end() ? std::string() : found->second.value;
+    const auto found = log.header().entries.find(key);
+    return found == log.header().entries.end() ? std::string() : found->second.value;
   };
   if (const std::string version = header("version"); !version.empty())
     summary.emplace_back("written by", version);
-  for (const auto& [key, value] : log.headers())
+  for (const auto& [key, value] : log.header().entries)
     if (key != "version") summary.emplace_back(key, value.value);
 
   std::optional<std::uint64_t> first;
