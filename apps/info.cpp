@@ -6,6 +6,7 @@
 #include "apps/tables.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/checkpoint.hpp"
 #include "worldio/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
@@ -26,8 +27,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_footer = R"(
-Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a table of measures or
-events, a profile. What it is, is found out from its content, whatever its name.
+Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of
+measures or events, a profile. What it is, is found out from its content, whatever its name.
 
 Told are the kind, what wrote it, and the world, seed, robots, ticks and fields in it; and whether it is whole or was
 cut off, as by a full disk or a killed run.
@@ -94,6 +95,7 @@ std::optional<Summary> summary_of(const fs::path& file) {
   const std::string start = start_of(file);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
   if (start.starts_with(k_hdf5_mark)) return summary_of_recording(file);
+  if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
   if (start.starts_with(k_events_header)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
   if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
@@ -125,7 +127,7 @@ ExitCode info(const fs::path& file) {
   if (!summary)
     throw InputError(fmt::format(
         "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a "
-        "recording, a table of measures or events, nor a profile",
+        "recording, a checkpoint, a table of measures or events, nor a profile",
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);

@@ -1,8 +1,9 @@
-// Files in HDF5: recordings.
+// Files in HDF5: recordings and checkpoints.
 
 #include "apps/info_kinds.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "worldio/checkpoint.hpp"
 #include "worldio/recording_reader.hpp"
 #include "worldio/recording_writer.hpp"
 
@@ -64,6 +65,16 @@ Summary summary_of_recording(const fs::path& file) {
   } catch (const worldio::Hdf5Error& fault) {
     throw InputError(fault.what());
   }
+}
+
+Summary summary_of_checkpoint(const fs::path& file) {
+  const worldio::Checkpoint checkpoint(file);  // refuses one that is not whole
+  Summary summary{{"kind", fmt::format("checkpoint, layout {}", worldio::k_checkpoint_layout)}};
+  add_header(checkpoint.header(), {"layout", "tick", "time_s", "state_hash"}, summary);
+  summary.emplace_back("tick", fmt::format("{}, {:.10g} s", checkpoint.tick(), checkpoint.time_s()));
+  summary.emplace_back("state", hex(checkpoint.state_hash()));
+  summary.emplace_back("whole", "yes");
+  return summary;
 }
 
 }  // namespace troupe::apps

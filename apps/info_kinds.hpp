@@ -19,6 +19,7 @@ Summary summary_of_measures(const std::filesystem::path& file);
 Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
+Summary summary_of_checkpoint(const std::filesystem::path& file);
 /// json: ours, not Stage's.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json);
 

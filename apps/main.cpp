@@ -76,6 +76,8 @@ int troupe_main(int argc, char** argv) {
 
   RunOptions options;
   const CLI::App* run_command = add_run_command(app, options);
+  RunOptions resume_options;
+  const CLI::App* resume_command = add_resume_command(app, resume_options);
   CheckOptions check_options;
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
@@ -102,6 +104,7 @@ int troupe_main(int argc, char** argv) {
   }
 
   if (run_command->parsed()) return run(options);
+  if (resume_command->parsed()) return run(resume_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);

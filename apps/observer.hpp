@@ -15,6 +15,9 @@ class Observer {
 
   /// The simulation stands at a tick: at the one with which the run begins, then at each that has ended.
   virtual void observe(const Simulation& simulation) = 0;
+  /// What was observed is in its file when this returns: the state is about to be saved, and who goes on from
+  /// it must find all that went before.
+  virtual void flush() {}
   /// The run has ended, or was stopped, at the tick that was observed last.
   virtual void finish(const Simulation& /*simulation*/) {}
 };

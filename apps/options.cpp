@@ -81,11 +81,7 @@ void add_world_options(CLI::App& app, WorldOptions& options) {
          "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
-  add_value(app, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
-    options.for_s = finite(text);
-    if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
-      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
-  });
+  add_end_option(app, options);
   add_value(app, "--seed", "N", "Seed of every random stream (default: the world's, else 1)",
             [&options](const std::string& text) {
               options.simulation.seed = number<std::uint64_t>(text);
@@ -101,7 +97,19 @@ void add_world_options(CLI::App& app, WorldOptions& options) {
   add_values(
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
-  add_values(app, "--set", "POINTER=VALUE", "Change a value of the world: a JSON pointer into it; repeatable",
+  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable", options);
+}
+
+void add_end_option(CLI::App& app, WorldOptions& options) {
+  add_value(app, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
+    options.for_s = finite(text);
+    if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
+      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
+  });
+}
+
+void add_set_option(CLI::App& app, const char* help, WorldOptions& options) {
+  add_values(app, "--set", "POINTER=VALUE", help,
              [&options](const std::string& text) { options.simulation.set.push_back(assignment(text)); });
 }
 
@@ -109,9 +117,11 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   const bool json = options.world.extension() == ".json";
-  throw InputError(
-      fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or set {} in the world",
-                  options.world.string(), json ? "quit_time_s" : "quit_time"));
+  throw InputError(fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or {}",
+                               options.world.string(),
+                               options.is_checkpoint ? "--set /quit_time_s=SECONDS"
+                               : json                ? "set quit_time_s in the world"
+                                                     : "set quit_time in the world"));
 }
 
 SimulationOptions with_stage_path(SimulationOptions options) {

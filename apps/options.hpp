@@ -45,11 +45,15 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
 /// What says which run it is: the world, and everything that changes its results; and when it ends.
 struct WorldOptions {
   std::filesystem::path world;
+  bool is_checkpoint = false;  ///< `world` is one
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< end on the world's clock, s
 };
 /// Adds WORLD, --for, --seed, --raytracer, --robots and --set; `options` must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
+/// Of these, what a run that is resumed takes too.
+void add_end_option(CLI::App& app, WorldOptions& options);
+void add_set_option(CLI::App& app, const char* help, WorldOptions& options);
 
 /// Where the run ends, s: --for, else where the world asks to. Throws InputError when neither says so.
 double end_of(const WorldOptions& options, const Simulation& simulation);

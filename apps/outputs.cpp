@@ -1,5 +1,7 @@
 #include "apps/outputs.hpp"
 
+#include "apps/hash_log_reader.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -14,13 +16,6 @@ namespace {
   throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  // Made absolute first: weakly_canonical leaves a relative name that does not exist yet as it is.
-  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
-         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
-}
-
 void check_output(const fs::path& file) {
   std::error_code ignored;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
@@ -30,13 +25,68 @@ void check_output(const fs::path& file) {
   if (access(written.c_str(), W_OK) != 0) refuse(file, std::strerror(errno));
 }
 
+/// The bytes of the first lines of a file.
+std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
+  std::ifstream stream(file, std::ios::binary);
+  std::uintmax_t bytes = 0;
+  std::string line;
+  for (std::size_t i = 0; i < lines && std::getline(stream, line); ++i) bytes += line.size() + 1;
+  return bytes;
+}
+
+/// Two runs may be in one state for a while: a log is of the simulation's run if it was begun by it. What was
+/// changed when it was resumed belongs to the ticks from there on.
+void check_same_run(const HashLogReader& log, const Simulation& simulation) {
+  const auto is_free = [](std::string_view key) {
+    return key == "threads" || key == "tile_m" || key == "resumed_at_tick" || key.starts_with("set ");
+  };
+  for (const auto& [key, value] : simulation.effective_options()) {
+    const auto header = log.headers().find(key);
+    if (is_free(key) || (header != log.headers().end() && header->second.value == value)) continue;
+    const bool is_there = header != log.headers().end();
+    throw OutputError(
+        fmt::format("{}:{}: error: {} is {}, the checkpoint's is \"{}\": this is the log of another run",
+                    log.file().string(), is_there ? header->second.line : 1, key,
+                    is_there ? fmt::format("\"{}\"", header->second.value) : "not given", value));
+  }
+}
+
+/// What a log says of later ticks than the simulation's was written by a part of the run that came to
+/// nothing.
+void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
+  HashLogReader log(file);
+  check_same_run(log, simulation);
+  std::optional<HashLogReader::Line> line = log.next();
+  while (line && line->tick < simulation.tick()) line = log.next();
+  if (!line)
+    throw OutputError(fmt::format("{}: error: the log ends before tick {}, at which the checkpoint was saved",
+                                  file.string(), simulation.tick()));
+  if (line->tick != simulation.tick())
+    throw OutputError(
+        fmt::format("{}: error: the log begins behind tick {}, at which the checkpoint was saved",
+                    file.string(), simulation.tick()));
+  if (line->text != simulation.hash_log_line())
+    throw OutputError(fmt::format(
+        "{}:{}: error: tick {} has another state than the checkpoint: this is the log of another run",
+        file.string(), line->number, line->tick));
+  fs::resize_file(file, bytes_of_lines(file, line->number));
+}
+
 }  // namespace
 
-void check_outputs(const fs::path& world, const std::vector<fs::path>& outputs) {
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  // Made absolute first: weakly_canonical leaves a relative name that does not exist yet as it is.
+  return !a.empty() && !b.empty() &&
+         fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+             fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+void check_outputs(const fs::path& world, std::string_view what, const std::vector<fs::path>& outputs) {
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
     check_output(*output);
-    if (same_file(*output, world)) refuse(*output, "it is the world");
+    if (same_file(*output, world)) refuse(*output, fmt::format("it is {}", what));
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->empty() && same_file(*output, *other)) refuse(*output, "another output has the same name");
   }
@@ -49,12 +99,20 @@ void rehearse_snapshot(const Simulation& simulation, const fs::path& png) {
   fs::remove(thumbnail, ignored);
 }
 
-HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(file), stream_(file) {
+HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(file) {
+  std::error_code ignored;
+  const bool goes_on = simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
+  if (goes_on) {
+    cut_behind_tick(file, simulation);
+    written_ = simulation.tick();
+  }
+  stream_.open(file, goes_on ? std::ios::app : std::ios::trunc);
   if (!stream_) refuse(file, std::strerror(errno));
-  stream_ << simulation.hash_log_header();
+  if (!goes_on) stream_ << simulation.hash_log_header();
 }
 
 void HashLog::observe(const Simulation& simulation) {
+  if (written_ == simulation.tick()) return;
   stream_ << simulation.hash_log_line() << '\n' << std::flush;
   if (!stream_)
     throw std::runtime_error(fmt::format("{}: error: writing failed at tick {}: {}", file_.string(),

@@ -3,10 +3,13 @@
 #include "apps/observer.hpp"
 #include "troupe/simulation.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
@@ -18,9 +21,13 @@ class OutputError : public std::runtime_error {
 };
 
 /// Checks that each of `outputs` (empty paths count as none) can be written: its folder exists and may be
-/// written in, it is no folder itself, and it is neither `world` nor another output. Creates nothing, so that
-/// a world that turns out wrong afterwards leaves nothing behind. Throws OutputError.
-void check_outputs(const std::filesystem::path& world, const std::vector<std::filesystem::path>& outputs);
+/// written in, it is no folder itself, and it is neither `world` (which is `what`, for people) nor another
+/// output. Creates nothing, so that a world that turns out wrong afterwards leaves nothing behind. Throws
+/// OutputError.
+void check_outputs(const std::filesystem::path& world, std::string_view what,
+                   const std::vector<std::filesystem::path>& outputs);
+/// Whether two names stand for one file, that may not be there yet.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Draws a thumbnail beside `png` and removes it, so that what a picture needs (OSMesa, room on the disk) is
 /// known to be there before the run and not missed after it. Throws what Simulation::snapshot throws.
@@ -29,7 +36,9 @@ void rehearse_snapshot(const Simulation& simulation, const std::filesystem::path
 /// A hash log, streamed: each line is in the file when its tick has ended.
 class HashLog : public Observer {
  public:
-  /// Opens the file and writes the header. Throws OutputError.
+  /// Opens the file and writes the header. Where the simulation goes on from a checkpoint, and the file is
+  /// there, it is a log that holds this tick with this state: it is cut behind it, and goes on. Throws
+  /// OutputError, or InputError for what is no such log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
   /// Writes the line of the simulation's tick. Throws std::runtime_error when the disk is full.
@@ -38,6 +47,7 @@ class HashLog : public Observer {
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
+  std::optional<std::uint64_t> written_;  // the last tick of a log that goes on
 };
 
 }  // namespace troupe::apps

@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <utility>
 
 namespace troupe::apps {
 
@@ -13,6 +15,12 @@ struct RunOptions;
 /// Where the run records: what the command line says, else the world's `record`; empty: nowhere.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
+class Recorder;
+/// Opens it; null where nothing is to be recorded. Where the simulation goes on from a checkpoint, a
+/// recording that is there goes on, too. Throws InputError for what is wrong with the file or with what it is
+/// to hold, before anything is written.
+std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
+
 /// A recording that is flushed every few seconds, so that who looks at it while it grows sees what happens
 /// now, and a run that is killed loses no more than that.
 class Recorder : public Observer {
@@ -20,6 +28,7 @@ class Recorder : public Observer {
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}
 
   void observe(const Simulation& simulation) override;
+  void flush() override;
   void finish(const Simulation& simulation) override;
 
  private:

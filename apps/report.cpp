@@ -26,10 +26,10 @@ std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 
 
 }  // namespace
 
-double Report::times_real_time() const { return ratio(statistics.time_s, wall_s); }
+double Report::times_real_time() const { return ratio(static_cast<double>(ticks_here()) * tick_s, wall_s); }
 
 double Report::ns_per_robot_tick() const {
-  return ratio(1e9 * wall_s, static_cast<double>(statistics.robots) * static_cast<double>(statistics.ticks));
+  return ratio(1e9 * wall_s, static_cast<double>(statistics.robots) * static_cast<double>(ticks_here()));
 }
 
 double Report::beams_per_tick() const {

@@ -16,11 +16,12 @@ struct Report {
   std::string title;
   Statistics statistics;
   Simulation::Hashes hashes;
+  std::uint64_t first_tick = 0;  ///< where this part of the run began; counters are those since tick 0
   double tick_s = 0;
   double end_s = 0;  ///< where the run was to end, s of world time
   bool stopped = false;
   unsigned threads = 0;
-  double load_s = 0;  ///< wall time from the file to tick 0
+  double load_s = 0;  ///< wall time from the file to the first tick
   double wall_s = 0;  ///< wall time of all ticks, with what watches them (hash log, progress)
   /// Part of wall_s in each phase; the rest went into watching.
   std::array<double, k_phases> phase_s{};
@@ -32,6 +33,7 @@ struct Report {
   double ns_per_robot_tick() const;
   double beams_per_tick() const;
   double observe_s() const;
+  std::uint64_t ticks_here() const { return statistics.ticks - first_tick; }
 };
 
 /// Aligned lines for people, the last one ended.

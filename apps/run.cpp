@@ -1,5 +1,6 @@
 #include "apps/run.hpp"
 
+#include "apps/checkpointing.hpp"
 #include "apps/outputs.hpp"
 #include "apps/phase_clock.hpp"
 #include "apps/profile.hpp"
@@ -20,6 +21,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -40,12 +42,14 @@ double seconds_since(Clock::time_point start) {
 std::atomic<bool> stop_requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// From here on Ctrl-C and SIGTERM end the run after the current tick; a second one ends it at once.
+/// From here on Ctrl-C and SIGTERM end the run after the current tick; a second one ends it at once. A file
+/// that grows beyond what the system allows is an error in writing it, not the end of the program.
 void stop_on_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 std::uint64_t peak_rss_bytes() {
@@ -64,7 +68,34 @@ void print_options(const Report& report) {
 /// What the run writes tick by tick.
 struct Observers {
   std::vector<std::unique_ptr<Observer>> all;
-  Profile* profile = nullptr;  // of them the one that the phases and tasks are told, too
+  Profile* profile = nullptr;         // of them the one that the phases and tasks are told, too
+  Observer* checkpointing = nullptr;  // the last of them, so that what is saved was written by all others
+
+  /// A log that cannot be written any more ends the run, but costs no state.
+  void observe(const Simulation& simulation) const {
+    try {
+      for (const auto& observer : all) observer->observe(simulation);
+    } catch (...) {
+      save_at_least(simulation);
+      throw;
+    }
+  }
+  void finish(const Simulation& simulation) const {
+    try {
+      for (const auto& observer : all) observer->finish(simulation);
+    } catch (...) {
+      save_at_least(simulation);
+      throw;
+    }
+  }
+
+ private:
+  void save_at_least(const Simulation& simulation) const {
+    try {
+      if (checkpointing) checkpointing->finish(simulation);
+    } catch (const std::runtime_error&) {  // what went wrong first is told
+    }
+  }
 };
 
 /// Opens the files: before the first tick, so that one that cannot be written costs no run.
@@ -72,6 +103,7 @@ Observers make_observers(const RunOptions& options, Simulation& simulation) {
   Observers observers;
   std::optional<Measures> measures;  // before any file: what is wrong with them is bad input
   if (!options.measures.empty()) measures.emplace(simulation, options.measure);
+  if (auto recorder = make_recorder(options, simulation)) observers.all.push_back(std::move(recorder));
   if (!options.hash_log.empty())
     observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
   if (!options.profile.empty()) {
@@ -79,20 +111,27 @@ Observers make_observers(const RunOptions& options, Simulation& simulation) {
     observers.profile = profile.get();
     observers.all.push_back(std::move(profile));
   }
-  if (const auto file = recording_file(options, simulation); !file.empty())
-    observers.all.push_back(std::make_unique<Recorder>(Recording(file, simulation, options.recording)));
   if (measures) {
     const double every_s = options.measure_every_s.value_or(simulation.world().spec().measure_every_s);
     const std::uint64_t every = engine::period_ticks(every_s, simulation.tick_s());
-    observers.all.push_back(std::make_unique<MeasuresTable>(options.measures, std::move(*measures), every));
+    observers.all.push_back(
+        std::make_unique<MeasuresTable>(options.measures, simulation, std::move(*measures), every));
   }
   if (!options.events.empty())
     observers.all.push_back(std::make_unique<EventsTable>(options.events, simulation));
+  if (!options.checkpoint.empty()) {
+    std::vector<Observer*> others;
+    for (const auto& observer : observers.all) others.push_back(observer.get());
+    observers.all.push_back(std::make_unique<Checkpointing>(options.checkpoint, options.checkpoint_every_s,
+                                                            simulation, std::move(others)));
+    observers.checkpointing = observers.all.back().get();
+  }
   return observers;
 }
 
-/// Steps to the end, or to a signal; fills in what a run measures.
-void step_to_end(Simulation& simulation, const Observers& observers, bool show_progress, Report& report) {
+/// Steps to the end, to a signal, or until `is_over`; fills in what a run measures.
+void step_to_end(Simulation& simulation, const Observers& observers, const std::function<bool()>& is_over,
+                 bool show_progress, Report& report) {
   Profile* const profile = observers.profile;
   PhaseClock phases;
   simulation.on_phase([&phases, profile](std::optional<Phase> phase) {
@@ -101,21 +140,18 @@ void step_to_end(Simulation& simulation, const Observers& observers, bool show_p
   });
   if (profile) simulation.on_task([profile](std::size_t task, bool begins) { profile->task(task, begins); });
   const std::uint64_t ticks = engine::ticks_until(report.end_s, simulation.tick_s());
-  const auto observe = [&] {
-    for (const auto& observer : observers.all) observer->observe(simulation);
-  };
-  observe();
+  observers.observe(simulation);
   {
-    Progress progress(ticks, simulation.tick_s(), show_progress);
+    Progress progress(simulation.tick(), ticks, simulation.tick_s(), show_progress);
     const auto start = Clock::now();
-    while (simulation.tick() < ticks && !stop_requested) {
+    while (simulation.tick() < ticks && !stop_requested && !is_over()) {
       simulation.step();
-      observe();
+      observers.observe(simulation);
       progress.update(simulation.tick());
     }
     report.wall_s = seconds_since(start);
   }
-  for (const auto& observer : observers.all) observer->finish(simulation);
+  observers.finish(simulation);
   simulation.on_phase(nullptr);
   simulation.on_task(nullptr);
   report.phase_s = phases.seconds();
@@ -124,31 +160,53 @@ void step_to_end(Simulation& simulation, const Observers& observers, bool show_p
   report.hashes = simulation.hashes();
 }
 
-ExitCode run_checked(const RunOptions& options) {
-  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile, options.record,
-                                options.measures, options.events});
+/// What has to be right before anything is loaded; and, since the world may name a recording, once it is.
+void check_files(const RunOptions& options, const std::filesystem::path& recording) {
+  const std::filesystem::path resumed_from = options.is_checkpoint ? options.world : "";
+  check_checkpoint(options.checkpoint, resumed_from, options.force);
+  const bool goes_on = same_file(options.checkpoint, resumed_from);
+  check_outputs(options.world, options.is_checkpoint ? "the checkpoint" : "the world",
+                {options.hash_log, options.snapshot, options.profile, recording, options.measures,
+                 options.events, goes_on ? std::filesystem::path() : options.checkpoint});
+}
 
+Simulation load(const RunOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  if (options.is_checkpoint)
+    return Simulation::resume(options.world, {.threads = simulation.threads,
+                                              .tile_size_m = simulation.tile_size_m,
+                                              .set = simulation.set,
+                                              .across_versions = options.across_versions});
+  return Simulation(options.world, with_stage_path(simulation));
+}
+
+ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
-  Simulation simulation(options.world, with_stage_path(options.simulation));
+  check_files(options, options.record);
+  Simulation simulation = load(options);
   Report report;
   report.load_s = seconds_since(start);
   if (!options.quiet)
     for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  report.world = options.world.string();
+  report.options = simulation.effective_options();
+  report.world = report.options.front().second;
+  report.first_tick = simulation.tick();
   report.title = simulation.title();
   report.tick_s = simulation.tick_s();
   report.end_s = end_of(options, simulation);
+  if (engine::ticks_until(report.end_s, report.tick_s) < report.first_tick)
+    throw InputError(fmt::format("{}: error: the run is at {:g} s already: {:g} s lies before that",
+                                 options.world.string(), simulation.time_s(), report.end_s));
   report.threads = simulation.threads();
-  report.options = simulation.effective_options();
 
   stop_on_signals();
   if (!options.snapshot.empty()) rehearse_snapshot(simulation, options.snapshot);
-  check_outputs(options.world, {options.hash_log, options.snapshot, options.profile,
-                                recording_file(options, simulation)});  // the world may name it
+  check_files(options, recording_file(options, simulation));
   const Observers observers = make_observers(options, simulation);
 
   if (!options.quiet && !options.json) print_options(report);
-  step_to_end(simulation, observers, !options.quiet, report);
+  const auto is_over = [&] { return options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s; };
+  step_to_end(simulation, observers, is_over, !options.quiet, report);
   if (const Profile* profile = observers.profile; profile && !profile->left_out().empty() && !options.quiet)
     fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
                options.profile.string(), profile->left_out());

@@ -1,5 +1,7 @@
 #include "apps/run_options.hpp"
 
+#include "worldio/spec_json.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -7,6 +9,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
@@ -14,7 +17,7 @@ namespace {
 
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
-constexpr double k_most_seconds = 1e9;  // from frame to frame, as in a world's `record`
+constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
 
 constexpr const char* k_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -23,16 +26,46 @@ two must be given. The run ends with the first tick whose time is S or later.
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
 The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads or --tile-size.
 
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM: the
-tick is finished, and the summary and all files are written.
+A checkpoint holds the state and the whole world; troupe resume needs nothing else to go on, with the same bits as a run
+that never stopped. It is written beside its name and renamed when it is whole: whenever the program is killed, the last
+one is there. One that exists is refused without --force.
+
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
+--wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
 
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
+  troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
   troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
   troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
+
+std::string resume_footer() {
+  std::string changeable(worldio::k_changeable);
+  for (std::size_t at = 0; (at = changeable.find("; ", at)) != changeable.npos;)
+    changeable.replace(at, 2, ";\n  ");
+  return fmt::format(R"(
+Goes on where the checkpoint was saved, with the same bits as a run that never stopped, on any number of threads and
+without the world's own files. --for S is a time on the world's clock, counted from tick 0 as in troupe run. Outputs are
+those of run. A hash log, a recording or a table that is there already goes on behind the checkpoint's tick, without a
+gap or a repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
+
+--set changes what keeps the shape of the state, from here on; h5dump -d /world CHECKPOINT shows the stored world:
+  {}
+
+A file that is no checkpoint, was cut off, is damaged, or comes from a newer version is refused with the reason.
+
+Exit codes: those of troupe run.
+
+Examples:
+  troupe run worlds/hospital.json --for 60 --checkpoint h.h5 --wall-limit 10
+  troupe resume h.h5 --for 60
+  troupe resume h.h5 --for 120 --threads 1 --checkpoint h.h5 --checkpoint-every 10
+  troupe resume h.h5 --for 120 --set /types/1/drive/params/velocity_max_x_mps=0.2)",
+                     changeable);
+}
 
 void set_picture_size(RunOptions& options, const std::string& text) {
   const auto cross = text.find('x');
@@ -105,29 +138,84 @@ void add_table_options(CLI::App& run, RunOptions& options) {
             [&options](const std::string& text) { options.events = file_name("--events", text); });
 }
 
-void add_record_options(CLI::App& run, RunOptions& options) {
-  add_value(run, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+double positive_seconds(const char* option, const std::string& text, std::string_view what) {
+  const std::optional<double> seconds = finite(text);
+  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
+  return *seconds;
+}
+
+void add_record_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+            [&options](const std::string& text) { options.record = file_name("--record", text); });
+  add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
             [&options](const std::string& text) {
-              if (text.empty() || text.starts_with('-')) refuse("--record", text, "a file name");
-              options.record = text;
+              options.recording.every_s = positive_seconds("--record-every", text, "a time");
             });
-  add_value(run, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
-            [&options](const std::string& text) {
-              const auto seconds = finite(text);
-              if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
-                refuse("--record-every", text,
-                       fmt::format("a time in seconds, above 0 and at most {:g}", k_most_seconds));
-              options.recording.every_s = *seconds;
-            });
-  add_value(run, "--record-fields", "A,B,...",
+  add_value(app, "--record-fields", "A,B,...",
             "What of it: pose, velocity, stall, ranges, ..., or all (default: pose)",
             [&options](const std::string& text) {
               options.recording.fields = split(text, ',');
               if (std::ranges::count(options.recording.fields, "") > 0)
                 refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
             });
-  run.add_flag("--force", options.recording.replace, "Replace a recording that exists")
-      ->disable_flag_override();
+}
+
+void add_checkpoint_options(CLI::App& app, RunOptions& options) {
+  CLI::Option* checkpoint = add_value(
+      app, "--checkpoint", "FILE.h5",
+      "Save the state when the run ends or is stopped; troupe resume goes on from it",
+      [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
+  add_value(app, "--checkpoint-every", "S", "Save it there every S simulated seconds, too",
+            [&options](const std::string& text) {
+              options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
+            })
+      ->needs(checkpoint);
+  add_value(app, "--wall-limit", "S", "Stop after S seconds of real time, counted from the program's start",
+            [&options](const std::string& text) {
+              options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
+            });
+}
+
+/// How a world is run, and what comes out of it: what `run` and `resume` share.
+void add_output_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--threads", "N", "Worker threads (default: one for each core)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_value(app, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
+            [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
+  add_checkpoint_options(app, options);
+  add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
+            [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
+  CLI::Option* snapshot =
+      add_value(app, "--snapshot", "FILE.png", "Draw the last tick from above into a PNG",
+                [&options](const std::string& text) {
+                  options.snapshot = text;
+                  if (options.snapshot.extension() != ".png" || text.starts_with('-'))
+                    refuse("--snapshot", text, "the name of a picture, as in --snapshot crowd.png");
+                });
+  add_value(app, "--size", "WxH", "Size of that picture in pixels (default: 1280x720)",
+            [&options](const std::string& text) { set_picture_size(options, text); })
+      ->needs(snapshot);
+  CLI::Option* profile =
+      add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
+                [&options](const std::string& text) {
+                  options.profile = text;
+                  if (options.profile.extension() != ".json" || text.starts_with('-'))
+                    refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
+                });
+  add_value(app, "--profile-ticks", "A:B",
+            "Only ticks A to B of it (default: all, while the file stays small)",
+            [&options](const std::string& text) { set_profile_ticks(options, text); })
+      ->needs(profile);
+  add_record_options(app, options);
+  add_table_options(app, options);
+  const auto add_switch = [&app](const char* name, bool& on, const char* help) {
+    app.add_flag(name, on, help)->disable_flag_override();
+  };
+  add_switch("--force", options.force, "Replace a checkpoint or a recording that is there already");
+  add_switch("--json", options.json,
+             "Print the summary as one flat JSON object, and nothing else, on stdout");
+  add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
 }
 
 }  // namespace
@@ -135,44 +223,29 @@ void add_record_options(CLI::App& run, RunOptions& options) {
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
   run->footer(k_footer);
-
   add_world_options(*run, options);
-  add_value(*run, "--threads", "N", "Worker threads (default: one for each core)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  add_value(*run, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
-            [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
-  add_value(*run, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from tick 0",
-            [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
-  CLI::Option* snapshot =
-      add_value(*run, "--snapshot", "FILE.png", "Draw the last tick from above into a PNG",
-                [&options](const std::string& text) {
-                  options.snapshot = text;
-                  if (options.snapshot.extension() != ".png" || text.starts_with('-'))
-                    refuse("--snapshot", text, "the name of a picture, as in --snapshot crowd.png");
-                });
-  add_value(*run, "--size", "WxH", "Size of that picture in pixels (default: 1280x720)",
-            [&options](const std::string& text) { set_picture_size(options, text); })
-      ->needs(snapshot);
-  CLI::Option* profile =
-      add_value(*run, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
-                [&options](const std::string& text) {
-                  options.profile = text;
-                  if (options.profile.extension() != ".json" || text.starts_with('-'))
-                    refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
-                });
-  add_value(*run, "--profile-ticks", "A:B",
-            "Only ticks A to B of it (default: all, while the file stays small)",
-            [&options](const std::string& text) { set_profile_ticks(options, text); })
-      ->needs(profile);
-  add_record_options(*run, options);
-  add_table_options(*run, options);
-  const auto add_switch = [run](const char* name, bool& on, const char* help) {
-    run->add_flag(name, on, help)->disable_flag_override();
-  };
-  add_switch("--json", options.json,
-             "Print the summary as one flat JSON object, and nothing else, on stdout");
-  add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
+  add_output_options(*run, options);
   return run;
+}
+
+CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
+  CLI::App* resume = app.add_subcommand("resume", "Go on with a run from its checkpoint");
+  resume->footer(resume_footer());
+  options.is_checkpoint = true;
+  resume
+      ->add_option_function<std::string>(
+          "CHECKPOINT", [&options](const std::string& text) { options.world = text; },
+          "Checkpoint of a run: troupe run --checkpoint")
+      ->option_text(" ")
+      ->required();
+  add_end_option(*resume, options);
+  add_set_option(*resume, "Change a value of the stored world: a JSON pointer into it; repeatable", options);
+  resume
+      ->add_flag("--across-versions", options.across_versions,
+                 "Though another version of Troupe wrote the checkpoint")
+      ->disable_flag_override();
+  add_output_options(*resume, options);
+  return resume;
 }
 
 }  // namespace troupe::apps

@@ -11,18 +11,24 @@
 
 namespace troupe::apps {
 
-/// What the command line of `troupe run` asks for.
+/// What the command line of `troupe run`, or of `troupe resume`, asks for.
 struct RunOptions : WorldOptions {
   std::filesystem::path hash_log;  ///< empty: none
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none
   ProfileLimits profile_limits;
+  std::filesystem::path checkpoint;          ///< empty: none
+  std::optional<double> checkpoint_every_s;  ///< not given: at the end alone
+  std::optional<double> wall_limit_s;
   std::filesystem::path record;  ///< empty: where the world says, if it does
   RecordingOptions recording;
   std::filesystem::path measures;         ///< empty: none
   std::vector<std::string> measure;       ///< as Measures takes them; empty: as the world says
   std::optional<double> measure_every_s;  ///< not given: as the world says
   std::filesystem::path events;           ///< empty: none
+  bool force = false;                     ///< outputs that exist may be replaced
+  /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
+  bool across_versions = false;
   int width = 1280;
   int height = 720;
   bool json = false;
@@ -32,5 +38,7 @@ struct RunOptions : WorldOptions {
 /// Adds `run` and its options to the program; parsing fills `options`, which must outlive `app`.
 /// A value that is not what an option takes is a CLI::ValidationError that says what would be right.
 CLI::App* add_run_command(CLI::App& app, RunOptions& options);
+/// The same for `resume`, whose outputs are those of `run`.
+CLI::App* add_resume_command(CLI::App& app, RunOptions& options);
 
 }  // namespace troupe::apps

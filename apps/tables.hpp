@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace troupe::apps {
@@ -15,14 +16,19 @@ namespace troupe::apps {
 /// a run that was stopped and goes on has the lines of one that was not.
 class MeasuresTable : public Observer {
  public:
-  /// Throws OutputError.
-  MeasuresTable(const std::filesystem::path& file, Measures measures, std::uint64_t every);
+  /// Where the simulation goes on from a checkpoint, a table that is there goes on with it, and what the
+  /// measures remembered is in the checkpoint. Throws OutputError. The simulation must outlive it.
+  MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
+                std::uint64_t every);
+  ~MeasuresTable() override;
 
   void observe(const Simulation& simulation) override;
 
  private:
+  Simulation& simulation_;
   Measures measures_;
   std::uint64_t every_;
+  std::string memory_name_;
   CsvFile csv_;
 };
 
@@ -30,7 +36,8 @@ class MeasuresTable : public Observer {
 /// ids; the pose is the robot's at the end of the tick.
 class EventsTable : public Observer {
  public:
-  /// Begins with the state that the simulation is in. Throws OutputError.
+  /// Begins with the state that the simulation is in. Where it goes on from a checkpoint, a table that is
+  /// there goes on with it. Throws OutputError.
   EventsTable(const std::filesystem::path& file, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;

@@ -18,6 +18,7 @@ class SourceFiles {
   /// The number of a file; the same name gives the same number.
   std::uint32_t add(std::string_view name);
   const std::string& name(std::uint32_t file) const { return names_[file]; }
+  std::size_t size() const { return names_.size(); }
 
  private:
   std::vector<std::string> names_;

@@ -77,6 +77,19 @@ std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std
   return hash_all(room.data(), ids, first, stride, bytes, seed);
 }
 
+struct HashStream::State {
+  XXH3_state_t xxh3;
+};
+
+HashStream::HashStream() : state_(std::make_unique<State>()) { XXH3_64bits_reset(&state_->xxh3); }
+HashStream::~HashStream() = default;
+
+void HashStream::add(std::span<const std::byte> bytes) {
+  XXH3_64bits_update(&state_->xxh3, bytes.data(), bytes.size());
+}
+
+std::uint64_t HashStream::hash() const { return XXH3_64bits_digest(&state_->xxh3); }
+
 std::string hex(std::uint64_t value) {
   constexpr std::string_view k_digits = "0123456789abcdef";
   std::string text(16, '0');

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +20,21 @@ std::uint64_t hash_text(std::string_view text);
 /// bytes, in multiples of four, are hashed by code of their own
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
+
+/// The hash_bytes() of what comes piece by piece.
+class HashStream {
+ public:
+  HashStream();
+  ~HashStream();
+  HashStream(const HashStream&) = delete;
+  HashStream& operator=(const HashStream&) = delete;
+  void add(std::span<const std::byte> bytes);
+  std::uint64_t hash() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// 16 lower-case hex digits.
 std::string hex(std::uint64_t value);

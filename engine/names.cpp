@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <stdexcept>
+#include <utility>
 
 namespace troupe::engine {
 namespace {
@@ -30,6 +32,14 @@ std::uint32_t number_of(std::string_view digits) {
 }
 
 }  // namespace
+
+Names::Names(std::vector<std::string> words) : words_(std::move(words)) {
+  if (words_.empty() || !words_.front().empty())
+    throw std::invalid_argument("the first word of a table of names is the empty one");
+  for (std::size_t i = 0; i < words_.size(); ++i)
+    if (!positions_.emplace(words_[i], static_cast<std::uint32_t>(i)).second)
+      throw std::invalid_argument(fmt::format("the word \"{}\" stands twice in a table of names", words_[i]));
+}
 
 std::uint32_t Names::intern(std::string_view word) {
   if (const auto found = positions_.find(word); found != positions_.end()) return found->second;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,11 @@ class Names {
  public:
   /// A Name() is the empty text.
   Names() { intern(""); }
+  /// The table that had these words(), so that its names are names of this one. Throws std::invalid_argument
+  /// where no table has such words: the first must be empty, and each stand there once.
+  explicit Names(std::vector<std::string> words);
+
+  std::span<const std::string> words() const { return words_; }
 
   /// The name of a text, which is kept.
   Name add(std::string_view text);

@@ -233,10 +233,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
-  stalled_ = held_ = 0;
   beams_ = conflict_rounds_ = 0;
-  std::ranges::fill(motions_, Motion());
-  std::ranges::fill(free_circles_, FreeCircle());
   for (StateTable& table : tables_) table.clear();
   for (const BodyType& type : types_)
     for (const BodyType::Controller& controller : type.controllers) {
@@ -248,6 +245,14 @@ void World::start() {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
   }
+  derive();
+}
+
+void World::derive() {
+  std::ranges::fill(motions_, Motion());
+  std::ranges::fill(free_circles_, FreeCircle());
+  held_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_held}));
+  stalled_ = held_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_refused}));
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
 }
@@ -359,6 +364,39 @@ bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 void World::reset() {
   restore_fp_environment();  // as before a step
   start();
+}
+
+bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
+                    const Fill& fill) {
+  restore_fp_environment();  // as before a step
+  for (StateTable& table : tables_) table.clear();
+  try {
+    fill(tables_);
+  } catch (...) {
+    start();
+    throw;
+  }
+  const auto stands_somewhere = [](const Pose& pose) {
+    return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.z) &&
+           std::isfinite(pose.heading);
+  };
+  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere)) {
+    start();
+    return false;
+  }
+  tick_ = tick;
+  beams_ = counters.beams;
+  conflict_rounds_ = counters.conflict_rounds;
+  derive();
+  return true;
+}
+
+std::vector<BodyId> World::subscribed() const {
+  std::vector<BodyId> bodies;
+  for (std::size_t b = 0; b < body_rows_.size(); ++b)
+    if (const Row r = body_rows_[b]; r.valid() && row_subscribed_[r.index()] != 0)
+      bodies.push_back(BodyId(b));
+  return bodies;
 }
 
 std::uint64_t World::hash(const StateTable& table) {

@@ -61,6 +61,17 @@ class World {
   /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
   /// after a step that threw.
   void reset();
+  /// What a run has counted up to a tick, beside its state.
+  struct Counters {
+    std::uint64_t beams = 0;
+    std::uint64_t conflict_rounds = 0;
+  };
+  Counters counters() const { return {beams_, conflict_rounds_}; }
+  /// The state of a later tick, as somebody kept it: `fill` finds every byte of the tables 0 and sets every
+  /// field of every row; what is derived from them follows. False where the state then has not this hash, or
+  /// a body stands nowhere: the world is at S(0) again, as it is when `fill` throws.
+  using Fill = std::function<void(std::span<StateTable>)>;
+  bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
   std::uint64_t tick() const { return tick_; }
   double tick_s() const { return spec_.tick_s; }
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
@@ -113,6 +124,8 @@ class World {
   const StateTable& percepts(const BodyType::Sensor& sensor) const { return tables_[sensor.table]; }
   /// Runs every sensor of this body from now on; before the first step.
   void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
+  /// The bodies that subscribe() was called for, by id.
+  std::vector<BodyId> subscribed() const;
   /// Whether a sensor of the row's type runs for this row.
   bool senses(Row row, const BodyType::Sensor& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
@@ -160,6 +173,8 @@ class World {
   void build_tables();
   /// Fills the tables, and what is derived from them, with the state that the spec describes.
   void start();
+  /// All that is derived from the tables.
+  void derive();
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 

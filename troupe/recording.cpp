@@ -4,6 +4,7 @@
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "worldio/recording_writer.hpp"
+#include "worldio/spec_json.hpp"
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
   const double every_s = options.every_s > 0 ? options.every_s : record.every_s.value_or(k_every_s);
   worldio::RecordingHead head{.meta = simulation.effective_options(),
-                              .world_json = "{}",
+                              .world_json = worldio::spec_to_json(spec, simulation.registry()),
                               .every_ticks = engine::period_ticks(every_s, simulation.tick_s()),
                               .fields = !options.fields.empty() ? options.fields : record.fields};
   head.meta.insert(head.meta.begin(), {"version", version_line()});

@@ -7,6 +7,7 @@
 #include "engine/world.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
 #include "worldio/png.hpp"
 
@@ -26,14 +27,40 @@ namespace {
 constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still count in 64 bits
 
+/// "troupe 0.1.0", of a version line.
+std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
+
+/// Refuses a checkpoint of another version unless it is wanted; a warning where another build of this version
+/// made it.
+std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
+  const std::string made_by = checkpoint.header("version");
+  const std::string here = version_line();
+  if (made_by == here) return {};
+  const bool is_other = version_of(made_by) != version_of(here);
+  if (is_other && !across_versions)
+    throw InputError(fmt::format(
+        "{}: error: {} made this checkpoint, this is {}: other versions may go on with other bits; "
+        "--across-versions resumes it all the same",
+        checkpoint.file().string(), version_of(made_by), version_of(here)));
+  return fmt::format(
+      "{}: warning: made by {}; this is {}{}", checkpoint.file().string(), made_by, here,
+      is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
+}
+
 }  // namespace
 
 struct Simulation::Impl {
   engine::Registry registry;
   std::unique_ptr<engine::World> world;
   std::vector<std::string> warnings;
-  SimulationOptions options;
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< that the world was loaded from
+  /// What --set changed, pointer and value; with the tick where a run was resumed with it.
+  std::vector<std::pair<std::string, std::string>> changes;
+  /// Where the run was taken up from a checkpoint.
+  std::optional<std::uint64_t> resumed_at;
+  /// What it remembered that looked on then, and who remembers now.
+  worldio::Memories memories;
+  std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
 };
 
 /// A body of a world and one of its parts.
@@ -129,7 +156,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
                        engine::Registry registry)
     : impl_(std::make_unique<Impl>()) {
   restore_fp_environment();  // before anything is computed from the file
-  impl_->options = options;
+  for (const auto& [pointer, value] : options.set) impl_->changes.emplace_back("set " + pointer, value);
   impl_->file = file;
   impl_->registry = std::move(registry);
   Diagnostics diagnostics;
@@ -141,6 +168,61 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
                                                  engine::WorldOptions{options.threads, options.tile_size_m},
                                                  diagnostics);
   impl_->warnings = diagnostics.warnings();
+}
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOptions& options) {
+  return resume(file, options, make_registry());
+}
+
+Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOptions& options,
+                              engine::Registry registry) {
+  restore_fp_environment();
+  const worldio::Checkpoint checkpoint(file);
+  auto impl = std::make_unique<Impl>();
+  if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
+    impl->warnings.push_back(warning);
+  impl->registry = std::move(registry);
+  impl->file = checkpoint.header("world");
+  Diagnostics diagnostics;
+  engine::WorldSpec spec = checkpoint.spec(impl->registry, options.set, diagnostics);
+  diagnostics.throw_if_errors();
+  // What the world's maker was warned of when it was loaded is not said again.
+  impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,
+                                                engine::WorldOptions{options.threads, options.tile_size_m},
+                                                diagnostics);
+  checkpoint.restore(*impl->world);
+  impl->resumed_at = checkpoint.tick();
+  impl->memories = checkpoint.memories();
+  for (const auto& [key, value] : checkpoint.header())
+    if (key.starts_with("set ")) impl->changes.emplace_back(key, value);
+  for (const auto& [pointer, value] : options.set)
+    impl->changes.emplace_back(fmt::format("set {} at tick {}", pointer, checkpoint.tick()), value);
+  return Simulation(std::move(impl));
+}
+
+std::optional<std::uint64_t> Simulation::resumed_at_tick() const { return impl_->resumed_at; }
+
+void Simulation::save(const std::filesystem::path& checkpoint) const {
+  worldio::FileHeader header = effective_options();
+  header.insert(header.begin(), {"version", version_line()});
+  header.emplace_back("title", title());
+  worldio::Memories memories;
+  for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
+  worldio::write_checkpoint(checkpoint, *impl_->world, impl_->registry, header, memories);
+}
+
+void Simulation::on_save(const std::string& name, std::function<std::vector<std::byte>()> memory) {
+  if (memory)
+    impl_->on_save[name] = std::move(memory);
+  else
+    impl_->on_save.erase(name);
+}
+
+std::optional<std::vector<std::byte>> Simulation::saved_memory(const std::string& name) const {
+  const auto found = impl_->memories.find(name);
+  return found == impl_->memories.end() ? std::nullopt : std::optional(found->second);
 }
 
 Simulation::~Simulation() = default;
@@ -162,7 +244,8 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
   };
   if (spec.ranging == RangingEngine::grid)
     out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));
-  for (const auto& [pointer, value] : impl_->options.set) out.emplace_back("set " + pointer, value);
+  for (const auto& [key, value] : impl_->changes) out.emplace_back(key, value);
+  if (impl_->resumed_at) out.emplace_back("resumed_at_tick", fmt::format("{}", *impl_->resumed_at));
   return out;
 }
 

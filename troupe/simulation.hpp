@@ -5,6 +5,7 @@
 #include "engine/ranging_engine.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -42,6 +43,20 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
   std::vector<std::filesystem::path> search_path;
+};
+
+/// How a saved run goes on. Nothing here but `set` changes a result.
+struct ResumeOptions {
+  /// As in SimulationOptions.
+  unsigned threads = 0;
+  double tile_size_m = 0;
+  /// JSON pointer into the checkpoint's /world -> value ("/types/1/drive/params/velocity_max_x_mps" ->
+  /// "0.5"), for what keeps the shape of the state (worldio/spec_json.hpp lists it): the run goes on as
+  /// another one from here.
+  std::vector<std::pair<std::string, std::string>> set;
+  /// Takes a checkpoint of another version of Troupe, which may go on with other bits than the version that
+  /// made it.
+  bool across_versions = false;
 };
 
 /// The phases of a tick, in their order: engine/phase.hpp.
@@ -112,6 +127,14 @@ class Simulation {
   /// The same with kinds of the caller's own: make_registry() (troupe/registry.hpp), and what was added to
   /// it.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
+  /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
+  /// had never stopped, on any number of threads, and without the files that its world was loaded from.
+  /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
+  /// comes from a newer version.
+  static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
+  /// The same with the kinds of the caller's own that the world was loaded with.
+  static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
+                           engine::Registry registry);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -132,6 +155,24 @@ class Simulation {
   /// allocates nothing, so that thousands of trials of one world cost what their steps cost. A step that
   /// threw is forgotten.
   void reset();
+
+  /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it
+  /// needs neither the world's file nor its bitmaps. Written beside the name and renamed when it is whole and
+  /// on the disk, so that a checkpoint of this name is the one before or the new one, whenever the process
+  /// dies. Callbacks are not saved; subscriptions, and speeds that were set, are. Throws std::runtime_error,
+  /// `run.h5: error: ...`, where the file cannot be written or the build has no HDF5; the checkpoint before
+  /// is still there then.
+  void save(const std::filesystem::path& checkpoint) const;
+
+  /// What looks on may remember earlier ticks: `memory` is called by each save(), and what it gives is kept
+  /// in the checkpoint under this name, beside the state. Null: no more.
+  void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
+  /// What was kept under this name in the checkpoint that the run was resumed from; nothing where nothing
+  /// was.
+  std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
+
+  /// The tick of the checkpoint that the run was resumed from, if it was.
+  std::optional<std::uint64_t> resumed_at_tick() const;
 
   double time_s() const;
   std::uint64_t tick() const;
@@ -183,6 +224,7 @@ class Simulation {
  private:
   friend class Model;
   struct Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

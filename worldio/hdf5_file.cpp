@@ -105,7 +105,7 @@ Hdf5Id text_type(std::size_t size) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
-  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   return type;
 }
 
@@ -201,9 +201,10 @@ void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std
 
 void Hdf5Object::set_text(const std::string& name, std::string_view value) {
   const Quiet quiet;
-  const Hdf5Id type = text_type(value.size());
-  const std::string padded = value.empty() ? std::string(1, '\0') : std::string(value);
-  write_attribute(name, type.get(), type.get(), padded.data());
+  const Hdf5Id type = text_type(H5T_VARIABLE);
+  const std::string copy(value);
+  const char* const text = copy.c_str();
+  write_attribute(name, type.get(), type.get(), &text);
 }
 
 void Hdf5Object::set_integer(const std::string& name, std::int64_t value) {
@@ -251,11 +252,13 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Quiet quiet;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
-    fail(fmt::format("has an attribute \"{}\" that is no text of fixed length", name));
-  std::string value(H5Tget_size(type.get()), '\0');
-  check(H5Aread(attribute.get(), type.get(), value.data()), "read");
-  return unpadded(std::move(value));
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) <= 0)
+    fail(fmt::format("has an attribute \"{}\" that is no text", name));
+  char* text = nullptr;
+  check(H5Aread(attribute.get(), type.get(), static_cast<void*>(&text)), "read");
+  const std::string value(text ? text : "");
+  H5free_memory(text);
+  return value;
 }
 
 std::int64_t Hdf5Object::integer(const std::string& name) const {
@@ -555,17 +558,37 @@ std::string Hdf5Group::read_text(const std::string& name) const {
 
 // ---- files
 
+namespace {
+
+Hdf5Id made(const fs::path& file, std::size_t user_block, hid_t access) {
+  const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
+  H5Pset_userblock(creation.get(), user_block);
+  Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
+  return made;
+}
+
+}  // namespace
+
 Hdf5File::Hdf5File(Hdf5Id id, fs::path file) : Hdf5Group(std::move(id), std::move(file), "/") {}
 
 Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
   start_library();
   const Quiet quiet;
   const Hdf5Id access = access_properties();
-  const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
-  H5Pset_userblock(creation.get(), user_block);
-  Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
-  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
-  return {std::move(made), file};
+  return {made(file, user_block, access.get()), file};
+}
+
+Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
+  constexpr std::size_t k_piece = 1 << 20;  // that memory grows by
+  start_library();
+  const Quiet quiet;
+  const Hdf5Id access = access_properties();
+  H5Pset_fapl_core(access.get(), k_piece, false);
+  // Newer heads say that the file is open to be written, and hold a sum of themselves; H5Fget_file_image
+  // takes out the one and leaves the other as it was.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
+  return {made(file, user_block, access.get()), file};
 }
 
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
@@ -596,6 +619,19 @@ void Hdf5File::flush() {
   const Quiet quiet;
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0)
     fail_with(file_, fmt::format("cannot be written: {}", reason()));
+}
+
+std::vector<std::byte> Hdf5File::image() {
+  flush();
+  const Quiet quiet;
+  const Hdf5Id creation(H5Fget_create_plist(id_.get()), H5Pclose);
+  hsize_t user_block = 0;
+  H5Pget_userblock(creation.get(), &user_block);
+  const auto size = static_cast<std::size_t>(check(H5Fget_file_image(id_.get(), nullptr, 0), "copied"));
+  // The library's image begins behind the user block.
+  std::vector<std::byte> bytes(user_block + size);
+  check(H5Fget_file_image(id_.get(), bytes.data() + user_block, size), "copied");
+  return bytes;
 }
 
 void Hdf5File::close() {

@@ -50,7 +50,8 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// A new attribute; texts are UTF-8 of fixed length.
+  /// A new attribute. Texts are UTF-8, of variable length: what h5py gives its users as str, and not as
+  /// bytes.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
@@ -143,7 +144,7 @@ class Hdf5Dataset : public Hdf5Object {
 
 /// How an extendible dataset lies in the file.
 struct Hdf5Chunks {
-  std::vector<std::size_t> extent;   ///< of a chunk: as many dimensions as the dataset, none 0
+  std::vector<std::size_t> extent;    ///< of a chunk: as many dimensions as the dataset, none 0
   std::optional<std::uint64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
 };
 
@@ -191,6 +192,9 @@ class Hdf5File : public Hdf5Group {
   /// A new file, replacing one of the same name. The first `user_block` bytes are the caller's (0, or a power
   /// of two from 512 on): HDF5 leaves them alone.
   static Hdf5File create(const std::filesystem::path& file, std::size_t user_block = 0);
+  /// A new file that lies in memory, under the name that messages are to give it; what the disk does cannot
+  /// harm it. image() is the file.
+  static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
   /// To read, a file that was closed.
   static Hdf5File open(const std::filesystem::path& file);
   /// To read, a file that is being written in SWMR mode or whose writer was killed there.
@@ -203,6 +207,8 @@ class Hdf5File : public Hdf5Group {
   void start_swmr();
   /// Hands everything that was written to the operating system.
   void flush();
+  /// The bytes of a file in memory as it is now, the user block's (zeros) first.
+  std::vector<std::byte> image();
   /// Writes what is left and closes; datasets and groups of the file must be gone. Throws where it fails.
   void close();
   /// Leaves the file on the disk as it is now and writes no more to it: what a full disk makes of the rest is

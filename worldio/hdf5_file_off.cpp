@@ -60,11 +60,13 @@ void Hdf5Group::write_texts(const std::string&, std::span<const std::string>) { 
 std::vector<std::string> Hdf5Group::read_texts(const std::string&) const { refuse(file_); }
 
 Hdf5File Hdf5File::create(const std::filesystem::path& file, std::size_t) { refuse(file); }
+Hdf5File Hdf5File::create_in_memory(const std::filesystem::path& file, std::size_t) { refuse(file); }
 Hdf5File Hdf5File::open(const std::filesystem::path& file) { refuse(file); }
 Hdf5File Hdf5File::open_swmr(const std::filesystem::path& file) { refuse(file); }
 Hdf5File Hdf5File::open_to_write(const std::filesystem::path& file) { refuse(file); }
 void Hdf5File::start_swmr() { refuse(file_); }
 void Hdf5File::flush() { refuse(file_); }
+std::vector<std::byte> Hdf5File::image() { refuse(file_); }
 void Hdf5File::close() { refuse(file_); }
 void Hdf5File::abandon() noexcept {}
 

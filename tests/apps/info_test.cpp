@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
 
 #include <string>
 #include <vector>
@@ -103,6 +104,43 @@ TEST_F(Info, OfAProfile) {
   EXPECT_EQ(lines.back(), "whole yes");
   cut("p.json", 30);
   EXPECT_EQ(info("copy").back(), "whole no: it was cut off");
+}
+
+TEST_F(Info, OfARecording) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--record", "r", "--record-every", "0.5", "--record-fields", "pose,ranges"});
+  const std::vector<std::string> lines = info("r");
+  EXPECT_THAT(lines, Contains("kind recording, layout 1"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("world room.world"));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("bodies 12"));
+  EXPECT_THAT(lines, Contains("frames 5"));
+  EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
+  EXPECT_THAT(lines, Contains("pose x, y, z, heading"));
+  EXPECT_THAT(lines, Contains(HasSubstr("ranges[9]")));
+  EXPECT_EQ(lines.back(), "whole yes");
+
+  write("copy", read("r").substr(0, 3000));
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+  write("copy", read("r").substr(0, 8) + std::string(4000, 'x'));
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+}
+
+TEST_F(Info, OfACheckpoint) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--checkpoint", "c", "--hash-log", "h.log"});
+  const std::vector<std::string> lines = info("c");
+  EXPECT_THAT(lines, Contains("kind checkpoint, layout 1"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("world room.world"));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("robots 12"));
+  EXPECT_THAT(lines, Contains("tick 20, 2 s"));
+  EXPECT_THAT(lines, Contains("state " + lines_of(read("h.log")).back().substr(3, 16)));
+  EXPECT_EQ(lines.back(), "whole yes");
+  cut("c", 1);
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
 }
 
 TEST_F(Info, OfWorlds) {

@@ -212,6 +212,10 @@ TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {
                     HasSubstr("did you mean \"velocity\"?")));
   EXPECT_THAT(with({"run.h5", "--record-fields", "pose,,stall"}), HasSubstr("is not a list of names"));
   EXPECT_THAT(with({"run.h5", "--record-every", "0"}), HasSubstr("\"0\" is not a time in seconds, above 0"));
+  EXPECT_THAT(with({"run.h5", "--record-fields", "speed", "--hash-log", "run.log"}),
+              HasSubstr("unknown field"));
+  EXPECT_THAT(error_of({"run", "room.world", "--for", "1", "--record-every", "1"}),
+              HasSubstr("--record FILE.h5 says where"));
   EXPECT_THAT(with({"none/run.h5"}),
               HasSubstr("none/run.h5: error: cannot be written: there is no folder none"));
   EXPECT_THAT(with({"room.world"}), HasSubstr("room.world: error: cannot be written: it is the world"));

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -229,6 +230,55 @@ TEST_F(Tables, AFullDiskIsAFailureAndNotASuccess) {
     EXPECT_EQ(outcome.code, 1);
     EXPECT_THAT(outcome.err, HasSubstr("/dev/full: error: writing failed at tick 0"));
   }
+}
+
+TEST_F(Tables, GoOnWithARunThatIsResumedAsIfItHadNeverStopped) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const std::vector<std::string> outputs{"--measures", "m.csv",    "--measure-every",
+                                         "0.3",        "--events", "e.csv"};
+  const auto with_outputs = [&](std::vector<std::string> options) {
+    options.insert(options.end(), outputs.begin(), outputs.end());
+    return options;
+  };
+  run(with_outputs({"--for", "20"}));
+  const std::string measures = read("m.csv");
+  const std::string events = read("e.csv");
+  ASSERT_GT(lines_of(events).size(), 3u);
+  for (const char* stop : {"6", "7.1"}) {  // with a line for that tick, and without
+    run(with_outputs({"--for", stop, "--checkpoint", "c.h5", "--force"}));
+    // What a run that was killed later had written already is written again.
+    write("m.csv", read("m.csv") + "90,9,1,1,1,1,1,1,1,1,1,1\n93,9.3");
+    write("e.csv", read("e.csv") + "90,9,stall_begins,r,1,0,0,0\n");
+    const Outcome resumed =
+        troupe(with_outputs({"resume", "c.h5", "--quiet", "--for", "20", "--threads", "1"}));
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(read("m.csv"), measures) << stop;
+    EXPECT_EQ(read("e.csv"), events) << stop;
+  }
+}
+
+TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--for", "1", "--measures", "m.csv", "--measure", "coverage"});
+  run({"--for", "1", "--checkpoint", "c.h5"});
+  const std::string before = read("m.csv");
+  const std::vector<std::string> resume{"resume", "c.h5", "--for", "2", "--measures", "m.csv", "--measure"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), resume.begin(), resume.end());
+    return troupe(more);
+  };
+  Outcome outcome = with({"coverage"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ElementsAre("m.csv: error: the table cannot go on: the checkpoint was saved without these measures, "
+                  "and does not say what they remembered; choose another file"));
+  outcome = with({"order"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("m.csv: error: cannot be written: to go on with it, its first line had to "
+                        "be tick,time_s,order"));
+  EXPECT_EQ(read("m.csv"), before);
 }
 
 TEST_F(Tables, DescribeTellsWhatIsMeasured) {

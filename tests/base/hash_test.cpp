@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -45,6 +46,18 @@ TEST(Hash, OfRowsIsTheSumOfThoseOfIdsWithTheirRows) {
       EXPECT_EQ(hash_rows(ids, data.data() + 1, stride, bytes, 99), sum) << bytes;
     }
   EXPECT_EQ(hash_rows({}, nullptr, 8, 8, 99), 0u);
+}
+
+TEST(Hash, OfPiecesIsThatOfTheWhole) {
+  std::string text;
+  for (int i = 0; i < 5000; ++i) text += static_cast<char>('a' + i % 23);
+  for (const std::size_t piece : {1, 7, 240, 256, 1024, 5000}) {
+    HashStream stream;
+    for (std::size_t at = 0; at < text.size(); at += piece)
+      stream.add(std::as_bytes(std::span(text).subspan(at, std::min(piece, text.size() - at))));
+    EXPECT_EQ(stream.hash(), hash_text(text)) << piece;
+  }
+  EXPECT_EQ(HashStream().hash(), hash_text(""));
 }
 
 TEST(Hash, HexHasSixteenLowerCaseDigits) {

@@ -1,0 +1,281 @@
+#include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Resume : public ProgramTest {
+ protected:
+  Resume() { write("room.world", k_room); }
+  void SetUp() override {
+    if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  }
+
+  /// A run that must end well.
+  Outcome good(std::vector<std::string> arguments, int code = 0) const {
+    arguments.emplace_back("--quiet");
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    return outcome;
+  }
+
+  /// The lines of a hash log that must agree between runs.
+  std::vector<std::string> ticks(const std::string& log) const {
+    std::vector<std::string> lines = lines_of(read(log));
+    std::erase_if(lines, [](const std::string& line) { return line.starts_with('#'); });
+    return lines;
+  }
+  void straight_log(const std::string& seconds) const {
+    good({"run", "room.world", "--for", seconds, "--hash-log", "straight.log"});
+  }
+  void remove_world() { std::filesystem::remove(path("room.world")); }
+};
+
+TEST_F(Resume, GoesOnWithTheSameBitsInAnEmptyFolder) {
+  straight_log("3");
+  good({"run", "room.world", "--for", "1.5", "--checkpoint", "c.h5", "--hash-log", "h.log"});
+  remove_world();
+  good({"resume", "c.h5", "--for", "3", "--threads", "2", "--tile-size", "3", "--hash-log", "h.log"});
+  EXPECT_EQ(ticks("h.log"), ticks("straight.log"));
+  EXPECT_EQ(troupe({"diff", "straight.log", "h.log"}).code, 0);
+  EXPECT_THAT(files(), ElementsAre("c.h5", "h.log", "straight.log"));
+}
+
+TEST_F(Resume, AnotherLogBeginsAtTheCheckpoint) {
+  straight_log("3");
+  good({"run", "room.world", "--for", "1.5", "--checkpoint", "c.h5"});
+  good({"resume", "c.h5", "--for", "3", "--hash-log", "later.log"});
+  EXPECT_THAT(ticks("later.log").front(), StartsWith("15 "));
+  const Outcome outcome = troupe({"diff", "straight.log", "later.log"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, StartsWith("same bits, tick 15 to 30"));
+}
+
+TEST_F(Resume, CutsALogThatIsAheadOfTheCheckpoint) {
+  straight_log("3");
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5", "--hash-log", "h.log"});
+  write("h.log", read("straight.log") + "31 and a line that was cut o");
+  good({"resume", "c.h5", "--for", "2", "--hash-log", "h.log"});
+  const std::vector<std::string> straight = ticks("straight.log");
+  EXPECT_EQ(ticks("h.log"), std::vector<std::string>(straight.begin(), straight.begin() + 21));
+}
+
+TEST_F(Resume, LeavesTheLogOfAnotherRunAlone) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  good({"run", "room.world", "--for", "2", "--seed", "9", "--hash-log", "seed.log"});
+  good({"run", "room.world", "--for", "1", "--hash-log", "other.log"});
+  std::string other = read("other.log");
+  other.replace(other.rfind("\n10 "), 5 + 16, "\n10 0000000000000000 ");
+  other.replace(other.rfind("pose="), other.npos,
+                "pose=0000000000000000 velocity=0000000000000000 "
+                "sensor=0000000000000000 memory=0000000000000000\n");
+  write("other.log", other);
+  good({"run", "room.world", "--for", "0.5", "--hash-log", "short.log"});
+  write("notes.txt", "no log\n");
+  for (const auto& [log, message] : std::vector<std::pair<std::string, std::string>>{
+           {"seed.log",
+            "seed.log:4: error: seed is \"9\", the checkpoint's is \"1\": this is the log of another run"},
+           {"other.log",
+            "other.log:20: error: tick 10 has another state than the checkpoint: this is the log of "
+            "another run"},
+           {"short.log", "short.log: error: the log ends before tick 10, at which the checkpoint was saved"},
+           {"notes.txt", "notes.txt:1: error: this is no hash log"}}) {
+    const std::string before = read(log);
+    const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--hash-log", log});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, StartsWith(message));
+    EXPECT_EQ(read(log), before);
+  }
+}
+
+TEST_F(Resume, TellsOfThisPartOfTheRun) {
+  good({"run", "room.world", "--for", "2", "--checkpoint", "c.h5"});
+  const Outcome outcome = troupe({"resume", "c.h5", "--for", "3", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json.at("ticks"), 30);
+  EXPECT_EQ(json.at("resumed_at_tick"), 20);
+  EXPECT_EQ(json.at("beams"), 30 * 108);
+  EXPECT_EQ(json.at("beams_per_tick"), 108);
+  EXPECT_EQ(json.at("world"), "room.world");
+  EXPECT_NEAR(json.at("times_real_time").get<double>(), 1.0 / json.at("wall_s").get<double>(), 1e-6);
+  EXPECT_NEAR(json.at("ns_per_robot_tick").get<double>(), json.at("wall_s").get<double>() * 1e9 / 120, 1e-3);
+  const auto straight = nlohmann::json::parse(troupe({"run", "room.world", "--for", "3", "--json"}).out);
+  for (const char* key :
+       {"state_hash", "beams", "stalled", "conflict_rounds", "mean_displacement_m", "sim_s"})
+    EXPECT_EQ(json.at(key), straight.at(key)) << key;
+  const std::string text = troupe({"resume", "c.h5", "--for", "3"}).out;
+  EXPECT_THAT(text, HasSubstr("  resumed_at_tick    20\n"));
+}
+
+TEST_F(Resume, ATermSignalSavesTheState) {
+  const Outcome stopped =
+      troupe_until({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5", "--hash-log", "h.log"},
+                   "h.log", 40, SIGTERM);
+  EXPECT_EQ(stopped.code, 3) << stopped.err;
+  EXPECT_THAT(stopped.out, HasSubstr("stopped early"));
+  const std::vector<std::string> before = ticks("h.log");
+  const std::string end = std::to_string(static_cast<double>(before.size() + 20) / 10);
+  good({"resume", "c.h5", "--for", end, "--hash-log", "h.log"});
+  straight_log(end);
+  EXPECT_GT(ticks("h.log").size(), before.size());
+  EXPECT_EQ(ticks("h.log"), ticks("straight.log"));
+}
+
+TEST_F(Resume, AKillLeavesTheLastCheckpoint) {
+  const Outcome killed = troupe_until({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5",
+                                       "--checkpoint-every", "0.5", "--hash-log", "h.log"},
+                                      "h.log", 80, SIGKILL);
+  EXPECT_EQ(killed.code, 128 + SIGKILL);
+  good({"resume", "c.h5", "--for", "1e9", "--wall-limit", "0.01", "--hash-log", "later.log"}, 3);
+  const std::vector<std::string> later = ticks("later.log");
+  EXPECT_EQ(std::stoi(later.front()) % 5, 0);
+  EXPECT_GE(std::stoi(later.front()), 50);
+  EXPECT_THAT(ticks("h.log"), Contains(later.front()));
+}
+
+TEST_F(Resume, TheWallLimitStopsAndSaves) {
+  good({"run", "room.world", "--for", "1e9", "--wall-limit", "0.05", "--checkpoint", "c.h5", "--hash-log",
+        "h.log"},
+       3);
+  const std::string last = ticks("h.log").back();
+  good({"resume", "c.h5", "--for", "1e9", "--wall-limit", "0.001", "--hash-log", "later.log"}, 3);
+  EXPECT_EQ(ticks("later.log").front(), last);
+}
+
+TEST_F(Resume, AChainOfRunsUnderOneNameNeedsNoForce) {
+  straight_log("3");
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  good({"resume", "c.h5", "--for", "2", "--checkpoint", "c.h5", "--checkpoint-every", "0.3"});
+  good({"resume", "./c.h5", "--for", "3", "--checkpoint", "c.h5", "--hash-log", "h.log"});
+  EXPECT_EQ(ticks("h.log").back(), ticks("straight.log").back());
+  EXPECT_EQ(ticks("h.log").size(), 11u);
+}
+
+TEST_F(Resume, AnExistingCheckpointIsRefusedWithoutForce) {
+  write("c.h5", "precious");
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "c.h5: error: there is a file of this name already: --force replaces it\n");
+  EXPECT_EQ(read("c.h5"), "precious");
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5", "--force"});
+  good({"resume", "c.h5", "--for", "1.1"});
+}
+
+TEST_F(Resume, ACheckpointOfNoTickIsTheWholeRun) {
+  straight_log("1");
+  good({"run", "room.world", "--for", "0", "--checkpoint", "c.h5"});
+  good({"resume", "c.h5", "--for", "1", "--hash-log", "h.log"});
+  EXPECT_EQ(ticks("h.log"), ticks("straight.log"));
+}
+
+TEST_F(Resume, ChangesWhatIsSet) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  good({"resume", "c.h5", "--for", "2", "--set", "/seed=8", "--hash-log", "eight.log"});
+  good({"resume", "c.h5", "--set", "/quit_time_s=2", "--hash-log", "one.log"});
+  EXPECT_EQ(ticks("eight.log").front(), ticks("one.log").front());
+  EXPECT_NE(ticks("eight.log").back(), ticks("one.log").back());
+  EXPECT_THAT(read("eight.log"), HasSubstr("# set /seed at tick 10: 8\n"));
+  const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err,
+              StartsWith("--set /tick_s: error: a world that is under way keeps this; what can change: "));
+}
+
+TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  const std::vector<std::string> before = files();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"resume"}, "troupe resume: error: CHECKPOINT is required"},
+      {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
+      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is no checkpoint"},
+      {{"resume", "c.h5"},
+       "c.h5: error: nothing says when to stop: give --for SECONDS, or --set /quit_time_s=SECONDS"},
+      {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is at 1 s already: 0.5 s lies before that"},
+      {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
+       "c.h5: error: cannot be written: it is the checkpoint"},
+      {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},
+      {{"resume", "c.h5", "--for", "2", "--checkpoint-every", "1"}, "--checkpoint"},
+      {{"run", "room.world", "--for", "2", "--checkpoint", "no/c.h5"},
+       "no/c.h5: error: cannot be written: there is no folder no"},
+      {{"run", "room.world", "--for", "2", "--checkpoint", "room.world", "--force"},
+       "room.world: error: cannot be written: it is the world"},
+      {{"run", "room.world", "--for", "2", "--checkpoint", "/dev/null", "--force"},
+       "/dev/null: error: cannot be written: it is no regular file"},
+      {{"run", "room.world", "--for", "2", "--checkpoint", "d.h5", "--checkpoint-every", "0"},
+       "\"0\" is not a simulated time in seconds, above 0"},
+      {{"run", "room.world", "--for", "2", "--wall-limit", "-1"},
+       "\"-1\" is not a real time in seconds, above 0"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+    EXPECT_EQ(files(), before) << message;
+  }
+}
+
+TEST_F(Resume, AFullDiskIsAnErrorThatKeepsTheLastCheckpoint) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  const std::string before = read("c.h5");
+  const Outcome at_once =
+      troupe_with_file_limit({"resume", "c.h5", "--for", "2", "--checkpoint", "c.h5"}, before.size() / 2);
+  EXPECT_EQ(at_once.code, 2);
+  EXPECT_THAT(at_once.err, StartsWith("c.h5: error: "));
+  EXPECT_THAT(at_once.err, HasSubstr("File too large"));
+  EXPECT_EQ(read("c.h5"), before);
+  EXPECT_THAT(files(), ElementsAre("c.h5", "room.world"));
+}
+
+TEST_F(Resume, ARecordingGoesOnWithoutAGapOrARepeat) {
+  const std::vector<std::string> record{"--record-every", "0.3", "--record-fields", "pose,ranges,stall"};
+  const auto with = [&record](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), record.begin(), record.end());
+    return arguments;
+  };
+  good(with({"run", "room.world", "--for", "4", "--record", "straight.h5"}));
+  good(with({"run", "room.world", "--for", "1.4", "--record", "r.h5", "--checkpoint", "c.h5"}));
+  good({"resume", "c.h5", "--for", "2.5", "--record", "r.h5"});  // what came of this is cut off again
+  good({"resume", "c.h5", "--for", "2", "--record", "r.h5", "--checkpoint", "c.h5", "--checkpoint-every",
+        "0.1"});
+  good({"resume", "c.h5", "--for", "4", "--record", "r.h5"});
+  const Outcome outcome = troupe({"diff", "straight.h5", "r.h5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("same"));
+  good({"resume", "c.h5", "--for", "4", "--record", "later.h5"});
+  EXPECT_EQ(troupe(with({"resume", "c.h5", "--for", "4", "--record", "r.h5"})).code, 2);
+}
+
+TEST_F(Resume, ARecordingWhoseRunWasKilledGoesOn) {
+  const Outcome killed =
+      troupe_until({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5", "--checkpoint-every", "0.5",
+                    "--record", "r.h5", "--hash-log", "h.log"},
+                   "h.log", 80, SIGKILL);
+  EXPECT_EQ(killed.code, 128 + SIGKILL);
+  good({"resume", "c.h5", "--for", "30", "--record", "r.h5", "--hash-log", "h.log"});
+  good({"run", "room.world", "--for", "30", "--record", "straight.h5"});
+  const Outcome outcome = troupe({"diff", "straight.h5", "r.h5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+}
+
+TEST_F(Resume, ManyCheckpointsLeaveOneFile) {
+  good({"run", "room.world", "--for", "3", "--checkpoint", "c.h5", "--checkpoint-every", "0.1"});
+  EXPECT_THAT(files(), ElementsAre("c.h5", "room.world"));
+  EXPECT_THAT(troupe({"resume", "c.h5", "--for", "3"}).out, Not(IsEmpty()));
+}
+
+}  // namespace
+}  // namespace troupe::apps

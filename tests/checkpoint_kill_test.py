@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Kills `troupe run --checkpoint` with SIGKILL at random moments, N times, and asks each time for a whole checkpoint.
+
+    checkpoint_kill_test.py PROGRAM [N] [--seed S]
+
+Each run goes on from the checkpoint of the one before, writes a checkpoint every tick, and would never end by itself.
+What it leaves must be a checkpoint that `troupe resume` takes, not older than the one before it, with the state that a
+run without a stop has at its tick. Prints a line that says how far the runs came and in what the kills struck.
+"""
+
+import argparse
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+WORLD = """interval_sim 100
+define wall model ( color "gray" )
+wall( name "north" pose [0 4 0 0] size [8 0.2 1] )
+wall( name "south" pose [0 -4 0 0] size [8 0.2 1] )
+wall( name "east" pose [4 0 0 0] size [0.2 8 1] )
+wall( name "west" pose [-4 0 0 0] size [0.2 8 1] )
+define bot position ( size [0.4 0.3 0.2] ranger( sensor( fov 180 samples 9 range [0 3] ) ) ctrl "wander" )
+""" + "".join(f"bot( pose [{x} {y} 0 {40 * x + 70 * y}] )\n" for x in range(-3, 4) for y in range(-3, 4))
+
+FOREVER = "1e9"
+
+
+class Runs:
+    def __init__(self, program, folder):
+        self.program = program
+        self.folder = folder
+        (folder / "room.world").write_text(WORLD)
+
+    def troupe(self, *arguments):
+        return subprocess.run([self.program, *arguments, "--quiet"], cwd=self.folder, capture_output=True, text=True)
+
+    def kill_one(self, wait_s):
+        """A run that is killed wait_s after its first checkpoint is there, or after its start."""
+        go_on = (self.folder / "c.h5").exists()
+        command = ["resume", "c.h5"] if go_on else ["run", "room.world"]
+        process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1",
+                                    "--checkpoint", "c.h5", "--checkpoint-every", "0.1"], cwd=self.folder,
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(wait_s)
+        process.send_signal(signal.SIGKILL)
+        _, errors = process.communicate()
+        if process.returncode != -signal.SIGKILL:
+            raise SystemExit(f"the run ended by itself, with {process.returncode}: {errors}")
+
+    def first_line(self):
+        """Of a hash log that begins at the checkpoint: its tick and state. Fails where it cannot be resumed."""
+        log = self.folder / "later.log"
+        log.unlink(missing_ok=True)
+        done = self.troupe("resume", "c.h5", "--for", FOREVER, "--wall-limit", "1e-6", "--hash-log", log.name)
+        if done.returncode != 3:
+            raise SystemExit(f"the checkpoint cannot be resumed, exit code {done.returncode}: {done.stderr}")
+        return next(line for line in log.read_text().splitlines() if not line.startswith("#"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("kills", type=int, nargs="?", default=20)
+    parser.add_argument("--seed", type=int, default=1, help="of the moments (they depend on the machine all the same)")
+    options = parser.parse_args()
+    moments = random.Random(options.seed)
+    lines = []
+    in_a_write = 0
+    with tempfile.TemporaryDirectory() as name:
+        runs = Runs(options.program.resolve(), Path(name))
+        while len(lines) < options.kills:
+            runs.kill_one(moments.uniform(0.005, 0.15))
+            in_a_write += any(Path(name).glob("*.partial"))
+            if not (Path(name) / "c.h5").exists():
+                continue  # killed before the first one was there: nothing is lost
+            line = runs.first_line()
+            if lines and int(line.split()[0]) < int(lines[-1].split()[0]):
+                raise SystemExit(f"the checkpoint is older than the one before: {line} after {lines[-1]}")
+            lines.append(line)
+        last = int(lines[-1].split()[0])
+        done = runs.troupe("run", "room.world", "--for", str(last / 10), "--hash-log", "straight.log")
+        straight = set((Path(name) / "straight.log").read_text().splitlines())
+        if done.returncode != 0 or last == 0:
+            raise SystemExit(f"no run to compare with: {done.stderr}")
+        for line in lines:
+            if line not in straight:
+                raise SystemExit(f"the checkpoint holds a state that the run never had: {line}")
+    print(f"{options.kills} kills, {in_a_write} of them in a write; each left a whole checkpoint, the last of tick {last}, "
+          "with the state of a run that never stopped")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

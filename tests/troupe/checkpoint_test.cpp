@@ -1,0 +1,362 @@
+// A run that was saved and resumed is the run that never stopped, bit for bit.
+
+#include "base/diagnostics.hpp"
+#include "engine/controller.hpp"
+#include "engine/world.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/troupe.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
+
+/// The lines of a hash log of the next ticks.
+std::vector<std::string> log_of(Simulation& simulation, int ticks) {
+  std::vector<std::string> lines{simulation.hash_log_line()};
+  for (int tick = 0; tick < ticks; ++tick) {
+    simulation.step();
+    lines.push_back(simulation.hash_log_line());
+  }
+  return lines;
+}
+
+void expect_same_statistics(const Statistics& a, const Statistics& b) {
+  EXPECT_EQ(a.robots, b.robots);
+  EXPECT_EQ(a.ticks, b.ticks);
+  EXPECT_EQ(a.time_s, b.time_s);
+  EXPECT_EQ(a.beams, b.beams);
+  EXPECT_EQ(a.stalled, b.stalled);
+  EXPECT_EQ(a.held_at_bounds, b.held_at_bounds);
+  EXPECT_EQ(a.mean_displacement_m, b.mean_displacement_m);
+  EXPECT_EQ(a.conflict_rounds, b.conflict_rounds);
+  EXPECT_EQ(a.state_bytes, b.state_bytes);
+}
+
+class Checkpoint : public test::ScratchTest {
+ protected:
+  void SetUp() override {
+    if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  }
+
+  std::string error_of(const fs::path& file, const ResumeOptions& options = {}) const {
+    try {
+      Simulation::resume(file, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path file_ = folder_ / "run.h5";
+};
+
+struct Scene {
+  std::string name;
+  fs::path world;
+  SimulationOptions options;
+};
+
+std::vector<Scene> scenes() {
+  SimulationOptions few;
+  few.robots = {{"", test::k_slow_build ? 100 : 500}};
+  SimulationOptions by_grid;
+  by_grid.ranging = RangingEngine::grid;
+  return {{"hospital", k_worlds / "hospital.json", few},
+          {"caveWithLasers", k_worlds / "cave-complex-laser.json", {}},
+          {"crowd", k_worlds / "crowd.json", {}},
+          {"crowdOnTheGrid", k_worlds / "crowd.json", by_grid},
+          {"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}},
+          {"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}}};
+}
+
+class CheckpointOf : public Checkpoint, public ::testing::WithParamInterface<Scene> {};
+INSTANTIATE_TEST_SUITE_P(World, CheckpointOf, ::testing::ValuesIn(scenes()),
+                         [](const auto& scene) { return scene.param.name; });
+
+TEST_P(CheckpointOf, GoesOnAsIfTheRunHadNeverStopped) {
+  if (!fs::exists(GetParam().world)) GTEST_SKIP() << "there is no " << GetParam().world.string();
+  const int before = test::k_slow_build ? 3 : 21;
+  const int after = test::k_slow_build ? 3 : 25;
+  SimulationOptions options = GetParam().options;
+  options.threads = 1;
+  Simulation straight(GetParam().world, options);
+  log_of(straight, before);
+  straight.save(file_);
+  const std::vector<std::string> expected = log_of(straight, after);
+
+  for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7), std::pair(2u, 45.1)}) {
+    Simulation resumed = Simulation::resume(file_, {.threads = threads, .tile_size_m = tile_m});
+    EXPECT_EQ(resumed.tick(), static_cast<std::uint64_t>(before));
+    EXPECT_EQ(log_of(resumed, after), expected) << threads << " threads, tiles of " << tile_m << " m";
+    expect_same_statistics(resumed.statistics(), straight.statistics());
+    EXPECT_EQ(resumed.robot_names(), straight.robot_names());
+  }
+}
+
+TEST_F(Checkpoint, OfTickZeroIsTheWholeRun) {
+  Simulation straight(k_worlds / "crowd.json");
+  straight.save(file_);
+  const auto expected = log_of(straight, 4);
+  Simulation resumed = Simulation::resume(file_);
+  EXPECT_EQ(resumed.tick(), 0u);
+  EXPECT_EQ(log_of(resumed, 4), expected);
+}
+
+TEST_F(Checkpoint, SavedAgainIsTheSameFile) {
+  Simulation simulation(k_worlds / "crowd.json");
+  log_of(simulation, 3);
+  simulation.save(file_);
+  simulation.save(folder_ / "again.h5");
+  EXPECT_EQ(content(file_), content(folder_ / "again.h5"));
+  // A chain of resumed runs loses nothing either; the header tells where each was taken up.
+  Simulation resumed = Simulation::resume(file_);
+  const auto expected = log_of(simulation, 2);
+  EXPECT_EQ(log_of(resumed, 2), expected);
+  resumed.save(folder_ / "later.h5");
+  Simulation third = Simulation::resume(folder_ / "later.h5");
+  EXPECT_EQ(log_of(third, 3), log_of(simulation, 3));
+}
+
+TEST_F(Checkpoint, ResetGoesBackToTickZero) {
+  Simulation simulation(k_worlds / "crowd.json");
+  const auto from_the_start = log_of(simulation, 4);
+  simulation.save(file_);
+  Simulation resumed = Simulation::resume(file_);
+  resumed.reset();
+  EXPECT_EQ(log_of(resumed, 4), from_the_start);
+}
+
+// A sensor and a drive with periods of their own, a sensor that only a program has run, a part with a name.
+constexpr std::string_view k_room = R"({
+  "troupe": 1, "title": "A room", "quit_time_s": 9, "resolution_m": 0.05,
+  "types": {
+    "wall": {"size_m": [0.2, 4, 1]},
+    "bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "sensors": [
+      {"name": "eye", "kind": "ranger", "active": false, "pose": {"z_m": 0.1}, "period_s": 0.4,
+       "transducers": [{"range_max_m": 5}]}]},
+    "slow": {"size_m": [0.3, 0.3, 0.25], "drive": {"kind": "omni", "period_s": 0.3}, "sensors": [
+      {"name": "eye/0", "kind": "ranger", "period_s": 0.7, "transducers": [{"range_max_m": 3, "samples": 9, "fov_deg": 90}]}],
+      "controller": {"kind": "wander"}}
+  },
+  "models": [
+    {"name": "wall", "type": "wall", "pose": {"x_m": 2}},
+    {"name": "r0", "type": "bot", "pose": {"heading_deg": 0}},
+    {"name": "r1", "type": "bot", "pose": {"y_m": 1, "heading_deg": 0}},
+    {"name": "s0", "type": "slow", "pose": {"x_m": -1, "y_m": -1, "heading_deg": 30}},
+    {"name": "s1", "type": "slow", "pose": {"x_m": -1, "y_m": 2, "heading_deg": 130}}
+  ]
+})";
+
+TEST_F(Checkpoint, HoldsSpeedsThatWereSetSubscriptionsAndReadingsBetweenTwoPeriods) {
+  Simulation straight(write("room.json", k_room));
+  straight.subscribe("r0");
+  straight.find("r0").set_speed(0.3, 0.1);
+  straight.find("r1").set_speed(-0.2, 0);
+  for (int tick = 0; tick < 9; ++tick) {  // whatever phase the periods are in
+    log_of(straight, 1);
+    straight.save(file_);
+    Simulation resumed = Simulation::resume(file_);
+    EXPECT_EQ(resumed.find("r0").ranges()[0], straight.find("r0").ranges()[0]);
+    EXPECT_THROW(resumed.find("r1").ranges(), std::logic_error) << "nobody subscribed to it";
+    Simulation reference = Simulation::resume(file_, {.threads = 1});
+    EXPECT_EQ(log_of(resumed, 12), log_of(reference, 12));
+  }
+  straight.save(file_);
+  Simulation resumed = Simulation::resume(file_);
+  EXPECT_EQ(resumed.find("r0").speed().forward, straight.find("r0").speed().forward);
+  EXPECT_EQ(log_of(resumed, 30), log_of(straight, 30));
+  EXPECT_EQ(resumed.title(), "A room");
+  EXPECT_EQ(resumed.quit_time_s(), 9);
+}
+
+TEST_F(Checkpoint, NeedsNoOtherFile) {
+  fs::create_directories(folder_ / "elsewhere");
+  for (const char* name : {"cave-simple.json", "cave.png"}) fs::copy_file(k_worlds / name, folder_ / name);
+  SimulationOptions few;
+  few.robots = {{"", 10}};
+  Simulation straight(folder_ / "cave-simple.json", few);
+  log_of(straight, 2);
+  straight.save(folder_ / "elsewhere" / "run.h5");
+  for (const char* name : {"cave-simple.json", "cave.png"}) fs::remove(folder_ / name);
+  Simulation resumed = Simulation::resume(folder_ / "elsewhere" / "run.h5");
+  EXPECT_EQ(log_of(resumed, 3), log_of(straight, 3));
+}
+
+TEST_F(Checkpoint, KeepsTheOptionsOfTheRun) {
+  SimulationOptions options;
+  options.seed = 77;
+  options.set = {{"/types/bot/drive/velocity_max_x_mps", "0.5"}};
+  Simulation straight(write("room.json", k_room), options);
+  straight.step();
+  straight.save(file_);
+  const Simulation resumed = Simulation::resume(file_, {.set = {{"/quit_time_s", "20"}}});
+  using Option = std::pair<std::string, std::string>;
+  EXPECT_THAT(resumed.effective_options(),
+              ::testing::IsSupersetOf(
+                  {Option("world", (folder_ / "room.json").string()), Option("seed", "77"),
+                   Option("robots", "4"), Option("set /types/bot/drive/velocity_max_x_mps", "0.5"),
+                   Option("set /quit_time_s at tick 1", "20"), Option("resumed_at_tick", "1")}));
+  EXPECT_EQ(resumed.quit_time_s(), 20);
+  EXPECT_THAT(resumed.warnings(), ::testing::IsEmpty());
+}
+
+TEST_F(Checkpoint, GoesOnOtherwiseWithWhatIsSet) {
+  Simulation straight(write("room.json", k_room));
+  straight.find("r1").set_speed(-0.5, 0);
+  straight.run_for(0.5);
+  straight.save(file_);
+  const auto seed = [&](const char* value) {
+    Simulation resumed = Simulation::resume(file_, {.set = {{"/seed", value}}});
+    return log_of(resumed, 40);
+  };
+  EXPECT_EQ(seed("1"), log_of(straight, 40));
+  Simulation slower =
+      Simulation::resume(file_, {.set = {{"/types/2/drive/params/velocity_min_x_mps", "-0.1"}}});
+  slower.step();
+  EXPECT_EQ(slower.find("r1").speed().forward, -0.1);
+}
+
+TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
+  Simulation straight(write("room.json", k_room));
+  straight.save(file_);
+  EXPECT_THAT(
+      error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
+      StartsWith(file_.string() +
+                 ": error: /tables/ranger/eye%2F0/ranges holds 9 float32 a robot, the world 11 float32: "));
+  EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
+}
+
+/// Counts its decisions, in a memory of every element type.
+struct Counter {
+  struct Memory {
+    std::uint8_t small = 0;
+    std::int64_t count = -1;
+    std::array<float, 3> thirds{};
+    double last = 0.1;
+    TROUPE_FIELDS(small, count, thirds, last)
+  };
+  static Counter make(const engine::Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&, std::string&) {
+    return {};
+  }
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    memory.small += 3;
+    memory.count *= -2;
+    memory.thirds[percept.tick % 3] += 1 / 3.0f;
+    memory.last = random.uniform();
+    actions.command.x = memory.last / 10;
+  }
+};
+
+TEST_F(Checkpoint, HoldsTheMemoriesOfControllersThatOnlyTheProgramKnows) {
+  const auto registry = [] {
+    engine::Registry kinds = make_registry();
+    kinds.controllers.push_back(engine::make_controller_kind<Counter>("counter", "counts", {}));
+    return kinds;
+  };
+  Simulation straight(write("own.json", R"({"troupe": 1,
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "controller": {"kind": "counter"}}},
+    "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"x_m": 2}}]})"),
+                      {}, registry());
+  log_of(straight, 5);
+  straight.save(file_);
+  Simulation resumed = Simulation::resume(file_, {}, registry());
+  EXPECT_EQ(log_of(resumed, 5), log_of(straight, 5));
+  EXPECT_THAT(error_of(file_),
+              HasSubstr("run.h5: error: /types/1/controllers/0: unknown controller \"counter\""));
+}
+
+TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
+  EXPECT_EQ(error_of(folder_ / "no.h5"), (folder_ / "no.h5").string() + ": error: there is no such file");
+  EXPECT_THAT(error_of(folder_), HasSubstr(": error: this is a folder"));
+  EXPECT_THAT(error_of(write("room.json", k_room)), HasSubstr(": error: this is no checkpoint"));
+  EXPECT_THAT(error_of(write("empty.h5", "")), HasSubstr("this is no checkpoint: the file is empty"));
+  const fs::path other = folder_ / "other.h5";
+  worldio::Hdf5File::create(other).close();
+  EXPECT_THAT(error_of(other), HasSubstr("this is an HDF5 file, but no checkpoint"));
+}
+
+TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
+  Simulation simulation(write("room.json", k_room));
+  log_of(simulation, 2);
+  simulation.save(file_);
+  const std::string good = content(file_);
+  const auto fault_of = [&](const std::string& bytes) { return error_of(write("bad.h5", bytes)); };
+  EXPECT_EQ(fault_of(good), "no error");
+  for (std::size_t i = 1; i < 16; ++i)
+    EXPECT_THAT(fault_of(good.substr(0, good.size() * i / 16)),
+                HasSubstr("bad.h5: error: the file was cut off"));
+  for (std::size_t i = 0; i < good.size(); i += 1 + good.size() / (test::k_slow_build ? 50 : 500)) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 0x10);
+    EXPECT_THAT(fault_of(bad), HasSubstr("bad.h5: error: ")) << "byte " << i;
+  }
+  std::string newer = good;
+  newer.replace(newer.find("layout 1"), 8, "layout 2");
+  EXPECT_THAT(fault_of(newer), HasSubstr("its layout is 2, of a newer version; this program reads 1"));
+}
+
+TEST_F(Checkpoint, ThatCannotBeWrittenLeavesTheOneBefore) {
+  Simulation simulation(k_worlds / "crowd.json");
+  simulation.save(file_);
+  const std::string before = content(file_);
+  simulation.step();
+
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  std::vector<std::string> errors;
+  for (const rlim_t bytes :
+       {rlim_t{100}, rlim_t{3000}, rlim_t{before.size() / 2}, rlim_t{before.size() - 1}}) {
+    const rlimit small{bytes, old.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    try {
+      simulation.save(file_);
+      errors.emplace_back("no error");
+    } catch (const std::runtime_error& error) {
+      errors.emplace_back(error.what());
+    }
+  }
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+
+  EXPECT_THAT(errors, ::testing::Each(::testing::AllOf(StartsWith(file_.string() + ": error: "),
+                                                       HasSubstr("File too large"))));
+  EXPECT_EQ(content(file_), before);
+  EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+  simulation.save(file_);  // and when there is room again it is written
+  EXPECT_EQ(Simulation::resume(file_).state_hash(), simulation.state_hash());
+}
+
+TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
+  const Simulation simulation(write("room.json", k_room));
+  try {
+    simulation.save(folder_ / "no" / "run.h5");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));
+    EXPECT_THAT(error.what(), StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
+  }
+}
+
+}  // namespace
+}  // namespace troupe

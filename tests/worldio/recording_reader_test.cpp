@@ -1,0 +1,176 @@
+#include "worldio/recording_reader.hpp"
+
+#include "tests/troupe/scratch.hpp"
+#include "worldio/hdf5_superblock.hpp"
+#include "worldio/recording_repair.hpp"
+#include "worldio/recording_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+namespace fs = std::filesystem;
+using engine::Element;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A recording written by hand, from the layout as docs/recordings.md tells it.
+struct ByHand {
+  std::string kind = "troupe recording";
+  std::int64_t layout = 1;
+  std::int64_t every = 2;
+  std::vector<std::uint32_t> ids = {1, 3, 4};
+  std::vector<std::string> types = {"bot", "cart", "bot"};
+  std::vector<std::string> names = {"a", "b", "c"};
+  std::vector<std::uint64_t> ticks = {0, 2, 4};
+  std::size_t times = 3;
+  std::size_t x_frames = 3;
+  std::vector<std::size_t> x_row = {3, 1};
+  std::size_t sensor_rows = 2;
+  bool with_frames = true;
+
+  template <class T>
+  static void array(Hdf5Group group, const std::string& name, std::size_t frames,
+                    std::vector<std::size_t> row) {
+    std::vector<std::size_t> chunk = {4};
+    chunk.insert(chunk.end(), row.begin(), row.end());
+    Hdf5Dataset dataset = group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk});
+    dataset.set_text("unit", "m");
+    dataset.set_text("frame", "world");
+    dataset.set_text("text", "a number");
+    std::vector<T> values(frames * dataset.row_values());
+    std::iota(values.begin(), values.end(), T(0));
+    dataset.append(std::span<const T>(values));
+  }
+
+  void write(const fs::path& name) const {
+    Hdf5File file = Hdf5File::create(name);
+    Hdf5Group meta = file.create_group("meta");
+    meta.set_text("kind", kind);
+    meta.set_integer("layout", layout);
+    meta.set_integer("record_every_ticks", every);
+    meta.set_text("seed", "5");
+    file.write_text("world", "{}");
+    Hdf5Group bodies = file.create_group("bodies");
+    bodies.write("id", std::span<const std::uint32_t>(ids));
+    bodies.write_texts("type", types);
+    bodies.write_texts("name", names);
+    array<double>(file.create_group("state").create_group("pose"), "x", x_frames, x_row);
+    array<float>(file.create_group("sensors").create_group("bot").create_group("eye"), "ranges", 3,
+                 {sensor_rows, 2});
+    if (!with_frames) return;
+    Hdf5Group frames = file.create_group("frames");
+    frames.write("tick", std::span<const std::uint64_t>(ticks));
+    frames.write("time_s", std::span<const double>(std::vector<double>(times, 0.5)));
+    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>(ticks.size(), 9)));
+  }
+};
+
+class Reader : public test::ScratchTest {
+ protected:
+  void SetUp() override {
+    if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  }
+  std::string error_of(const ByHand& recording) {
+    recording.write(file_);
+    try {
+      RecordingReader reader(file_);
+    } catch (const Hdf5Error& error) {
+      EXPECT_THAT(error.what(), ::testing::StartsWith(file_.string() + ": error: "));
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+  fs::path file_ = folder_ / "run.h5";
+};
+
+TEST_F(Reader, ReadsWhatStandsInTheLayout) {
+  ByHand().write(file_);
+  const RecordingReader recording(file_);
+  EXPECT_EQ(recording.every_ticks(), 2u);
+  EXPECT_EQ(recording.meta().at("seed"), "5");
+  EXPECT_EQ(recording.world_json(), "{}");
+  EXPECT_THAT(recording.ids(), ElementsAre(1, 3, 4));
+  EXPECT_THAT(recording.ticks(), ElementsAre(0, 2, 4));
+  ASSERT_EQ(recording.arrays().size(), 2u);
+  const RecordingReader::Array& ranges = recording.arrays()[0];
+  EXPECT_EQ(ranges.component, "sensors/bot/eye");
+  EXPECT_THAT(ranges.bodies, ElementsAre(0, 2));
+  std::vector<float> values(4);
+  recording.read(ranges, 1, std::as_writable_bytes(std::span(values)));
+  EXPECT_THAT(values, ElementsAre(4, 5, 6, 7));
+  EXPECT_EQ(recording.arrays()[1].component, "pose");
+  EXPECT_EQ(recording.arrays()[1].field.unit, "m");
+}
+
+TEST_F(Reader, CountsWholeFramesOnly) {
+  for (const ByHand& recording :
+       {ByHand{.ticks = {0, 2, k_no_tick}}, ByHand{.times = 2}, ByHand{.x_frames = 2}}) {
+    recording.write(file_);
+    EXPECT_EQ(RecordingReader(file_).frames(), 2u);
+  }
+}
+
+TEST_F(Reader, RefusesWhatIsNoRecording) {
+  EXPECT_THAT(error_of({.kind = "troupe checkpoint"}), HasSubstr("the file is no recording"));
+  EXPECT_THAT(error_of({.layout = 2}), HasSubstr("/meta says layout 2; this program reads 1"));
+  { Hdf5File::create(file_).create_group("data"); }
+  EXPECT_THROW(RecordingReader reader(file_), Hdf5Error);
+}
+
+TEST_F(Reader, RefusesWhatDoesNotFitTogether) {
+  EXPECT_THAT(error_of({.every = 0}), HasSubstr("has a record_every_ticks below 1"));
+  EXPECT_THAT(error_of({.types = {"bot"}}), HasSubstr("/bodies has lists of different lengths"));
+  EXPECT_THAT(error_of({.names = {}}), HasSubstr("/bodies has lists of different lengths"));
+  EXPECT_THAT(error_of({.ticks = {0, 4, 2}}), HasSubstr("/frames has ticks that do not rise"));
+  EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr("/state/pose/x is not of 3 bodies"));
+  EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr("/state/pose/x is not of 3 bodies"));
+  EXPECT_THAT(error_of({.sensor_rows = 3}), HasSubstr("/sensors/bot/eye/ranges is not of 2 bodies"));
+  EXPECT_THAT(error_of({.with_frames = false}), HasSubstr("there is no group /frames"));
+}
+
+TEST_F(Reader, TheHeadSaysWhetherAWriterHasTheFile) {
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    Hdf5Dataset x = file.create_extendible("x", Element::u32, {}, {.extent = {16}});
+    file.flush();
+    EXPECT_TRUE(read_superblock(file_)->writing());
+    file.start_swmr();
+    EXPECT_TRUE(read_superblock(file_)->swmr_writing());
+    fs::copy_file(file_, folder_ / "copy.h5");
+  }
+  EXPECT_FALSE(read_superblock(file_)->writing());
+  EXPECT_EQ(read_superblock(file_)->end, fs::file_size(file_));
+
+  EXPECT_THROW(Hdf5File::open(folder_ / "copy.h5"), Hdf5Error);
+  std::ofstream(folder_ / "copy.h5", std::ios::binary | std::ios::app) << "more than the head knows of";
+  close_superblock(folder_ / "copy.h5");
+  EXPECT_FALSE(read_superblock(folder_ / "copy.h5")->writing());
+  EXPECT_EQ(read_superblock(folder_ / "copy.h5")->end, fs::file_size(folder_ / "copy.h5"));
+  EXPECT_EQ(Hdf5File::open(folder_ / "copy.h5").dataset("x").rows(), 0u);
+
+  write("text", "no HDF5");
+  EXPECT_FALSE(read_superblock(folder_ / "text"));
+  EXPECT_FALSE(read_superblock(folder_ / "none"));
+  EXPECT_THROW(close_superblock(folder_ / "text"), std::runtime_error);
+  EXPECT_EQ(content(folder_ / "text"), "no HDF5");
+}
+
+TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {
+  ByHand{.kind = "another"}.write(file_);
+  const std::string before = content(file_);
+  EXPECT_THROW(repair_recording(file_), Hdf5Error);
+  EXPECT_EQ(content(file_), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+}  // namespace
+}  // namespace troupe::worldio

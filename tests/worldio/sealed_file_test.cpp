@@ -1,0 +1,133 @@
+#include "worldio/sealed_file.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "tests/troupe/scratch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::StartsWith;
+
+class SealedFile : public test::ScratchTest {
+ protected:
+  fs::path file_ = folder_ / "a.kept";
+
+  void seal(std::string_view text) const {
+    const std::string bytes = std::string(k_seal_bytes, '\0') + std::string(text);
+    write_sealed(file_, "test", 2, std::as_bytes(std::span(bytes)));
+  }
+  /// What check_seal() says of a file with these bytes, behind its name; empty when nothing.
+  std::string fault_of(std::string_view bytes, std::string_view kind = "test", unsigned layout = 2) const {
+    write("b.kept", bytes);
+    try {
+      check_seal(folder_ / "b.kept", kind, layout);
+    } catch (const InputError& error) {
+      const std::string begin = (folder_ / "b.kept").string() + ": error: ";
+      EXPECT_THAT(error.what(), StartsWith(begin));
+      return std::string(error.what()).substr(begin.size());
+    }
+    return {};
+  }
+};
+
+TEST_F(SealedFile, SaysWhatItIsAndHashesTheRest) {
+  seal("some bytes");
+  const std::string bytes = content(file_);
+  EXPECT_EQ(bytes.size(), k_seal_bytes + 10);
+  EXPECT_THAT(bytes,
+              StartsWith("troupe test\nlayout 2\nbytes 10\nxxh3 " + hex(hash_text("some bytes")) + "\n  "));
+  EXPECT_EQ(fault_of(bytes), "");
+  EXPECT_TRUE(has_seal(file_, "test"));
+  EXPECT_FALSE(has_seal(file_, "other"));
+  EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+}
+
+TEST_F(SealedFile, MayHoldNothing) {
+  seal("");
+  EXPECT_EQ(fault_of(content(file_)), "");
+}
+
+TEST_F(SealedFile, EveryByteThatChangedShows) {
+  seal(std::string(300, 'x'));
+  const std::string good = content(file_);
+  for (std::size_t i = 0; i < good.size(); i += i < 100 ? 1 : 13) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+    EXPECT_NE(fault_of(bad), "") << "byte " << i;
+  }
+}
+
+TEST_F(SealedFile, EveryCutShows) {
+  seal(std::string(1000, 'x'));
+  const std::string good = content(file_);
+  for (std::size_t size = 1; size < good.size(); size += 57)
+    EXPECT_THAT(fault_of(good.substr(0, size)),
+                StartsWith("the file was cut off, after " + std::to_string(size) + " bytes"));
+  EXPECT_THAT(fault_of(good + "x"), StartsWith("the file is damaged"));
+}
+
+TEST_F(SealedFile, SaysWhyItRefuses) {
+  seal("abc");
+  const std::string good = content(file_);
+  EXPECT_THAT(fault_of(good, "checkpoint"), StartsWith("this is no checkpoint"));
+  EXPECT_EQ(fault_of(good, "test", 1), "its layout is 2, of a newer version; this program reads 1");
+  EXPECT_EQ(fault_of(good, "test", 3), "its layout is 2, of an older version; this program reads 3");
+  EXPECT_EQ(fault_of(""), "this is no test: the file is empty");
+  EXPECT_EQ(fault_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but no test");
+  EXPECT_EQ(fault_of(std::string(2000, 'z')), "this is no test");
+  EXPECT_EQ(fault_of(good.substr(0, 514)), "the file was cut off, after 514 bytes of 515");
+  EXPECT_THROW(check_seal(folder_ / "nowhere", "test", 2), InputError);
+  EXPECT_THROW(check_seal(folder_, "test", 2), InputError);
+}
+
+TEST_F(SealedFile, AFullDiskLeavesTheFileBefore) {
+  seal("before");
+  const std::string before = content(file_);
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string fault;
+  try {
+    seal(std::string(5000, 'x'));
+  } catch (const std::runtime_error& error) {
+    fault = error.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(fault, file_.string() + ": error: cannot be written: File too large");
+  EXPECT_EQ(content(file_), before);
+  EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+}
+
+TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {
+  write("a.kept.partial", std::string(5000, 'y'));
+  seal("new");
+  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+}
+
+TEST_F(SealedFile, NamesTheFileThatCannotBeWritten) {
+  try {
+    const std::vector<std::byte> bytes(k_seal_bytes);
+    write_sealed(folder_ / "no" / "a.kept", "test", 2, bytes);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(),
+                StartsWith((folder_ / "no" / "a.kept").string() + ": error: cannot be written: "));
+  }
+}
+
+}  // namespace
+}  // namespace troupe::worldio
