@@ -33,7 +33,7 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
 void Checkpointing::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
   if (period_ == 0 || tick % period_ != 0 || tick == first_tick_) return;
-  for (Observer* other : others_) other->flush();
+  for (Observer* other : others_) other->before_save();
   save(simulation);
 }
 

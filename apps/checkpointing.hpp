@@ -12,7 +12,7 @@ namespace troupe::apps {
 /// Saves the run in its checkpoint every so often, and when it ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// others: what the run writes beside it, flushed before each checkpoint; they outlive it.
+  /// others: what the run writes beside it, told before each checkpoint; they outlive it.
   /// every_s: of simulated time, on the world's clock; not given: at the end alone. Writes a whole checkpoint
   /// beside the file and removes it, so that a disk without room, or a world that cannot be saved, is known
   /// before the run. Throws OutputError.

@@ -17,7 +17,7 @@ class Observer {
   virtual void observe(const Simulation& simulation) = 0;
   /// What was observed is in its file when this returns: the state is about to be saved, and who goes on from
   /// it must find all that went before.
-  virtual void flush() {}
+  virtual void before_save() {}
   /// The run has ended, or was stopped, at the tick that was observed last.
   virtual void finish(const Simulation& /*simulation*/) {}
 };

@@ -41,9 +41,10 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
     return key == "threads" || key == "tile_m" || key == "resumed_at_tick" || key.starts_with("set ");
   };
   for (const auto& [key, value] : simulation.effective_options()) {
-    const auto header = log.headers().find(key);
-    if (is_free(key) || (header != log.headers().end() && header->second.value == value)) continue;
-    const bool is_there = header != log.headers().end();
+    const auto& entries = log.header().entries;
+    const auto header = entries.find(key);
+    const bool is_there = header != entries.end();
+    if (is_free(key) || (is_there && header->second.value == value)) continue;
     throw OutputError(
         fmt::format("{}:{}: error: {} is {}, the checkpoint's is \"{}\": this is the log of another run",
                     log.file().string(), is_there ? header->second.line : 1, key,

@@ -28,10 +28,12 @@ class Recorder : public Observer {
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}
 
   void observe(const Simulation& simulation) override;
-  void flush() override;
+  void before_save() override { flush(); }
   void finish(const Simulation& simulation) override;
 
  private:
+  void flush();
+
   using Clock = std::chrono::steady_clock;
   Recording recording_;
   Clock::time_point flushed_ = Clock::now();

@@ -3,9 +3,10 @@
 
     checkpoint_kill_test.py PROGRAM [N] [--seed S]
 
-Each run goes on from the checkpoint of the one before, writes a checkpoint every tick, and would never end by itself.
-What it leaves must be a checkpoint that `troupe resume` takes, not older than the one before it, with the state that a
-run without a stop has at its tick. Prints a line that says how far the runs came and in what the kills struck.
+Each run goes on from the checkpoint of the one before, writes checkpoints and a recording, and would never end by
+itself. What it leaves must be a checkpoint that `troupe resume` takes, not older than the one before it, with the state
+that a run without a stop has at its tick; and the recording, which goes on with each run, must be that of the run
+without a stop. Prints a line that says how far the runs came, and how many kills struck while one was written.
 """
 
 import argparse
@@ -39,12 +40,12 @@ class Runs:
         return subprocess.run([self.program, *arguments, "--quiet"], cwd=self.folder, capture_output=True, text=True)
 
     def kill_one(self, wait_s):
-        """A run that is killed wait_s after its first checkpoint is there, or after its start."""
+        """A run that is killed wait_s after its start."""
         go_on = (self.folder / "c.h5").exists()
-        command = ["resume", "c.h5"] if go_on else ["run", "room.world"]
-        process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1",
-                                    "--checkpoint", "c.h5", "--checkpoint-every", "0.1"], cwd=self.folder,
-                                   stderr=subprocess.PIPE, text=True)
+        command = ["resume", "c.h5"] if go_on else ["run", "room.world", "--force"]
+        outputs = ["--checkpoint", "c.h5", "--checkpoint-every", "0.2", "--record", "r.h5"]
+        process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1", *outputs],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True)
         time.sleep(wait_s)
         process.send_signal(signal.SIGKILL)
         _, errors = process.communicate()
@@ -73,8 +74,10 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         runs = Runs(options.program.resolve(), Path(name))
         while len(lines) < options.kills:
-            runs.kill_one(moments.uniform(0.005, 0.15))
-            in_a_write += any(Path(name).glob("*.partial"))
+            partial = Path(name) / "c.h5.partial"
+            partial.unlink(missing_ok=True)
+            runs.kill_one(moments.uniform(0.02, 0.25))
+            in_a_write += partial.exists()
             if not (Path(name) / "c.h5").exists():
                 continue  # killed before the first one was there: nothing is lost
             line = runs.first_line()
@@ -82,15 +85,21 @@ def main():
                 raise SystemExit(f"the checkpoint is older than the one before: {line} after {lines[-1]}")
             lines.append(line)
         last = int(lines[-1].split()[0])
-        done = runs.troupe("run", "room.world", "--for", str(last / 10), "--hash-log", "straight.log")
+        end = str(last / 10 + 5)
+        for command in (["run", "room.world", "--record", "straight.h5", "--hash-log", "straight.log"],
+                        ["resume", "c.h5", "--record", "r.h5"]):
+            done = runs.troupe(*command, "--for", end)
+            if done.returncode != 0:
+                raise SystemExit(f"troupe {' '.join(command)} failed: {done.stderr}")
         straight = set((Path(name) / "straight.log").read_text().splitlines())
-        if done.returncode != 0 or last == 0:
-            raise SystemExit(f"no run to compare with: {done.stderr}")
         for line in lines:
             if line not in straight:
                 raise SystemExit(f"the checkpoint holds a state that the run never had: {line}")
-    print(f"{options.kills} kills, {in_a_write} of them in a write; each left a whole checkpoint, the last of tick {last}, "
-          "with the state of a run that never stopped")
+        same = subprocess.run([runs.program, "diff", "straight.h5", "r.h5"], cwd=name, capture_output=True, text=True)
+        if same.returncode != 0:
+            raise SystemExit(f"the recording is not that of a run that never stopped: {same.stdout}{same.stderr}")
+    print(f"{options.kills} kills, {in_a_write} of them while a checkpoint was written: each left a whole one, the last of "
+          f"tick {last}; their states, and the recording of all runs, are those of a run that never stopped")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ namespace {
 
 using engine::Field;
 using engine::FieldType;
-using engine::Unit;
 using engine::Value;
 
 constexpr double k_most = 1e15;  // s or m: more than any world says, and far from where numbers end

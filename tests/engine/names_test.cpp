@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,20 @@ TEST(NameMap, FindsWhatAStandardMapFinds) {
       const auto found = oracle.find({word, number});
       EXPECT_EQ(map.find({word, number}), found == oracle.end() ? BodyId() : found->second);
     }
+}
+
+TEST(Names, OfTheSameWordsAreTheSame) {
+  Names names;
+  const Name robot = names.add("r", 17);
+  const Name odd = names.add("x007");
+  const Names again(std::vector<std::string>(names.words().begin(), names.words().end()));
+  EXPECT_EQ(again.text(robot), "r17");
+  EXPECT_EQ(again.text(odd), "x007");
+  EXPECT_EQ(again.find("r17"), robot);
+  EXPECT_EQ(again.find("y"), std::nullopt);
+  EXPECT_THROW(Names(std::vector<std::string>{}), std::invalid_argument);
+  EXPECT_THROW(Names(std::vector<std::string>{"r"}), std::invalid_argument);
+  EXPECT_THROW(Names(std::vector<std::string>{"", "r", "r"}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // A run that was saved and resumed is the run that never stopped, bit for bit.
 
+#include "worldio/checkpoint.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
@@ -13,8 +14,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
+#include <array>
 #include <csignal>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -283,6 +286,40 @@ TEST_F(Checkpoint, HoldsTheMemoriesOfControllersThatOnlyTheProgramKnows) {
   EXPECT_EQ(log_of(resumed, 5), log_of(straight, 5));
   EXPECT_THAT(error_of(file_),
               HasSubstr("run.h5: error: /types/1/controllers/0: unknown controller \"counter\""));
+}
+
+TEST_F(Checkpoint, OfAnotherVersionIsResumedOnlyWhereThatIsWanted) {
+  Simulation simulation(write("room.json", k_room));
+  const std::string here = version_line();
+  const auto made_by = [&](const std::string& version) {
+    worldio::write_checkpoint(file_, simulation.world(), simulation.registry(), {{"version", version}});
+  };
+  made_by("troupe 0.0.1" + here.substr(here.find(" (")));
+  EXPECT_THAT(error_of(file_),
+              StartsWith(file_.string() + ": error: troupe 0.0.1 made this checkpoint, this is troupe "));
+  const Simulation resumed = Simulation::resume(file_, {.across_versions = true});
+  EXPECT_EQ(resumed.state_hash(), simulation.state_hash());
+  EXPECT_THAT(resumed.warnings(),
+              ::testing::ElementsAre(HasSubstr("run.h5: warning: made by troupe 0.0.1 (")));
+
+  made_by(here.substr(0, here.find(" (")) + " (another compiler)");
+  EXPECT_THAT(Simulation::resume(file_).warnings(),
+              ::testing::ElementsAre(HasSubstr("the bits are the same for every compiler and processor")));
+}
+
+TEST_F(Checkpoint, AStateThatIsNotTheOneThatWasSavedIsNotTakenUp) {
+  Simulation simulation(write("room.json", k_room));
+  engine::World& world = simulation.world();
+  const std::uint64_t at_start = simulation.state_hash();
+  simulation.run_for(0.5);
+  EXPECT_FALSE(world.restore(7, {}, 12345, [](std::span<engine::StateTable>) {}));
+  EXPECT_EQ(world.tick(), 0u);
+  EXPECT_EQ(simulation.state_hash(), at_start);
+  simulation.run_for(0.5);
+  const auto fails = [](std::span<engine::StateTable>) { throw std::runtime_error("no more"); };
+  EXPECT_THROW(world.restore(7, {}, 12345, fails), std::runtime_error);
+  EXPECT_EQ(world.tick(), 0u);
+  EXPECT_EQ(simulation.state_hash(), at_start);
 }
 
 TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
