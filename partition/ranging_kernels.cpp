@@ -83,14 +83,15 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
 }
 
 /// Edges and beams, one of each in a lane: the numbers of Relative, directions, and origins less the
-/// reference.
+/// reference. References, because a vector of SVE's cannot be a member; what they are made from in braces
+/// lives as long as they do.
 template <class V>
 struct EdgeVector {
-  V ax, ay, bx, by, ex, ey, area, magnitude, grazing;
+  const V &ax, &ay, &bx, &by, &ex, &ey, &area, &magnitude, &grazing;
 };
 template <class V>
 struct BeamVector {
-  V dx, dy, ox, oy;
+  const V &dx, &dy, &ox, &oy;
 };
 
 /// inverse_range(), lane by lane, but below 0 where the edge lies behind, and 0 where the beam wants care:
@@ -128,22 +129,15 @@ HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const 
 /// Where the beams of a fan start.
 enum class Origin { common, apart };
 
-/// A vector of edges, from j on.
-HWY_INLINE EdgeVector<Vec<Few>> few_edges(const Relative& e, std::size_t j) {
-  return {LoadU(k_few, e.x + j),     LoadU(k_few, e.y + j),         LoadU(k_few, e.x + j + 1),
-          LoadU(k_few, e.y + j + 1), LoadU(k_few, e.ex + j),        LoadU(k_few, e.ey + j),
-          LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), LoadU(k_few, e.grazing + j)};
-}
-
 /// Edges on one beam.
 template <Origin kOrigin>
 HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, std::size_t i,
                             Mask<Few>& unsure) {
-  BeamVector<Vec<Few>> beam{Set(k_few, fan.dx[i]), Set(k_few, fan.dy[i]), Zero(k_few), Zero(k_few)};
-  if constexpr (kOrigin == Origin::common) return inverse_common(k_few, edges, beam, unsure);
-  beam.ox = Set(k_few, fan.ox[i]);
-  beam.oy = Set(k_few, fan.oy[i]);
-  return inverse_apart(k_few, edges, beam, unsure);
+  const auto dx = Set(k_few, fan.dx[i]);
+  const auto dy = Set(k_few, fan.dy[i]);
+  if constexpr (kOrigin == Origin::common)
+    return inverse_common(k_few, edges, {dx, dy, Zero(k_few), Zero(k_few)}, unsure);
+  return inverse_apart(k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i])}, unsure);
 }
 
 /// Raises one beam's reading.
@@ -227,7 +221,11 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
   for (const EdgeBlock::Piece& piece : edges.pieces()) {
     for (std::size_t lane = 0; lane < EdgeBlock::k_piece; lane += Lanes(k_few)) {
       const std::size_t j = piece.first + lane;
-      const EdgeVector<Vec<Few>> few = few_edges(relative, j);
+      const Relative& e = relative;
+      const EdgeVector<Vec<Few>> few{
+          LoadU(k_few, e.x + j),     LoadU(k_few, e.y + j),         LoadU(k_few, e.x + j + 1),
+          LoadU(k_few, e.y + j + 1), LoadU(k_few, e.ex + j),        LoadU(k_few, e.ey + j),
+          LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), LoadU(k_few, e.grazing + j)};
       auto unsure = tiny_edges(edges, relative, j);
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));

@@ -40,14 +40,16 @@ HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
 class ScanAngles {
  public:
   ScanAngles(const Scan& scan, std::size_t count)
-      : mx_(Set(k_f, static_cast<float>(scan.middle.x()))),
-        my_(Set(k_f, static_cast<float>(scan.middle.y()))),
-        half_fov_(Set(k_f, 0.5f * scan.fov)),
-        per_step_(Set(k_f, 1 / scan.step)),
-        last_(Set(k_f, static_cast<float>(count - 1))) {}
+      : mx_(static_cast<float>(scan.middle.x())),
+        my_(static_cast<float>(scan.middle.y())),
+        half_fov_(0.5f * scan.fov),
+        per_step_(1 / scan.step),
+        last_(static_cast<float>(count - 1)) {}
 
   HWY_INLINE Floats of(const Floats& x, const Floats& y) const {
-    return angle_of(Add(Mul(x, mx_), Mul(y, my_)), Sub(Mul(y, mx_), Mul(x, my_)));
+    const Floats mx = Set(k_f, mx_);
+    const Floats my = Set(k_f, my_);
+    return angle_of(Add(Mul(x, mx), Mul(y, my)), Sub(Mul(y, mx), Mul(x, my)));
   }
   /// The first and the last beam between two angles, as floats; first > last where there is none. All beams
   /// where `all` holds or the angles come to the back, where they jump.
@@ -55,16 +57,19 @@ class ScanAngles {
   HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
                         Floats& last) const {
     const Floats margin = Set(k_f, 1e-3f);
-    first = Max(Ceil(Mul(Add(Sub(from, margin), half_fov_), per_step_)), Zero(k_f));
-    last = Min(Floor(Mul(Add(Add(to, margin), half_fov_), per_step_)), last_);
+    const Floats half_fov = Set(k_f, half_fov_);
+    const Floats per_step = Set(k_f, per_step_);
+    const Floats last_beam = Set(k_f, last_);
+    first = Max(Ceil(Mul(Add(Sub(from, margin), half_fov), per_step)), Zero(k_f));
+    last = Min(Floor(Mul(Add(Add(to, margin), half_fov), per_step)), last_beam);
     const Floats back = Set(k_f, 2 * k_quarter - 2e-3f);
     const auto whole = Or(all, Or(Lt(from, Neg(back)), Gt(to, back)));
     first = IfThenZeroElse(whole, first);
-    last = IfThenElse(whole, last_, last);
+    last = IfThenElse(whole, last_beam, last);
   }
 
  private:
-  Floats mx_, my_, half_fov_, per_step_, last_;
+  float mx_, my_, half_fov_, per_step_, last_;  // numbers: a vector of SVE's cannot be a member
 };
 
 }  // namespace

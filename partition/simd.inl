@@ -18,8 +18,9 @@ namespace troupe::partition::HWY_NAMESPACE {
 namespace simd {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// A whole vector, of 512 bits at most: that is what arrays are padded for, and SVE's may have 2048.
 template <class T>
-using Full = hn::ScalableTag<T>;
+using Full = hn::CappedTag<T, 64 / sizeof(T)>;
 template <class T, std::size_t N>
 using Capped = hn::CappedTag<T, N>;  // at most N lanes
 using hn::Mask;

@@ -47,24 +47,31 @@ class Variant:
     options: tuple = ()  # further ones of the program
     environment: dict = field(default_factory=dict)
     folder: pathlib.Path = None  # to run in
+    restarts: tuple = ()  # ticks at which the run is saved, and resumed by another process
+    emulator: tuple = ()  # what runs the program
 
     def lines(self, world, ticks, folder, robots=None):
         """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
         log = folder / "run.log"
-        command = [self.program, "run", *world.arguments, "--for", f"{ticks * world.tick_s:.9g}", "--threads", self.threads,
-                   "--hash-log", log, "--quiet", *self.options]
-        if self.tile_m:
-            command += ["--tile-size", self.tile_m]
-        if robots is not None:
-            command += ["--robots", robots]
-        command = [str(word) for word in command]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, env={**os.environ, **self.environment})
-        if done.returncode != 0:
-            raise Fault(f"{self.label}: {' '.join(command)}\nexit code {done.returncode}: {done.stderr.strip()}")
+        source = ["run", *world.arguments, *(["--robots", robots] if robots is not None else [])]
+        for end in (*self.restarts, ticks):
+            checkpoint = folder / f"tick-{end}.h5"
+            save = ["--checkpoint", checkpoint, "--force"] if end != ticks else []
+            self._call([*source, "--for", f"{end * world.tick_s:.9g}", "--hash-log", log, *save])
+            source = ["resume", checkpoint]  # the log goes on, too
         lines = read_log(log)
         if len(lines) != ticks + 1:
             raise Fault(f"{world.file}: {ticks} ticks were asked for, the hash log has {len(lines)} lines")
         return lines
+
+    def _call(self, arguments):
+        command = [*self.emulator, self.program, *arguments, "--threads", self.threads, "--quiet", *self.options]
+        if self.tile_m:
+            command += ["--tile-size", self.tile_m]
+        command = [str(word) for word in command]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, env={**os.environ, **self.environment})
+        if done.returncode != 0:
+            raise Fault(f"{self.label}: {' '.join(command)}\nexit code {done.returncode}: {done.stderr.strip()}")
 
 
 def read_log(log):

@@ -66,6 +66,30 @@ def surroundings(base, folder):
     return Proof("T0 hostile surroundings", "fast maths, rounding up, locale, folder", variants)
 
 
+def observers(base, folder):
+    """With everything that looks on; the files are written anew by each variant."""
+    options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
+               "--profile", folder / "profile.json", "--snapshot", folder / "last.png")
+    variants = tuple(replace(base, label=f"observed, {n} threads", threads=n, options=options) for n in (1, 2))
+    return Proof("T0 observers", "recording, measures, events, profile, picture", variants)
+
+
+def restarts(base, ticks):
+    half = ticks // 2
+    variants = (replace(base, label="resumed in the middle, 2 threads after 1", restarts=(half,), threads=2),
+                replace(base, label="resumed at tick 1", restarts=(1,), threads=3, tile_m=1.7),
+                replace(base, label="resumed five times", threads=2,
+                        restarts=tuple(ticks * i // 6 for i in range(1, 6))))
+    return Proof("T0 checkpoint and resume", "in the middle, after a tick, five times", variants)
+
+
+def repetitions(base, ticks, count):
+    """The same ticks stepped again and again from one checkpoint; two threads show races that eight hide."""
+    start = max(1, ticks - 50)
+    variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
+    return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)
+
+
 def instruction_sets(base, folder):
     """Each instruction set that the processor has. Verified: that the kernels were really dispatched to each."""
     flags = set()

@@ -1,0 +1,90 @@
+"""The program on 64-bit Arm: cross-built, and run under qemu's emulation of processors unlike one another."""
+
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+
+from .runs import ROOT, Fault, Variant
+from .variants import Proof
+
+SYSROOT = ROOT / "build" / "aarch64-sysroot"
+PACKAGES = SYSROOT / "packages.txt"  # written by scripts/sysroot
+FOLDER = ROOT / "build" / "aarch64"
+TOOLS = ("aarch64-linux-gnu-g++", "qemu-aarch64")
+
+
+@dataclass(frozen=True)
+class Processor:
+    cpu: str  # as qemu's -cpu
+    about: str
+    kernels: str  # Highway's name of the instruction set that it must dispatch to
+    # Time of a tick of the first world under emulation, on Zen 4; for the estimate only.
+    tick_s: float
+
+
+# From the most telling to the dearest. `max` is qemu's own processor, with everything that it can emulate.
+PROCESSORS = (
+    Processor("cortex-a57", "no SVE", "NEON", 0.3),
+    Processor("a64fx", "SVE of 512 bits", "SVE", 0.5),
+    Processor("max,sve-default-vector-length=16", "SVE2 of 128 bits", "SVE2_128", 0.5),
+    Processor("max,sve-default-vector-length=32", "SVE2 of 256 bits", "SVE2", 0.4),
+    Processor("max,sve-default-vector-length=256", "SVE2 of 2048 bits", "SVE2", 1.4),
+)
+
+
+def check_tools():
+    missing = [tool for tool in TOOLS if not shutil.which(tool)]
+    if not PACKAGES.exists():
+        missing.append(str(SYSROOT.relative_to(ROOT)))
+    if missing:
+        raise Fault(f"no {' and no '.join(missing)}; scripts/setup --aarch64 gets all that it takes")
+
+
+def versions():
+    """Of what the outcome may depend on."""
+    packages = dict(line.split()[:2] for line in PACKAGES.read_text().splitlines()[1:])
+    first_lines = [subprocess.run([tool, "--version"], capture_output=True, text=True).stdout.splitlines()[0] for tool in TOOLS]
+    return [*first_lines, *(f"{name} {packages[name]}" for name in ("libc6", "libstdc++6", "libhwy1", "libtbb12"))]
+
+
+def emulated(processor, threads, folder):
+    """A variant, and the file in which it says which kernels ran (tests/hostile/instruction_set.cpp)."""
+    told = folder / f"ran-{re.sub('[^a-z0-9]+', '-', processor.cpu)}-{threads}"  # -E takes commas for itself
+    library = FOLDER / "hostile" / "instruction_set.so"
+    # Handed on by the emulator, which runs on this machine's loader: that would refuse the library.
+    names = {"LD_PRELOAD": library, "TROUPE_INSTRUCTION_SET": processor.kernels, "TROUPE_INSTRUCTION_SET_FILE": told}
+    emulator = ["qemu-aarch64", "-L", SYSROOT, "-cpu", processor.cpu]
+    for name, value in names.items():
+        emulator += ["-E", f"{name}={value}"]
+    return Variant(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
+                   emulator=tuple(emulator)), told
+
+
+def proof_of(processor, folder):
+    variants, told = zip(*(emulated(processor, threads, folder) for threads in (1, 2)))
+
+    def verify():
+        ran = {file.read_text() if file.exists() else "nothing" for file in told}
+        return "" if ran == {processor.kernels} else f"{processor.kernels} was asked for, {' and '.join(ran)} ran"
+
+    return Proof(f"T2 aarch64, {processor.cpu.partition(',')[0]} ({processor.kernels})",
+                 f"{processor.about}; 1 and 2 threads", variants, verify)
+
+
+# Multiplication and addition, rounded once: scalar ones, NEON's and SVE's, and of complex numbers and matrices.
+FUSED = re.compile(r"\t(fn?m(add|sub|ad|sb|la|ls)|fml[as]l[2bt]?|fcmla|fmmla)\t")
+
+
+def fused_instructions(text):
+    """Lines of objdump's output that hold one."""
+    return [line for line in text.splitlines() if FUSED.search(line)]
+
+
+def disassembled():
+    libraries = sorted(FOLDER.glob("*/libtroupe_*.a"))
+    done = subprocess.run(["aarch64-linux-gnu-objdump", "--disassemble", "--no-show-raw-insn", *map(str, libraries)],
+                          capture_output=True, text=True)
+    if done.returncode != 0 or not libraries:
+        raise Fault(f"objdump: {done.stderr.strip() or 'no libraries'}")
+    return done.stdout

@@ -1,0 +1,44 @@
+"""Proofs in worlds: all runs of a world are compared with its first one, line by line, and with the golden hash."""
+
+from .runs import World, difference, state_of
+from .table import Progress, print_row
+
+TICKS = 300
+QUICK_TICKS = 50
+WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
+          World("crowd.json", weight=0.2, ranging="grid"))
+
+
+def hold(world, proofs, ticks, folder, golden=None):
+    """Runs the variants of the proofs in one world and prints a row of the table for each proof. Yields each proof with what is
+    wrong with it, as texts. Compared with the golden hash, too, where there is one to be."""
+    progress = Progress(sum(len(proof.variants) for proof in proofs))
+    expected = None
+    for proof in proofs:
+        found = []
+        for variant in proof.variants:
+            where = f"{world.name}, {proof.name}, {variant.label}"
+            progress.show(where)
+            lines = variant.lines(world, ticks, folder)
+            progress.done += 1
+            if expected is None:
+                expected = lines
+                if golden is not None:
+                    found += compare_golden(world, ticks, state_of(lines[-1]), golden, where)
+            elif text := difference(expected, lines):
+                found.append(f"{where}: {text}")
+        if proof.verify and (text := proof.verify()):
+            found.append(f"{world.name}, {proof.name}: {text}")
+        progress.clear()
+        print_row((f"{world.name}: {proof.name}", proof.about, ticks, "DIFFERS" if found else "same bits",
+                   state_of(expected[-1])))
+        yield proof, found
+
+
+def compare_golden(world, ticks, state, golden, where):
+    known = golden.get((world.key, None, ticks))
+    if known is None:
+        return [f"{world.key}: no golden hash of tick {ticks}; scripts/prove --golden makes it"]
+    if known != state:
+        return [f"{where}: tick {ticks} has the state {state}, the golden hash is {known}"]
+    return []
