@@ -224,7 +224,7 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
   if (const JsonNode* node = object.find("record"))
     spec.record = record(JsonCursor(object.at(), "record", *node));
   each_of(object, "measures", [&](const JsonCursor& at) { spec.measures.push_back(measure(at)); });
-  spec.measure_every_s = number(object, "measure_every_s", 0, k_most, spec.measure_every_s);
+  spec.measure_every_s = number(object, "measure_every_s", 0, k_most_s, spec.measure_every_s);
   if (object.find("bounds_m")) {
     const std::vector<double> b = numbers(object, "bounds_m", 4);
     spec.bounds.emplace();
