@@ -195,7 +195,7 @@ std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, cons
     write_table(make_group_for(tables, places[t]), world.tables()[t]);
   std::vector<std::uint32_t> subscribed;
   for (const BodyId body : world.subscribed()) subscribed.push_back(body.value);
-  file.write("subscribed", std::span<const std::uint32_t>(subscribed));
+  file.group("bodies").write("subscribed", std::span<const std::uint32_t>(subscribed));
   Hdf5Group group = file.create_group("memories");
   for (const auto& [key, memory] : memories) {
     if (memory.empty()) continue;
@@ -273,9 +273,10 @@ Memories Checkpoint::memories() const {
 
 void Checkpoint::restore(engine::World& world) const {
   reading([&] {
-    for (const std::uint32_t id : hdf5_.dataset("subscribed").read<std::uint32_t>()) {
+    for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
       if (id >= world.spec().bodies.size() || !world.row(BodyId(id)).valid())
-        throw InputError(fmt::format("{}: error: /subscribed names a body without a sensor", file_.string()));
+        throw InputError(
+            fmt::format("{}: error: /bodies/subscribed names a body without a sensor", file_.string()));
       world.subscribe(BodyId(id));
     }
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };

@@ -4,10 +4,12 @@
 #include "tests/fuzz/hdf5_text.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/bitmap.hpp"
+#include "worldio/checkpoint.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "worldio/load.hpp"
 #include "worldio/recording_reader.hpp"
 #include "worldio/recording_repair.hpp"
+#include "worldio/sealed_file.hpp"
 
 #include <unistd.h>
 #include <zlib.h>
@@ -15,7 +17,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
 #include <string>
+#include <utility>
 
 namespace troupe::fuzz {
 namespace {
@@ -146,6 +152,35 @@ void read_recording(std::string_view text) {
   } catch (const worldio::Hdf5Error& error) {
     check(std::string_view(error.what()).starts_with(file.string() + ": error: "));
   }
+  std::filesystem::remove(file);
+}
+
+void read_checkpoint(std::string_view text) {
+  const std::string name = (std::filesystem::temp_directory_path() / "troupe-fuzz-").string();
+  const std::filesystem::path content = name + std::to_string(getpid()) + ".content.h5";
+  const std::filesystem::path file = name + std::to_string(getpid()) + ".checkpoint.h5";
+  if (!worldio::has_hdf5() || !make_hdf5(text, content)) return;
+  std::ifstream stream(content, std::ios::binary);
+  std::string bytes(worldio::k_seal_bytes, ' ');
+  bytes.append(std::istreambuf_iterator<char>(stream), {});
+  worldio::write_sealed(file, worldio::k_checkpoint_kind, worldio::k_checkpoint_layout,
+                        std::as_bytes(std::span(bytes)));
+  try {
+    const worldio::Checkpoint checkpoint(file);
+    static_cast<void>(checkpoint.memories());
+    Diagnostics diagnostics;
+    engine::WorldSpec spec = checkpoint.spec(registry(), {}, diagnostics);
+    if (!diagnostics.has_errors() && is_small(spec)) {
+      spec.ranging = engine::RangingEngine::exact;
+      engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
+      checkpoint.restore(world);
+      world.step();
+      world.hashes();
+    }
+  } catch (const InputError&) {
+  } catch (const engine::StepError&) {
+  }
+  std::filesystem::remove(content);
   std::filesystem::remove(file);
 }
 
