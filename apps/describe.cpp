@@ -1,6 +1,7 @@
 #include "apps/describe.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/events.hpp"
 #include "worldio/stage_properties.hpp"
 
 #include <fmt/ranges.h>
@@ -20,13 +21,13 @@ using engine::FieldType;
 using engine::Registry;
 using engine::Value;
 
-template <class Kind>
-std::string listed(std::string_view heading, const std::vector<Kind>& kinds) {
+template <class Kinds>
+std::string listed(std::string_view heading, const Kinds& kinds) {
   if (kinds.empty()) return {};
   std::size_t width = 0;
-  for (const Kind& kind : kinds) width = std::max(width, kind.name.size());
+  for (const auto& kind : kinds) width = std::max(width, kind.name.size());
   std::string text = fmt::format("{}\n", heading);
-  for (const Kind& kind : kinds) text += fmt::format("  {:<{}}  {}\n", kind.name, width, kind.text);
+  for (const auto& kind : kinds) text += fmt::format("  {:<{}}  {}\n", kind.name, width, kind.text);
   return text + "\n";
 }
 
@@ -147,6 +148,27 @@ std::string model_text(const engine::ModelKind& kind) {
          properties_text("of each block( ) in it", "block");
 }
 
+/// Lines of at most 100 letters, indented.
+std::string wrapped(std::string_view text) {
+  constexpr std::size_t k_width = 100;
+  std::string out;
+  for (std::size_t start = 0; start < text.size();) {
+    std::size_t end = text.size();
+    if (end - start > k_width) end = text.rfind(' ', start + k_width);
+    if (end == text.npos || end <= start) end = std::min(text.find(' ', start), text.size());
+    out += fmt::format("  {}\n", text.substr(start, end - start));
+    start = end + 1;
+  }
+  return out;
+}
+
+std::string measure_text(const engine::MeasureKind& kind) {
+  const std::string_view symbol = engine::unit_suffixes(kind.unit).front().symbol;
+  return fmt::format("measure {}{}: {}\n\n{}\n{}\n", kind.name,
+                     symbol.empty() ? std::string() : fmt::format(" ({})", symbol), kind.text,
+                     wrapped(kind.definition), fields_text(kind.params));
+}
+
 /// A preset is its kind with other defaults: shown as such.
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   FieldTable table = registry.controller(preset.kind)->params;
@@ -166,6 +188,7 @@ std::vector<std::string_view> all_names(const Registry& registry) {
   add(registry.drives);
   add(registry.controllers);
   add(registry.presets);
+  add(registry.measures);
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
@@ -176,8 +199,8 @@ std::vector<std::string_view> all_names(const Registry& registry) {
 std::string list_kinds(const Registry& registry) {
   return listed("models", registry.models) + listed("sensors", registry.sensors) +
          listed("drives", registry.drives) + listed("controllers", registry.controllers) +
-         listed("presets of controllers", registry.presets) +
-         "`troupe describe KIND` tells what each takes.\n";
+         listed("presets of controllers", registry.presets) + listed("measures", registry.measures) +
+         listed("events", engine::event_kinds()) + "`troupe describe KIND` tells what each takes.\n";
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
@@ -187,6 +210,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
+  if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (text.empty()) {
     throw InputError("troupe describe: error: " + unknown_name("kind", name, all_names(registry)));
   }

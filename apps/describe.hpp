@@ -8,7 +8,7 @@
 
 namespace troupe::apps {
 
-/// Every model, sensor, drive, controller and preset, a line each.
+/// Every model, sensor, drive, controller, preset, measure and event, a line each.
 std::string list_kinds(const engine::Registry& registry);
 
 /// The fields of every kind of this name (a model and a sensor may share one): JSON key with its units,

@@ -1,6 +1,7 @@
 #include "apps/check.hpp"
 #include "apps/describe.hpp"
 #include "apps/diff.hpp"
+#include "apps/info.hpp"
 #include "apps/lint.hpp"
 #include "apps/repair.hpp"
 #include "apps/run.hpp"
@@ -85,10 +86,12 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   std::filesystem::path linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
+  std::filesystem::path shown;
+  const CLI::App* info_command = add_info_command(app, shown);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
-  describe->add_option("KIND", kind, "Model, sensor, drive or controller; all of them if not given")
+  describe->add_option("KIND", kind, "Model, sensor, drive, controller or measure; all of them if not given")
       ->option_text(" ");
   describe->footer("\nExamples:\n  troupe describe\n  troupe describe ranger");
 
@@ -106,6 +109,7 @@ int troupe_main(int argc, char** argv) {
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);
   if (lint_command->parsed()) return lint_world(linted);
+  if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {
     const engine::Registry registry = make_registry();
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));

@@ -47,7 +47,7 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
     throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), std::strerror(errno)));
   about_.emplace_back("version", version_line());
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
-  stream_ << "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
+  stream_ << k_profile_mark;
   end_ = stream_.tellp();
   own_track();  // the caller works along: it is the first worker
   add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));

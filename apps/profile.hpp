@@ -13,10 +13,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace troupe::apps {
+
+/// The first bytes of every profile.
+inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
 
 /// Which ticks a profile shows, and how much of them at most.
 struct ProfileLimits {

@@ -7,8 +7,10 @@
 #include "apps/progress.hpp"
 #include "apps/recorder.hpp"
 #include "apps/report.hpp"
+#include "apps/tables.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
+#include "engine/world.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -97,8 +99,10 @@ struct Observers {
 };
 
 /// Opens the files: before the first tick, so that one that cannot be written costs no run.
-Observers make_observers(const RunOptions& options, const Simulation& simulation) {
+Observers make_observers(const RunOptions& options, Simulation& simulation) {
   Observers observers;
+  std::optional<Measures> measures;  // before any file: what is wrong with them is bad input
+  if (!options.measures.empty()) measures.emplace(simulation, options.measure);
   if (auto recorder = make_recorder(options, simulation)) observers.all.push_back(std::move(recorder));
   if (!options.hash_log.empty())
     observers.all.push_back(std::make_unique<HashLog>(options.hash_log, simulation));
@@ -107,6 +111,14 @@ Observers make_observers(const RunOptions& options, const Simulation& simulation
     observers.profile = profile.get();
     observers.all.push_back(std::move(profile));
   }
+  if (measures) {
+    const double every_s = options.measure_every_s.value_or(simulation.world().spec().measure_every_s);
+    const std::uint64_t every = engine::period_ticks(every_s, simulation.tick_s());
+    observers.all.push_back(
+        std::make_unique<MeasuresTable>(options.measures, simulation, std::move(*measures), every));
+  }
+  if (!options.events.empty())
+    observers.all.push_back(std::make_unique<EventsTable>(options.events, simulation));
   if (!options.checkpoint.empty()) {
     std::vector<Observer*> others;
     for (const auto& observer : observers.all) others.push_back(observer.get());
@@ -154,8 +166,8 @@ void check_files(const RunOptions& options, const std::filesystem::path& recordi
   check_checkpoint(options.checkpoint, resumed_from, options.force);
   const bool goes_on = same_file(options.checkpoint, resumed_from);
   check_outputs(options.world, options.is_checkpoint ? "the checkpoint" : "the world",
-                {options.hash_log, options.snapshot, options.profile, recording,
-                 goes_on ? std::filesystem::path() : options.checkpoint});
+                {options.hash_log, options.snapshot, options.profile, recording, options.measures,
+                 options.events, goes_on ? std::filesystem::path() : options.checkpoint});
 }
 
 Simulation load(const RunOptions& options) {

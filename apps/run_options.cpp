@@ -39,6 +39,7 @@ Examples:
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
   troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
+  troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
   troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
 
 std::string resume_footer() {
@@ -48,8 +49,8 @@ std::string resume_footer() {
   return fmt::format(R"(
 Goes on where the checkpoint was saved, with the same bits as a run that never stopped, on any number of threads and
 without the world's own files. --for S is a time on the world's clock, counted from tick 0 as in troupe run. Outputs are
-those of run. A hash log or a recording that is there already goes on behind the checkpoint's tick, without a gap or a
-repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
+those of run. A hash log, a recording or a table that is there already goes on behind the checkpoint's tick, without a
+gap or a repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
 
 --set changes what keeps the shape of the state, from here on; h5dump -d /world CHECKPOINT shows the stored world:
   {}
@@ -98,6 +99,43 @@ void set_profile_ticks(RunOptions& options, const std::string& text) {
 std::filesystem::path file_name(const char* option, const std::string& text) {
   if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
   return text;
+}
+
+/// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+void add_measures(RunOptions& options, const std::string& text) {
+  if (text.starts_with('{')) {
+    options.measure.push_back(text);
+    return;
+  }
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    if (end == start)
+      refuse("--measure", text,
+             "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
+    options.measure.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+}
+
+void add_table_options(CLI::App& run, RunOptions& options) {
+  CLI::Option* measures = add_value(
+      run, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
+      [&options](const std::string& text) { options.measures = file_name("--measures", text); });
+  add_values(run, "--measure", "NAME[:OF],...",
+             "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
+             [&options](const std::string& text) { add_measures(options, text); })
+      ->needs(measures);
+  add_value(run, "--measure-every", "S",
+            "How often, in seconds; 0: every tick (default: the world's, else 1)",
+            [&options](const std::string& text) {
+              options.measure_every_s = finite(text);
+              if (!options.measure_every_s || *options.measure_every_s < 0 || *options.measure_every_s > 1e9)
+                refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
+            })
+      ->needs(measures);
+  add_value(run, "--events", "FILE.csv",
+            "Write what happens to robots (stalls, held at the bounds), a line each",
+            [&options](const std::string& text) { options.events = file_name("--events", text); });
 }
 
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
@@ -170,6 +208,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
   add_record_options(app, options);
+  add_table_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();
   };

@@ -6,6 +6,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace troupe::apps {
 
@@ -20,7 +22,11 @@ struct RunOptions : WorldOptions {
   std::optional<double> wall_limit_s;
   std::filesystem::path record;  ///< empty: where the world says, if it does
   RecordingOptions recording;
-  bool force = false;  ///< outputs that exist may be replaced
+  std::filesystem::path measures;         ///< empty: none
+  std::vector<std::string> measure;       ///< as Measures takes them; empty: as the world says
+  std::optional<double> measure_every_s;  ///< not given: as the world says
+  std::filesystem::path events;           ///< empty: none
+  bool force = false;                     ///< outputs that exist may be replaced
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
   int width = 1280;

@@ -66,6 +66,8 @@ std::uint32_t SourceFiles::add(std::string_view name) {
 }
 
 Diagnostics::Diagnostics(bool thorough) : thorough_(thorough), files_(std::make_shared<SourceFiles>()) {}
+Diagnostics::Diagnostics(std::shared_ptr<SourceFiles> files)
+    : thorough_(false), files_(files ? std::move(files) : std::make_shared<SourceFiles>()) {}
 
 void Diagnostics::error(Where where, std::string message) {
   findings_.push_back({Severity::error, where, shortened(std::move(message))});

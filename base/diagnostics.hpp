@@ -54,6 +54,8 @@ class Diagnostics {
   /// thorough: as a lint wants it. A warning that a load reports once for many places is listed at each of
   /// them, and readers also look for what no run cares about (definitions that nobody uses, ...).
   explicit Diagnostics(bool thorough = false);
+  /// Of places in files that are known already: what a spec's places point into. May be null.
+  explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 
   bool thorough() const { return thorough_; }
   const std::shared_ptr<SourceFiles>& files() const { return files_; }

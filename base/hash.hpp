@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/ids.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,6 +14,12 @@ namespace troupe {
 /// XXH3, 64 bits: the same value on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 std::uint64_t hash_text(std::string_view text);
+
+/// The sum, modulo 2^64, of the hashes of rows: for each id hash_bytes() of its four bytes followed by those
+/// of its row. Row i lies at first + i * stride and has `bytes` bytes. cost    some ns a row: rows of few
+/// bytes, in multiples of four, are hashed by code of their own
+std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
+                        std::size_t bytes, std::uint64_t seed);
 
 /// The hash_bytes() of what comes piece by piece.
 class HashStream {

@@ -18,5 +18,6 @@ const SensorKind* Registry::sensor(std::string_view name) const { return find(se
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
 const ControllerKind* Registry::controller(std::string_view name) const { return find(controllers, name); }
 const Registry::Preset* Registry::preset(std::string_view name) const { return find(presets, name); }
+const MeasureKind* Registry::measure(std::string_view name) const { return find(measures, name); }
 
 }  // namespace troupe::engine

@@ -4,6 +4,7 @@
 #include "base/pose.hpp"
 #include "base/random.hpp"
 #include "engine/fields.hpp"
+#include "engine/measure_kind.hpp"
 #include "engine/state_table.hpp"
 
 #include <any>
@@ -171,6 +172,7 @@ struct Registry {
   std::vector<SensorKind> sensors;
   std::vector<DriveKind> drives;
   std::vector<ControllerKind> controllers;
+  std::vector<MeasureKind> measures;
 
   /// A controller with its parameters already chosen, under a name of its own (Stage's expand_swarm).
   struct Preset {
@@ -186,6 +188,7 @@ struct Registry {
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   const Preset* preset(std::string_view name) const;
+  const MeasureKind* measure(std::string_view name) const;
 };
 
 }  // namespace troupe::engine

@@ -87,6 +87,12 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
 }
 
 std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
+  if (stretches_.size() == 1) {
+    const Stretch& row = stretches_.front();
+    return troupe::hash_rows(std::span(ids_).subspan(first, last - first),
+                             data_.data() + row.start + first * row.stride, row.stride, row.bytes,
+                             component_hash_);
+  }
   // Rows are gathered stretch by stretch, so that padding and layout never reach the hash.
   std::array<std::byte, 1024> small;
   std::vector<std::byte> large;

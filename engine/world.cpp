@@ -359,6 +359,7 @@ Pose World::pose(BodyId body) const {
 }
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
+bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 
 void World::reset() {
   restore_fp_environment();  // as before a step
@@ -410,12 +411,18 @@ std::uint64_t World::hash(const StateTable& table) {
 }
 
 Hashes World::hashes() {
+  constexpr std::size_t k_block = 512;  // rows a task, of every table: one loop, as waking threads costs, too
+  std::size_t rows = 0;
+  for (const StateTable& table : tables_) rows = std::max(rows, table.rows());
+  std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
+  parallel_.for_each((rows + k_block - 1) / k_block, [&](std::size_t b) {
+    for (const StateTable& table : tables_)
+      if (const std::size_t first = b * k_block; first < table.rows())
+        sums[static_cast<std::size_t>(table.group())].fetch_add(
+            table.hash_rows(first, std::min(table.rows(), first + k_block)), std::memory_order_relaxed);
+  });
   Hashes hashes;
-  for (const StateTable& table : tables_) {
-    const std::uint64_t sum = hash(table);
-    hashes.groups[static_cast<std::size_t>(table.group())] += sum;
-    hashes.state += sum;
-  }
+  for (std::size_t g = 0; g < k_hash_groups; ++g) hashes.state += hashes.groups[g] = sums[g];
   return hashes;
 }
 

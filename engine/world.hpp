@@ -115,7 +115,9 @@ class World {
   const Transform& transform(Row row) const { return transforms_[row.index()]; }
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
   std::span<const Command> commands() const { return as<Command>(k_command); }
+  /// Whether its last motion was refused or would have left the world; and whether the latter.
   bool stalled(Row row) const;
+  bool held(Row row) const;
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
   /// Percepts of one sensor of a type.

@@ -75,6 +75,15 @@ struct TypeSpec {
   std::vector<ControllerSpec> controllers;
 };
 
+/// A measure to be taken of the run (engine/measure_kind.hpp).
+struct MeasureSpec {
+  std::string kind;
+  std::string name;  ///< of its column, without the unit; empty: the kind's, with `:of` behind it
+  std::string of;    ///< a type, a population or a robot; empty: all robots
+  Record params;     ///< by the kind's field table
+  Where where;
+};
+
 struct BodySpec {
   Name name;  ///< of WorldSpec::names
   TypeId type;
@@ -118,6 +127,9 @@ struct WorldSpec {
   std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).
   std::unordered_map<std::string, PartName> part_aliases;
+  /// What is measured where a run is measured at all and nobody says otherwise, and how often.
+  std::vector<MeasureSpec> measures;
+  double measure_every_s = 1;
 
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
 };

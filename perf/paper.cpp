@@ -5,6 +5,7 @@
 
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/hdf5_file.hpp"
 #include "perf/paper_cases.hpp"
 #include "perf/paper_children.hpp"
 #include "perf/paper_hashes.hpp"
@@ -98,6 +99,8 @@ void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipp
       std::string reason = missing(run.scene);
       if (!reason.empty()) reason = fmt::format("{}: {}", run.scene.name, reason);
       if (reason.empty() && run.frames && !no_frames.empty()) reason = "frames: " + no_frames;
+      if (reason.empty() && run.watch == Watch::recording && !worldio::has_hdf5())
+        reason = "recording: this build has no HDF5";
       if (!reason.empty() && reasons.insert(reason).second) skipped.push_back(reason);
       return !reason.empty();
     });
@@ -212,7 +215,7 @@ int measure(Options& options) {
     for (const Timing& t : report.cases.back().timings)
       progress.keep(fmt::format("{}/{}, {} thread{}{}: {:.0f} ns, {:.4g} x real time", one.table,
                                 t.run.scene.name, t.run.threads, t.run.threads > 1 ? "s" : "",
-                                t.run.frames ? ", frames" : "", t.ns(median(t.wall_s)),
+                                with_text(t.run), t.ns(median(t.wall_s)),
                                 t.times_real_time(median(t.wall_s))));
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace troupe::perf {
 namespace {
@@ -28,7 +29,7 @@ class Aims {
     std::optional<double> found;
     for (const CaseTiming& one : report_.cases)
       for (const Timing& timing : one.timings)
-        if (timing.run.scene.name == scene && !timing.run.frames)
+        if (timing.run.scene.name == scene && !timing.run.frames && timing.run.watch == Watch::nothing)
           if (const auto v = value(one, timing)) found = std::max(found.value_or(*v), *v);
     return found;
   }
@@ -118,6 +119,18 @@ void add_clusters(Aims& aims) {
   }
 }
 
+void add_watching(Aims& aims) {
+  const std::pair<Watch, double> limits[] = {
+      {Watch::hashes, 5}, {Watch::recording, 15}, {Watch::measures, 100}};
+  for (const CaseTiming& one : aims.report().cases)
+    for (const Timing& timing : one.timings)
+      for (const auto& [watch, limit] : limits)
+        if (const auto cost = watching_cost(one, timing); cost && timing.run.watch == watch)
+          aims.at_most(fmt::format("{}, {} at every tick, {} thread{}", timing.run.scene.name,
+                                   watch_name(watch), timing.run.threads, timing.run.threads > 1 ? "s" : ""),
+                       limit, "% of the run", 100 * *cost);
+}
+
 void add_memory_and_loading(Aims& aims) {
   const auto rss = [](const ChildReport& r) { return r.rss_bytes; };
   const auto load = [](const ChildReport& r) { return r.read_s + r.build_s; };
@@ -142,6 +155,7 @@ Sheet aims_sheet(const Report& report) {
   add_costs(aims);
   add_threads(aims);
   add_clusters(aims);
+  add_watching(aims);
   add_memory_and_loading(aims);
   return std::move(aims).sheet();
 }

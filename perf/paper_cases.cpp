@@ -90,6 +90,10 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
        "With `invert` robots gather. Both behaviours are timed after the time that dispersal takes, as "
        "consecutive pieces of one run."},
       {"campus", "A million minibots in sixteen hospitals", ""},
+      {"watching", "What looking on costs",
+       "At every tick of 0.1 s: hashes as --hash-log takes them; poses as --record writes them; all measures "
+       "of "
+       "docs/measures.md. Against the same run unwatched: the median over the repetitions."},
       {"grid", "The paper's ray tracer beside the exact engine", ""},
   };
   const double times = quick ? 0.01 : 1;
@@ -127,6 +131,13 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   }
 
   plan.cases.push_back({"campus", with_threads(campus(quick ? 1600 : 1000000, quick ? 0.2 : k_campus_s))});
+
+  const Scene watched = population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s);
+  Case watching{"watching", {}};
+  for (const unsigned n : threads)
+    for (const Watch watch : {Watch::nothing, Watch::hashes, Watch::recording, Watch::measures})
+      watching.runs.push_back({watched, n, false, watch});
+  plan.cases.push_back(std::move(watching));
 
   const Scene exact = population("hospital", quick ? 50 : 1000, quick ? 0.6 : k_table_3_s);
   Scene grid = exact;

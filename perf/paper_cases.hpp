@@ -2,6 +2,7 @@
 
 #include "engine/world_spec.hpp"
 #include "worldio/load.hpp"
+#include "perf/paper_watch.hpp"
 
 #include <cstddef>
 #include <filesystem>
@@ -26,6 +27,7 @@ struct Run {
   Scene scene;
   unsigned threads = 1;
   bool frames = false;  ///< a picture every 0.1 s of wall time: the paper's "graphics"
+  Watch watch = Watch::nothing;
 };
 
 /// Runs that are timed in turn (A B A B ...), so that what else the machine does meets them alike.

@@ -62,6 +62,7 @@ std::string found(const Reference& reference, const std::string& column, const T
 
 Sheet timing_sheet(const Report& report, const Table& table, const Reference& reference) {
   const bool clusters = table.id == "clusters";
+  const bool watching = table.id == "watching";
   Sheet sheet{table.title, table.note, {}, {}};
   double for_s = 0;
   for (const CaseTiming& one : report.cases) {
@@ -90,6 +91,10 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
         row.push_back(fmt::format("{:.1f}", timing.rounds_per_tick));
         row.push_back(percent(timing.move_share));
         row.push_back(percent(timing.stalled_share));
+      } else if (watching) {
+        const auto cost = watching_cost(one, timing);
+        row.emplace_back(watch_name(timing.run.watch));
+        row.push_back(cost ? fmt::format("{:.1f} %", 100 * *cost) : "");
       } else {
         row.push_back(found(reference, "paper", timing));
         row.push_back(found(reference, "Stage 4.3", timing));
@@ -103,6 +108,8 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
                   "x real time", "min",    "max"};
   if (clusters)
     sheet.header.insert(sheet.header.end(), {"to dispersed", "rounds a tick", "move", "stalled"});
+  else if (watching)
+    sheet.header.insert(sheet.header.end(), {"with", "costs"});
   else
     sheet.header.insert(sheet.header.end(), {"paper", "Stage 4.3"});
   sheet.header.emplace_back("state hash");
@@ -216,7 +223,7 @@ Reference read_reference(const std::filesystem::path& file) {
 std::vector<Scaling> scalings(const Report& report) {
   std::vector<Scaling> out;
   for (const CaseTiming& one : report.cases) {
-    if (one.table == "clusters" || one.table == "grid") continue;
+    if (one.table == "clusters" || one.table == "watching" || one.table == "grid") continue;
     const Timing& single = one.timings.front();
     if (single.run.threads != 1) continue;
     for (const Timing& timing : one.timings) {
@@ -294,6 +301,7 @@ std::string json(const Report& report) {
       row["threads"] = timing.run.threads;
       row["frames"] = timing.run.frames;
       row["frames_drawn"] = timing.frames;
+      row["with"] = watch_name(timing.run.watch);
       row["ticks"] = timing.ticks;
       row["tick_s"] = timing.tick_s;
       row["beams_per_tick"] = timing.beams_per_tick;
@@ -364,8 +372,7 @@ std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool
   };
   for (const CaseTiming& one : report.cases) {
     for (const Timing& timing : one.timings) {
-      const std::string run =
-          fmt::format(" ({} threads{})", timing.run.threads, timing.run.frames ? ", frames" : "");
+      const std::string run = fmt::format(" ({} threads{})", timing.run.threads, with_text(timing.run));
       check(timing.run.scene.name, timing.hash_tick, timing.hash, run);
       if (!timing.repeatable)
         faults.push_back(

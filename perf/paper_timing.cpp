@@ -98,8 +98,9 @@ std::unique_ptr<engine::World> make_world(const engine::WorldSpec& spec, unsigne
 }
 
 /// One repetition: steps the world and adds what that took.
-void time_steps(engine::World& world, Timing& timing) {
+void time_steps(engine::World& world, Timing& timing, const engine::Registry& registry) {
   const Run& run = timing.run;
+  const std::unique_ptr<Watcher> watcher = make_watcher(run.watch, world, registry);
   std::unique_ptr<Camera> camera;
   if (run.frames) camera = std::make_unique<Camera>(world);
   apps::PhaseClock phases;
@@ -115,6 +116,12 @@ void time_steps(engine::World& world, Timing& timing) {
       world.step();
       camera->look();
     }
+  } else if (watcher) {
+    for (std::uint64_t i = 0; i < timing.ticks; ++i) {
+      world.step();
+      watcher->look();
+    }
+    watcher->finish();
   } else {
     for (std::uint64_t i = 0; i < timing.ticks; ++i) world.step();
   }
@@ -194,12 +201,12 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
       Timing& timing = out.timings[r];
       std::unique_ptr<engine::World>& world = worlds[r];
       progress(fmt::format("{}: {} thread{}{}, {} of {}", run.scene.name, run.threads,
-                           run.threads > 1 ? "s" : "", run.frames ? ", frames" : "", repetition + 1, repeat));
+                           run.threads > 1 ? "s" : "", with_text(run), repetition + 1, repeat));
       if (!world) {
         world = make_world(specs.at(run.scene.name), run.threads, registry);
         while (world->tick() + timing.ticks < timing.hash_tick) world->step();
       }
-      time_steps(*world, timing);
+      time_steps(*world, timing, registry);
       if (world->tick() == timing.hash_tick) {
         const std::uint64_t hash = world->hashes().state;
         if (repetition > 0 && hash != timing.hash) timing.repeatable = false;
@@ -212,6 +219,22 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
         out.probe_s[run.threads].push_back(probe_s(run.threads));
   }
   return out;
+}
+
+std::string with_text(const Run& run) {
+  if (run.frames) return ", frames";
+  return run.watch == Watch::nothing ? std::string() : fmt::format(", {}", watch_name(run.watch));
+}
+
+std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched) {
+  const auto base = std::ranges::find_if(one.timings, [&](const Timing& other) {
+    return other.run.threads == watched.run.threads && other.run.watch == Watch::nothing && !other.run.frames;
+  });
+  if (watched.run.watch == Watch::nothing || base == one.timings.end()) return std::nullopt;
+  std::vector<double> costs;
+  for (std::size_t i = 0; i < watched.wall_s.size(); ++i)
+    costs.push_back(watched.wall_s[i] / base->wall_s[i] - 1);
+  return median(std::move(costs));
 }
 
 std::string missing_frames() {

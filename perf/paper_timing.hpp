@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,13 @@ struct CaseTiming {
 /// from the start. Throws what loading throws, and what drawing throws.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
+
+/// `, frames`, `, hashes`: what a run is with, for messages; empty where it is plain.
+std::string with_text(const Run& run);
+
+/// What looking on takes of the time that the same run takes without: the median over the repetitions. None
+/// for a run that nothing looks at.
+std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
 /// Why no pictures can be drawn here; empty when they can.
 std::string missing_frames();

@@ -1,8 +1,11 @@
 #include "troupe/registry.hpp"
 
+#include "models/coverage.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/measures.hpp"
 #include "models/model_kinds.hpp"
+#include "models/nearness.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "sensors/ranger.hpp"
@@ -16,6 +19,11 @@ engine::Registry make_registry() {
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller()};
+  registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
+                       models::neighbours_measure(),  models::stalls_measure(),
+                       models::held_measure(),        models::displacement_measure(),
+                       models::path_length_measure(), models::mean_speed_measure(),
+                       models::order_measure(),       models::spread_measure()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;
 }

@@ -4,7 +4,7 @@
 
 namespace troupe {
 
-/// Every model, sensor, drive and controller that Troupe ships: the explicit list.
+/// Every model, sensor, drive, controller and measure that Troupe ships: the explicit list.
 engine::Registry make_registry();
 
 }  // namespace troupe

@@ -58,6 +58,9 @@ struct Simulation::Impl {
   std::vector<std::pair<std::string, std::string>> changes;
   /// Where the run was taken up from a checkpoint.
   std::optional<std::uint64_t> resumed_at;
+  /// What it remembered that looked on then, and who remembers now.
+  worldio::Memories memories;
+  std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
 };
 
 /// A body of a world and one of its parts.
@@ -191,6 +194,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
                                                 diagnostics);
   checkpoint.restore(*impl->world);
   impl->resumed_at = checkpoint.tick();
+  impl->memories = checkpoint.memories();
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ")) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -204,7 +208,21 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());
-  worldio::write_checkpoint(checkpoint, *impl_->world, impl_->registry, header);
+  worldio::Memories memories;
+  for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
+  worldio::write_checkpoint(checkpoint, *impl_->world, impl_->registry, header, memories);
+}
+
+void Simulation::on_save(const std::string& name, std::function<std::vector<std::byte>()> memory) {
+  if (memory)
+    impl_->on_save[name] = std::move(memory);
+  else
+    impl_->on_save.erase(name);
+}
+
+std::optional<std::vector<std::byte>> Simulation::saved_memory(const std::string& name) const {
+  const auto found = impl_->memories.find(name);
+  return found == impl_->memories.end() ? std::nullopt : std::optional(found->second);
 }
 
 Simulation::~Simulation() = default;

@@ -5,6 +5,7 @@
 #include "engine/ranging_engine.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -162,6 +163,13 @@ class Simulation {
   /// `run.h5: error: ...`, where the file cannot be written or the build has no HDF5; the checkpoint before
   /// is still there then.
   void save(const std::filesystem::path& checkpoint) const;
+
+  /// What looks on may remember earlier ticks: `memory` is called by each save(), and what it gives is kept
+  /// in the checkpoint under this name, beside the state. Null: no more.
+  void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
+  /// What was kept under this name in the checkpoint that the run was resumed from; nothing where nothing
+  /// was.
+  std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
   /// The tick of the checkpoint that the run was resumed from, if it was.
   std::optional<std::uint64_t> resumed_at_tick() const;

@@ -185,7 +185,7 @@ auto reading(Work&& work) {
 }
 
 std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, const StoredSpec& spec,
-                                const FileHeader& header) {
+                                const FileHeader& header, const Memories& memories) {
   Hdf5File file = Hdf5File::create_in_memory(name, k_seal_bytes);
   write_meta(file, world, header);
   write_spec(file, spec);
@@ -196,13 +196,20 @@ std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, cons
   std::vector<std::uint32_t> subscribed;
   for (const BodyId body : world.subscribed()) subscribed.push_back(body.value);
   file.write("subscribed", std::span<const std::uint32_t>(subscribed));
+  Hdf5Group group = file.create_group("memories");
+  for (const auto& [key, memory] : memories) {
+    if (memory.empty()) continue;
+    Hdf5Dataset dataset = group.create_dataset(hdf5_name(key), Element::u8, {memory.size()});
+    dataset.set_text("name", key);
+    dataset.write_bytes(memory);
+  }
   return file.image();
 }
 
 }  // namespace
 
 void write_checkpoint(const fs::path& file, engine::World& world, const engine::Registry& registry,
-                      const FileHeader& header) {
+                      const FileHeader& header, const Memories& memories) {
   const StoredSpec spec = [&] {
     try {
       return store_spec(world.spec(), registry);
@@ -211,7 +218,7 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
     }
   }();
   // Made in memory: HDF5 does not always survive a disk that is full, and the state must.
-  write_sealed(file, k_checkpoint_kind, k_checkpoint_layout, bytes_of(file, world, spec, header));
+  write_sealed(file, k_checkpoint_kind, k_checkpoint_layout, bytes_of(file, world, spec, header, memories));
 }
 
 Checkpoint::Checkpoint(const fs::path& file)
@@ -246,6 +253,22 @@ engine::WorldSpec Checkpoint::spec(const engine::Registry& registry,
     return StoredSpec{hdf5_.read_text("world"), read_columns(hdf5_)};
   });
   return restore_spec(stored, registry, changes, {diagnostics.files()->add(file_.string()), 0}, diagnostics);
+}
+
+Memories Checkpoint::memories() const {
+  return reading([this] {
+    Memories memories;
+    if (!hdf5_.has_group("memories")) return memories;
+    const Hdf5Group group = hdf5_.group("memories");
+    for (const std::string& name : group.names()) {
+      const Hdf5Dataset dataset = group.dataset(name);
+      if (dataset.element() != Element::u8) dataset.fail("is no memory: these are bytes");
+      std::vector<std::byte>& memory = memories[dataset.text("name")];
+      memory.resize(dataset.values());
+      dataset.read_bytes(0, memory);
+    }
+    return memories;
+  });
 }
 
 void Checkpoint::restore(engine::World& world) const {

@@ -23,8 +23,12 @@ namespace troupe::worldio {
 ///   columns], by the tables' own descriptions; rows by id, which stand
 ///             in /tables/<component>/id
 ///   /subscribed  ids of the bodies whose sensors the program itself had run
+///   /memories/<name>  bytes that what looks on remembers of earlier ticks: beside the state, not of it
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
+
+/// What looks on remembers of earlier ticks, under a name each: no part of the state.
+using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a file of ours says of the run that made it: version, world, seed, effective options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
@@ -32,7 +36,8 @@ using FileHeader = std::vector<std::pair<std::string, std::string>>;
 /// Saves the world as it is between two ticks. Throws std::runtime_error that names the file where it cannot
 /// be written, or the world cannot be said in it; a checkpoint of this name is then what it was before.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
-                      const engine::Registry& registry, const FileHeader& header);
+                      const engine::Registry& registry, const FileHeader& header,
+                      const Memories& memories = {});
 
 /// A checkpoint that was found whole. Whatever is wrong with it, here or later, is an InputError
 /// `run.h5: error: ...`.
@@ -53,6 +58,7 @@ class Checkpoint {
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
+  Memories memories() const;
   /// Puts the state into a world that was made from spec().
   void restore(engine::World& world) const;
 

@@ -109,4 +109,19 @@ std::string world_format_reference(const engine::Registry& registry) {
   return text;
 }
 
+std::string measures_reference(const engine::Registry& registry) {
+  std::string text = "| measure | column | what it is |\n|---|---|---|\n";
+  for (const engine::MeasureKind& kind : registry.measures)
+    text += fmt::format("| `{}` | `{}{}` | {} |\n", kind.name, kind.name,
+                        engine::unit_suffixes(kind.unit).front().suffix, kind.text);
+  for (const engine::MeasureKind& kind : registry.measures) {
+    text += fmt::format("\n### `{}`\n\n{}\n", kind.name, kind.definition);
+    if (kind.params.fields.empty()) continue;
+    text += '\n';
+    append_table(kind.params, text);
+    text.pop_back();
+  }
+  return text;
+}
+
 }  // namespace troupe::worldio

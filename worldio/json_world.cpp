@@ -8,6 +8,7 @@
 #include "worldio/json_record.hpp"
 #include "worldio/json_types.hpp"
 #include "worldio/load.hpp"
+#include "worldio/measures_json.hpp"
 
 #include <fmt/format.h>
 
@@ -96,6 +97,9 @@ class WorldReader {
     read_types(object);
     each(object, "models", [&](const JsonCursor& at) { read_model(at); });
     each(object, "populations", [&](const JsonCursor& at) { read_population(at); });
+    each(object, "measures", [&](const JsonCursor& at) {
+      if (auto measure = read_measure(at, registry_)) spec_.measures.push_back(std::move(*measure));
+    });
     object.finish();
     // Bodies are placed only in a world that is otherwise right: their findings would follow from the others.
     if (!diagnostics_.has_errors()) place_bodies();
@@ -178,6 +182,9 @@ void WorldReader::read_settings(JsonObject& object) {
   const Value quit = read_field(
       object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
   if (quit.given()) spec_.quit_time_s = quit.number();
+  const Value every =
+      read_field(object, {.name = "measure_every", .unit = Unit::seconds, .min = 0, .max = 1e9});
+  if (every.given()) spec_.measure_every_s = every.number();
   const auto& names = engine::k_ranging_engines;
   const Value ranging = read_field(
       object, {.name = "ranging", .type = FieldType::text, .choices = {names.begin(), names.end()}});

@@ -93,6 +93,7 @@ class SpecReader {
 
   void read_settings(JsonObject& object, engine::WorldSpec& spec);
   engine::RecordSpec record(const JsonCursor& at);
+  engine::MeasureSpec measure(const JsonCursor& at);
   void read_names(JsonObject& object, engine::WorldSpec& spec);
   Ring ring(const JsonCursor& at);
   Solid solid(const JsonCursor& at);
@@ -221,6 +222,8 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
   spec.resolution_where = where(object, "resolution_where");
   if (const JsonNode* node = object.find("record"))
     spec.record = record(JsonCursor(object.at(), "record", *node));
+  each_of(object, "measures", [&](const JsonCursor& at) { spec.measures.push_back(measure(at)); });
+  spec.measure_every_s = number(object, "measure_every_s", 0, k_most, spec.measure_every_s);
   if (object.find("bounds_m")) {
     const std::vector<double> b = numbers(object, "bounds_m", 4);
     spec.bounds.emplace();
@@ -244,6 +247,18 @@ engine::RecordSpec SpecReader::record(const JsonCursor& at) {
   record.where_fields = where(object, "where_fields");
   object.finish();
   return record;
+}
+
+engine::MeasureSpec SpecReader::measure(const JsonCursor& at) {
+  JsonObject object(at);
+  engine::MeasureSpec measure;
+  measure.kind = text(object, "kind");
+  measure.name = text(object, "name");
+  measure.of = text(object, "of");
+  measure.params = params(object, "measure", measure.kind, registry_.measures);
+  measure.where = where(object);
+  object.finish();
+  return measure;
 }
 
 void SpecReader::read_names(JsonObject& object, engine::WorldSpec& spec) {

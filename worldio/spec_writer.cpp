@@ -214,6 +214,17 @@ Json record_json(const engine::RecordSpec& record) {
   return json;
 }
 
+Json measure_json(const engine::MeasureSpec& measure, const engine::Registry& registry) {
+  const auto& [kind, name, of, params, where] = measure;
+  Json json;
+  json["kind"] = text_json(kind);
+  json["name"] = text_json(name);
+  json["of"] = text_json(of);
+  json["params"] = params_json(params, params_of(registry.measure(kind), kind));
+  json["where"] = where_json(where);
+  return json;
+}
+
 Json files_json(const SourceFiles* files) {
   Json json = Json::array();
   for (std::uint32_t i = 0; files && i < files->size(); ++i) json.push_back(text_json(files->name(i)));
@@ -247,7 +258,7 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, aliases, part_aliases] = spec;
+               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;
@@ -256,6 +267,10 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   json["tick_s"] = finite(tick_s);
   if (quit_time_s) json["quit_time_s"] = finite(*quit_time_s);
   if (record) json["record"] = record_json(*record);
+  json["measures"] = Json::array();
+  for (const engine::MeasureSpec& measure : measures)
+    json["measures"].push_back(measure_json(measure, registry));
+  json["measure_every_s"] = finite(measure_every_s);
   json["ranging"] = engine::ranging_engine_name(ranging);
   json["resolution_m"] = finite(resolution_m);
   json["resolution_where"] = where_json(resolution_where);

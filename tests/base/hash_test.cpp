@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -26,6 +27,25 @@ TEST(Hash, LongInputsAreTheSameEverywhere) {
   std::string text;
   for (int i = 0; i < 1000; ++i) text += static_cast<char>('a' + i % 26);
   EXPECT_EQ(hex(hash_text(text)), "e153425558d7da5d");
+}
+
+TEST(Hash, OfRowsIsTheSumOfThoseOfIdsWithTheirRows) {
+  std::vector<std::byte> data(4000);
+  for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::byte>(i * 37 + i / 251);
+  const std::array<BodyId, 3> ids = {BodyId(7), BodyId(0), BodyId(4000000000u)};
+  for (std::size_t bytes = 0; bytes < 300; ++bytes)
+    for (const std::size_t stride : {bytes, bytes + 3}) {
+      std::uint64_t sum = 0;
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        std::vector<std::byte> gathered;
+        for (unsigned k = 0; k < 4; ++k) gathered.push_back(static_cast<std::byte>(ids[i].value >> (8 * k)));
+        const auto row = data.begin() + static_cast<std::ptrdiff_t>(1 + i * stride);
+        gathered.insert(gathered.end(), row, row + static_cast<std::ptrdiff_t>(bytes));
+        sum += hash_bytes(gathered, 99);
+      }
+      EXPECT_EQ(hash_rows(ids, data.data() + 1, stride, bytes, 99), sum) << bytes;
+    }
+  EXPECT_EQ(hash_rows({}, nullptr, 8, 8, 99), 0u);
 }
 
 TEST(Hash, OfPiecesIsThatOfTheWhole) {

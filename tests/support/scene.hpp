@@ -1,8 +1,11 @@
 #pragma once
 
 #include "engine/world.hpp"
+#include "models/coverage.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/measures.hpp"
+#include "models/nearness.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "sensors/ranger.hpp"
@@ -21,6 +24,11 @@ inline const engine::Registry& registry() {
     r.sensors = {sensors::ranger_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
     r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+    r.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
+                  models::neighbours_measure(),  models::stalls_measure(),
+                  models::held_measure(),        models::displacement_measure(),
+                  models::path_length_measure(), models::mean_speed_measure(),
+                  models::order_measure(),       models::spread_measure()};
     r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
     return r;
   }();

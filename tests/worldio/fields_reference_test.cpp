@@ -14,8 +14,8 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string document() {
-  std::ifstream file(TROUPE_SOURCE_DIR "/docs/world-format.md");
+std::string document(const char* name = "world-format.md") {
+  std::ifstream file(std::string(TROUPE_SOURCE_DIR "/docs/") + name);
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -52,6 +52,15 @@ TEST(WorldFormatReference, StandsInTheDocument) {
     std::ofstream(made) << reference;
     ADD_FAILURE() << "docs/world-format.md does not hold what the field tables say; put in the contents of "
                   << made;
+  }
+}
+
+TEST(MeasuresReference, StandsInTheDocument) {
+  const std::string reference = measures_reference(make_registry());
+  if (document("measures.md").find(reference) == std::string::npos) {
+    const std::string made = TROUPE_BINARY_DIR "/measures-reference.md";
+    std::ofstream(made) << reference;
+    ADD_FAILURE() << "docs/measures.md does not hold what the kinds say; put in the contents of " << made;
   }
 }
 

@@ -47,7 +47,7 @@ class Comparison {
   void compare() {
     // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
     const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-                 bounds, types, names, bodies, aliases, part_aliases] = a_;
+                 bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s] = a_;
     EXPECT_EQ(title, b_.title);
     EXPECT_TRUE(files && b_.files);
     EXPECT_EQ(seed, b_.seed);
@@ -55,6 +55,9 @@ class Comparison {
     EXPECT_EQ(quit_time_s, b_.quit_time_s);
     ASSERT_EQ(record.has_value(), b_.record.has_value());
     if (record) same(*record, *b_.record);
+    ASSERT_EQ(measures.size(), b_.measures.size());
+    for (std::size_t i = 0; i < measures.size(); ++i) same(measures[i], b_.measures[i]);
+    same(measure_every_s, b_.measure_every_s);
     EXPECT_EQ(ranging, b_.ranging);
     same(resolution_m, b_.resolution_m);
     same(resolution_where, b_.resolution_where);
@@ -106,6 +109,14 @@ class Comparison {
     EXPECT_EQ(every_s, b.every_s);
     same(where, b.where);
     same(where_fields, b.where_fields);
+  }
+  void same(const engine::MeasureSpec& a, const engine::MeasureSpec& b) {
+    const auto& [kind, name, of, params, where] = a;
+    EXPECT_EQ(kind, b.kind);
+    EXPECT_EQ(name, b.name);
+    EXPECT_EQ(of, b.of);
+    EXPECT_EQ(params, b.params);
+    same(where, b.where);
   }
   void same(const engine::PartSpec& a, const engine::PartSpec& b) {
     const auto& [name, alias, kind, pose, size, solids, returns, floor_plan, color, where] = a;
@@ -194,6 +205,8 @@ WorldSpec full_spec() {
   spec.tick_s = 0.1 + 1e-17;
   spec.quit_time_s = 1.0 / 3;
   spec.record = engine::RecordSpec{"a.h5", {"pose", "ranges"}, 0.3, {file, 1}, {file, 2}};
+  spec.measures = {{"coverage", "fine", "r", {0.1}, {file, 4}}, {"order", "", "", {}, {file, 5}}};
+  spec.measure_every_s = 0.7;
   spec.ranging = engine::RangingEngine::grid;
   spec.resolution_m = 0.1;
   spec.resolution_where = {file, 3};

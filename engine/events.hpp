@@ -1,0 +1,50 @@
+#pragma once
+
+#include "engine/world.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+/// What may happen to a robot.
+enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins };
+
+struct EventKind {
+  EventType type;
+  std::string_view name;
+  std::string_view text;
+};
+/// All of them, in the order in which one robot's events of one tick are told: the order of EventType.
+std::span<const EventKind> event_kinds();
+std::string_view event_name(EventType type);
+
+struct Event {
+  EventType type;
+  BodyId body;
+};
+
+/// Finds what happened in a tick from two states that follow one another: it remembers nothing that is not in
+/// the first, so that it may begin with any.
+class EventWatch {
+ public:
+  /// Begins with the state that the world is in.
+  explicit EventWatch(const World& world);
+
+  /// The events of the tick that has just ended, by id. To be called after every step; of a tick that does
+  /// not follow the last one (after a reset) nothing is told. Valid until the next call.
+  std::span<const Event> see(const World& world);
+
+ private:
+  enum Stall : std::uint8_t { k_free, k_refused, k_held };
+  static Stall stall_of(const World& world, Row row);
+  void remember(const World& world);
+
+  std::uint64_t tick_ = 0;
+  std::vector<Stall> stalls_;  // a row each
+  std::vector<Event> events_;
+};
+
+}  // namespace troupe::engine

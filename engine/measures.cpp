@@ -1,0 +1,129 @@
+#include "engine/measures.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+}
+
+/// What `of` may name, but for single robots: types and populations.
+std::vector<std::string> names_of_robots(const World& world) {
+  std::set<std::string> names;
+  const WorldSpec& spec = world.spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (!row.valid() || !world.type(row).drive) continue;
+    names.insert(world.type(row).name);
+    std::string name = spec.name(BodyId(b));
+    name.erase(name.find_last_not_of("0123456789") + 1);
+    if (!name.empty()) names.insert(std::move(name));
+  }
+  return {names.begin(), names.end()};
+}
+
+std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
+  const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
+  if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
+  return fmt::format("{}{}{}{}", kind.name, unit, spec.of.empty() ? "" : ":", spec.of);
+}
+
+}  // namespace
+
+MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
+                       Diagnostics& diagnostics)
+    : world_(world) {
+  for (const MeasureSpec& spec : specs) {
+    const MeasureKind* kind = registry.measure(spec.kind);
+    if (!kind) {
+      std::vector<std::string_view> known;
+      for (const MeasureKind& one : registry.measures) known.push_back(one.name);
+      diagnostics.error(spec.where, unknown_name("measure", spec.kind, known));
+      continue;
+    }
+    std::vector<Row> robots = robots_of(world, spec.of);
+    if (robots.empty() && !spec.of.empty()) {
+      const std::vector<std::string> known = names_of_robots(world);
+      diagnostics.error(spec.where, unknown_name("type or population of robots", spec.of,
+                                                 std::vector<std::string_view>(known.begin(), known.end())));
+      continue;
+    }
+    std::string column = column_name(spec, *kind);
+    if (std::ranges::find(columns_, column) != columns_.end()) {
+      diagnostics.error(spec.where, fmt::format("a second measure \"{}\": give one of them a name", column));
+      continue;
+    }
+    try {
+      measures_.push_back(kind->make(world, spec.params, robots));
+    } catch (const std::length_error& fault) {
+      diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, fault.what()));
+      continue;
+    }
+    parts_.push_back({kind, spec.params, std::move(robots)});
+    columns_.push_back(std::move(column));
+  }
+  seen_ = world_.tick();
+  for (const auto& measure : measures_) measure->see(world_);
+}
+
+void MeasureSet::begin() {
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    measures_[i] = parts_[i].kind->make(world_, parts_[i].params, parts_[i].robots);
+}
+
+void MeasureSet::see() {
+  if (world_.tick() == seen_) return;
+  if (world_.tick() != seen_ + 1) begin();
+  seen_ = world_.tick();
+  for (const auto& measure : measures_) measure->see(world_);
+}
+
+std::vector<double> MeasureSet::values() {
+  std::vector<double> values;
+  for (const auto& measure : measures_) values.push_back(measure->value(world_));
+  return values;
+}
+
+std::vector<std::byte> MeasureSet::memory() const {
+  std::vector<std::byte> all;
+  for (const auto& measure : measures_) {
+    const std::span<const std::byte> own = measure->memory();
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+bool MeasureSet::remember(std::span<const std::byte> memory) {
+  std::size_t size = 0;
+  for (const auto& measure : measures_) size += measure->memory().size();
+  if (size != memory.size()) return false;
+  for (const auto& measure : measures_) {
+    const std::span<std::byte> own = measure->memory();
+    std::ranges::copy(memory.first(own.size()), own.begin());
+    memory = memory.subspan(own.size());
+  }
+  return true;
+}
+
+std::vector<Row> robots_of(const World& world, std::string_view of) {
+  std::vector<Row> robots;
+  const WorldSpec& spec = world.spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (!row.valid() || !world.type(row).drive) continue;
+    if (!of.empty() && world.type(row).name != of) {
+      const std::string name = spec.name(BodyId(b));
+      if (!name.starts_with(of) || (name.size() > of.size() && !is_number(name.substr(of.size())))) continue;
+    }
+    robots.push_back(row);
+  }
+  return robots;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "engine/measure_kind.hpp"
+
+/// Measures that look at each robot by itself. Their definitions stand in the kinds (`troupe describe`).
+namespace troupe::models {
+
+engine::MeasureKind stalls_measure();
+engine::MeasureKind held_measure();
+engine::MeasureKind displacement_measure();
+engine::MeasureKind path_length_measure();
+engine::MeasureKind mean_speed_measure();
+engine::MeasureKind order_measure();
+engine::MeasureKind spread_measure();
+
+}  // namespace troupe::models

@@ -1,0 +1,197 @@
+#include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Info : public ProgramTest {
+ protected:
+  Info() { write("room.world", k_room); }
+
+  /// What is told of a file, its lines without indent and with single spaces.
+  std::vector<std::string> info(const std::string& name) const {
+    const Outcome outcome = troupe({"info", name});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> lines;
+    for (const std::string& line : lines_of(outcome.out)) {
+      lines.emplace_back();
+      for (const char c : line)
+        if (c != ' ' || (!lines.back().empty() && lines.back().back() != ' ')) lines.back() += c;
+    }
+    return lines;
+  }
+
+  void run(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"run", "room.world", "--quiet", "--for", "2", "--seed", "7"});
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  /// Copies a file without its last bytes, under a name that says nothing.
+  void cut(const std::string& name, std::size_t bytes) {
+    const std::string text = read(name);
+    write("copy", text.substr(0, text.size() - bytes));
+  }
+
+  std::string error_of(const std::string& name) const {
+    const Outcome outcome = troupe({"info", name});
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    return outcome.err;
+  }
+};
+
+TEST_F(Info, OfAHashLogWhateverItsName) {
+  run({"--hash-log", "odd.csv", "--threads", "2"});
+  const std::vector<std::string> lines = info("odd.csv");
+  EXPECT_THAT(lines, Contains("kind hash log, format 1"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("world room.world"));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("robots 12"));
+  EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
+  EXPECT_THAT(lines, Contains("last state " + lines_of(read("odd.csv")).back().substr(3, 16)));
+  EXPECT_EQ(lines.back(), "whole yes");
+
+  cut("odd.csv", 1);
+  EXPECT_THAT(info("copy"), Contains("ticks 0 to 19, 0 to 1.9 s"));
+  EXPECT_THAT(info("copy").back(), StartsWith("whole no: copy:"));
+}
+
+TEST_F(Info, OfATableOfMeasures) {
+  run({"--measures", "m", "--measure", "stalls,displacement", "--measure-every", "0.5"});
+  EXPECT_THAT(info("m"), ElementsAre("m", "kind table of measures", "measures stalls,displacement_m",
+                                     "lines 5", "ticks 0 to 20, 0 to 2 s", "whole yes"));
+  cut("m", 3);
+  EXPECT_THAT(info("copy"),
+              ElementsAre("copy", "kind table of measures", "measures stalls,displacement_m", "lines 4",
+                          "ticks 0 to 15, 0 to 1.5 s", "whole no: it was cut off in line 6"));
+  write("copy", "tick,time_s,order\n0,0,1\nx,1,1\n");
+  EXPECT_EQ(error_of("copy"), "copy:3: error: the line does not begin with a tick and its time\n");
+}
+
+TEST_F(Info, OfATableOfEvents) {
+  write("e",
+        "tick,time_s,event,robot,id,x_m,y_m,heading_rad\n"
+        "3,0.3,stall_begins,\"a,b\",4,0,0,0\n"
+        "5,0.5,stall_ends,\"a,b\",4,0,0,0\n"
+        "9,0.9,stall_begins,r,5,0,0,0\n");
+  EXPECT_THAT(info("e"), ElementsAre("e", "kind table of events", "events 3", "stall_begins 2",
+                                     "stall_ends 1", "ticks 3 to 9, 0.3 to 0.9 s", "whole yes"));
+  run({"--events", "own"});
+  EXPECT_THAT(info("own"), AllOf(Contains("kind table of events"), Contains("whole yes")));
+  write("none", "tick,time_s,event,robot,id,x_m,y_m,heading_rad\n");
+  EXPECT_THAT(info("none"), AllOf(Contains("events 0"), Contains("ticks none"), Contains("whole yes")));
+}
+
+TEST_F(Info, OfAProfile) {
+  run({"--profile", "p.json", "--profile-ticks", "3:6"});
+  const std::vector<std::string> lines = info("p.json");
+  EXPECT_THAT(lines, Contains("kind profile, in the Trace Event Format"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("ticks 4"));
+  EXPECT_EQ(lines.back(), "whole yes");
+  cut("p.json", 30);
+  EXPECT_EQ(info("copy").back(), "whole no: it was cut off");
+}
+
+TEST_F(Info, OfARecording) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--record", "r", "--record-every", "0.5", "--record-fields", "pose,ranges"});
+  const std::vector<std::string> lines = info("r");
+  EXPECT_THAT(lines, Contains("kind recording, layout 1"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("world room.world"));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("bodies 12"));
+  EXPECT_THAT(lines, Contains("frames 5"));
+  EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
+  EXPECT_THAT(lines, Contains("pose x, y, z, heading"));
+  EXPECT_THAT(lines, Contains(HasSubstr("ranges[9]")));
+  EXPECT_EQ(lines.back(), "whole yes");
+
+  write("copy", read("r").substr(0, 3000));
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+  write("copy", read("r").substr(0, 8) + std::string(4000, 'x'));
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+}
+
+TEST_F(Info, OfACheckpoint) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--checkpoint", "c", "--hash-log", "h.log"});
+  const std::vector<std::string> lines = info("c");
+  EXPECT_THAT(lines, Contains("kind checkpoint, layout 1"));
+  EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
+  EXPECT_THAT(lines, Contains("world room.world"));
+  EXPECT_THAT(lines, Contains("seed 7"));
+  EXPECT_THAT(lines, Contains("robots 12"));
+  EXPECT_THAT(lines, Contains("tick 20, 2 s"));
+  EXPECT_THAT(lines, Contains("state " + lines_of(read("h.log")).back().substr(3, 16)));
+  EXPECT_EQ(lines.back(), "whole yes");
+  cut("c", 1);
+  EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+}
+
+TEST_F(Info, OfWorlds) {
+  write("stage", std::string("# a comment\n\n# and another\n") + std::string(k_room));
+  const std::vector<std::string> stage = info("stage");
+  EXPECT_THAT(stage, Contains("kind world, in Stage's syntax"));
+  EXPECT_THAT(stage, Contains("robots 12"));
+  EXPECT_THAT(stage, Contains("other models 4"));
+  EXPECT_THAT(stage, Contains("seed 1"));
+  EXPECT_THAT(stage, Contains("tick 0.1 s"));
+
+  write("ours",
+        R"(  {"title": "T", "troupe": 1, "seed": 9, "quit_time_s": 3, "measures": ["order", "stalls:b"],
+    "types": {"bot": {"size_m": [1, 1, 1], "drive": {"kind": "omni"}, "controller": {"kind": "script"}}},
+    "populations": [{"name": "b", "type": "bot", "count": 2,
+                     "place": {"rule": "uniform", "region_m": [[0, 0], [9, 9]]}}]})");
+  EXPECT_THAT(info("ours"),
+              ElementsAre("ours", "kind world, in JSON, format 1", "title T", "seed 9", "tick 0.1 s",
+                          "ends at 3 s", "ranging exact", "robots 2", "bot 2: omni, script", "other models 0",
+                          "bounds none: 100 km in each direction", "measures order, stalls:b"));
+}
+
+TEST_F(Info, WrongWorldsTellWhatIsWrong) {
+  write("ours", "{\"troupe\": 1,\n \"sed\": 9}");
+  EXPECT_THAT(error_of("ours"), StartsWith("ours:2: error: unknown key \"sed\""));
+  write("ours", "{\"troupe\": 1,\n \"seed\": ");
+  EXPECT_THAT(error_of("ours"), StartsWith("ours:2: error: "));
+  write("stage", "define bot position ( size [1 1\n");
+  EXPECT_THAT(error_of("stage"), StartsWith("stage:"));
+}
+
+TEST_F(Info, OtherFilesAreNoneOfOurs) {
+  const std::string what =
+      ": error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, ";
+  write("notes", "Buy milk (and bread)\n");
+  write("empty", "");
+  write("other.json", "{\"name\": [1, 2]}");
+  write("list.json", "[1, 2]");
+  write("bytes", std::string("define\0x", 8));
+  write("other.csv", "time,x\n1,2\n");
+  for (const char* name : {"notes", "empty", "other.json", "list.json", "bytes", "other.csv"})
+    EXPECT_THAT(error_of(name), StartsWith(name + what)) << name;
+  EXPECT_EQ(error_of("nowhere"), "nowhere: error: there is no such file\n");
+  EXPECT_EQ(error_of("."), ".: error: this is a folder\n");
+}
+
+TEST_F(Info, HelpSaysWhatItTakes) {
+  const Outcome outcome = troupe({"info", "--help"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("hash log"), HasSubstr("Exit codes: 0 told; 2 ")));
+}
+
+}  // namespace
+}  // namespace troupe::apps

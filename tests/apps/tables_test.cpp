@@ -1,0 +1,297 @@
+#include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+class Tables : public ProgramTest {
+ protected:
+  Tables() { write("room.world", k_room); }
+
+  /// A run of the room that must end well.
+  void run(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"run", "room.world", "--quiet"});
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  /// What must be refused, with one line, and nothing written.
+  void refused(std::vector<std::string> options, const std::string& message) const {
+    const std::vector<std::string> before = files();
+    options.insert(options.begin(), {"run", "room.world", "--for", "1"});
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(message));
+    EXPECT_EQ(files(), before);
+  }
+};
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',')
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  return cells;
+}
+
+double number_of(const std::string& text) {
+  double value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  EXPECT_EQ(result.ptr, text.data() + text.size()) << text;
+  return value;
+}
+
+TEST_F(Tables, MeasuresHaveALineOfNamesAndOneForEachSample) {
+  run({"--for", "2", "--measures", "m.csv", "--measure", "stalls,displacement", "--measure", "coverage",
+       "--measure-every", "0.5"});
+  const std::vector<std::string> lines = lines_of(read("m.csv"));
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(lines[0], "tick,time_s,stalls,displacement_m,coverage");
+  EXPECT_THAT(lines[1], StartsWith("0,0,0,0,"));
+  EXPECT_THAT(lines[2], StartsWith("5,0.5,"));
+  EXPECT_THAT(lines[5], StartsWith("20,2,"));
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> cells = cells_of(lines[i]);
+    ASSERT_EQ(cells.size(), 5u);
+    for (const std::string& cell : cells) number_of(cell);
+    if (i > 1) {
+      EXPECT_GE(number_of(cells[4]), number_of(cells_of(lines[i - 1])[4]));
+    }
+  }
+  EXPECT_GT(number_of(cells_of(lines[5])[3]), 0.1);
+}
+
+TEST_F(Tables, WithoutAnyNameEveryMeasureIsTakenEverySecond) {
+  run({"--for", "2", "--measures", "m.csv"});
+  const std::vector<std::string> lines = lines_of(read("m.csv"));
+  EXPECT_EQ(
+      lines[0],
+      "tick,time_s,coverage,mean_nearest_distance_m,neighbours,stalls,held,displacement_m,path_length_m,"
+      "mean_speed_mps,order,spread_m");
+  EXPECT_THAT(lines, ElementsAre(StartsWith("tick"), StartsWith("0,"), StartsWith("10,"), StartsWith("20,")));
+}
+
+TEST_F(Tables, EveryTickIsAskedForWithZero) {
+  run({"--for", "1", "--measures", "m.csv", "--measure", "order", "--measure-every", "0"});
+  EXPECT_THAT(lines_of(read("m.csv")), SizeIs(12));
+}
+
+TEST_F(Tables, AreTheSameOnAnyThreadsAndTilesAndChangeNoHash) {
+  std::vector<std::string> measures, events, hashes;
+  for (const char* threads : {"1", "2", "8"})
+    for (const char* tile : {"1", "5"}) {
+      run({"--for", "20", "--threads", threads, "--tile-size", tile, "--measures", "m.csv", "--measure-every",
+           "0.1", "--events", "e.csv", "--hash-log", "h.log"});
+      measures.push_back(read("m.csv"));
+      events.push_back(read("e.csv"));
+      hashes.push_back(lines_of(read("h.log")).back());
+    }
+  run({"--for", "20", "--hash-log", "h.log"});
+  hashes.push_back(lines_of(read("h.log")).back());
+  EXPECT_THAT(measures, Each(measures.front()));
+  EXPECT_THAT(events, Each(events.front()));
+  EXPECT_THAT(hashes, Each(hashes.front()));
+  EXPECT_GT(lines_of(events.front()).size(), 1u);
+}
+
+TEST_F(Tables, EventsAddUpToTheStallsThatAreMeasured) {
+  run({"--for", "20", "--measures", "m.csv", "--measure", "stalls", "--measure-every", "0", "--events",
+       "e.csv"});
+  const std::vector<std::string> events = lines_of(read("e.csv"));
+  EXPECT_EQ(events[0], "tick,time_s,event,robot,id,x_m,y_m,heading_rad");
+  std::map<std::string, int> change;  // by tick
+  int last_tick = 0;
+  for (std::size_t i = 1; i < events.size(); ++i) {
+    EXPECT_THAT(events[i], MatchesRegex("[0-9]+,[0-9.]+,(stall|held)_(begins|ends),position:[0-9]+,[0-9]+,"
+                                        "[-0-9.e]+,[-0-9.e]+,[-0-9.e]+"));
+    const std::vector<std::string> cells = cells_of(events[i]);
+    change[cells[0]] += cells[2].ends_with("_begins") ? 1 : -1;
+    EXPECT_GE(std::stoi(cells[0]), last_tick);
+    last_tick = std::stoi(cells[0]);
+  }
+  EXPECT_GT(events.size(), 3u);
+  int stalled = 0;
+  const std::vector<std::string> lines = lines_of(read("m.csv"));
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> cells = cells_of(lines[i]);
+    stalled += change[cells[0]];
+    EXPECT_EQ(cells[2], std::to_string(stalled)) << lines[i];
+  }
+}
+
+TEST_F(Tables, NamesThatNeedItStandInQuotes) {
+  write("odd.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+            "controller": {"kind": "script", "legs": [{"until_s": 9, "forward_mps": 1}]}},
+    "wall": {"size_m": [0.1, 1, 1]}},
+    "models": [{"name": "a \"b\", c", "type": "bot"}, {"name": "w", "type": "wall", "pose": {"x_m": 0.4}}]})");
+  EXPECT_EQ(troupe({"run", "odd.json", "--quiet", "--for", "1", "--events", "e.csv"}).code, 0);
+  const std::vector<std::string> lines = lines_of(read("e.csv"));
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_THAT(lines[1], HasSubstr(",stall_begins,\"a \"\"b\"\", c\",1,"));
+}
+
+TEST_F(Tables, AWorldMaySayWhatIsMeasuredAndTheCommandLineBeatsIt) {
+  const std::string world = R"({"troupe": 1, "measure_every_s": 0.2,
+    "measures": ["order", {"kind": "coverage", "name": "fine", "cell_m": 0.5}, "stalls:a",
+                 {"kind": "displacement", "of": "bot"}],
+    "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "a", "type": "bot", "count": 3, "place": {"rule": "uniform", "region_m": [[0, 0], [4, 4]]}},
+                    {"name": "b", "type": "bot", "count": 2, "place": {"rule": "uniform", "region_m": [[4, 4], [8, 8]]}}]})";
+  write("w.json", world);
+  EXPECT_EQ(troupe({"run", "w.json", "--quiet", "--for", "1", "--measures", "m.csv"}).code, 0);
+  EXPECT_THAT(lines_of(read("m.csv")),
+              AllOf(SizeIs(7), Contains("tick,time_s,order,fine,stalls:a,displacement_m:bot")));
+  EXPECT_EQ(troupe({"run", "w.json", "--quiet", "--for", "1", "--measures", "m.csv", "--measure",
+                    "neighbours:b,spread", "--measure",
+                    R"({"kind": "neighbours", "name": "wide", "radius_m": 9})", "--measure-every", "0.5"})
+                .code,
+            0);
+  EXPECT_THAT(lines_of(read("m.csv")), AllOf(SizeIs(4), Contains("tick,time_s,neighbours:b,spread_m,wide")));
+}
+
+TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
+  write("w.json",
+        "{\"troupe\": 1,\n \"measures\": [\n  \"stals\",\n  {\"kind\": \"coverage\", \"cell_m\": 0},\n"
+        "  {\"kind\": \"order\", \"name\": \"a,b\"},\n  7, \"stalls:\",\n {\"of\": \"x\"}]}");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ElementsAre(
+          StartsWith("w.json:3: error: /measures/0: unknown measure \"stals\"; known: "),
+          StartsWith("w.json:4: error: /measures/1/cell_m: "),
+          "w.json:5: error: /measures/2/name: \"a,b\" is no name of a column: letters, digits and _ - . : "
+          "may "
+          "stand in it",
+          StartsWith(
+              "w.json:6: error: /measures/3: expected the name of a measure, or {\"kind\": ..., ...}, "),
+          "w.json:6: error: /measures/4: \"stalls:\": the name of a type, a population or a robot stands "
+          "behind the colon",
+          StartsWith("w.json:7: error: /measures/5: missing \"kind\"")));
+  write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:nobody\"]}");
+  EXPECT_THAT(
+      lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
+      ElementsAre("w.json:3: error: unknown type or population of robots \"nobody\"; there are none"));
+}
+
+TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
+  refused({"--measures", "m.csv", "--measure", "coverge", "--hash-log", "h.log"},
+          "measure coverge: error: unknown measure \"coverge\"; known: coverage, displacement, held, "
+          "mean_nearest_distance, mean_speed, neighbours, order, path_length, spread, stalls (did you mean "
+          "\"coverage\"?)");
+  refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
+  refused({"--events", "m.csv", "--measures", "./m.csv"},
+          "m.csv: error: cannot be written: another output has the same name");
+  refused({"--measure", "order"}, "troupe run: error: --measure requires --measures; see troupe run --help");
+  refused({"--measures", "m.csv", "--measure", "order,,stalls"},
+          "troupe run: error: --measure: \"order,,stalls\" is not a list of measures, as in --measure "
+          "coverage,stalls; `troupe describe` lists them; see troupe run --help");
+  refused(
+      {"--measures", "m.csv", "--measure-every", "-1"},
+      "troupe run: error: --measure-every: \"-1\" is not a time in seconds, from 0 to 1e9; see troupe run "
+      "--help");
+}
+
+TEST_F(Tables, AnExistingTableIsOverwrittenLikeAHashLog) {
+  write("m.csv", "old\n");
+  write("e.csv", std::string(100000, 'x'));
+  run({"--for", "0.1", "--measures", "m.csv", "--measure", "order", "--events", "e.csv"});
+  EXPECT_THAT(lines_of(read("m.csv")), ElementsAre("tick,time_s,order", StartsWith("0,0,")));
+  EXPECT_THAT(lines_of(read("e.csv")).front(), StartsWith("tick,time_s,event,"));
+}
+
+TEST_F(Tables, AFullDiskIsAFailureAndNotASuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  for (const char* option : {"--measures", "--events"}) {
+    const Outcome outcome = troupe({"run", "room.world", "--for", "1", option, "/dev/full"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("/dev/full: error: writing failed at tick 0"));
+  }
+}
+
+TEST_F(Tables, GoOnWithARunThatIsResumedAsIfItHadNeverStopped) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const std::vector<std::string> outputs{"--measures", "m.csv",    "--measure-every",
+                                         "0.3",        "--events", "e.csv"};
+  const auto with_outputs = [&](std::vector<std::string> options) {
+    options.insert(options.end(), outputs.begin(), outputs.end());
+    return options;
+  };
+  run(with_outputs({"--for", "20"}));
+  const std::string measures = read("m.csv");
+  const std::string events = read("e.csv");
+  ASSERT_GT(lines_of(events).size(), 3u);
+  for (const char* stop : {"6", "7.1"}) {  // with a line for that tick, and without
+    run(with_outputs({"--for", stop, "--checkpoint", "c.h5", "--force"}));
+    // What a run that was killed later had written already is written again.
+    write("m.csv", read("m.csv") + "90,9,1,1,1,1,1,1,1,1,1,1\n93,9.3");
+    write("e.csv", read("e.csv") + "90,9,stall_begins,r,1,0,0,0\n");
+    const Outcome resumed =
+        troupe(with_outputs({"resume", "c.h5", "--quiet", "--for", "20", "--threads", "1"}));
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(read("m.csv"), measures) << stop;
+    EXPECT_EQ(read("e.csv"), events) << stop;
+  }
+}
+
+TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--for", "1", "--measures", "m.csv", "--measure", "coverage"});
+  run({"--for", "1", "--checkpoint", "c.h5"});
+  const std::string before = read("m.csv");
+  const std::vector<std::string> resume{"resume", "c.h5", "--for", "2", "--measures", "m.csv", "--measure"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), resume.begin(), resume.end());
+    return troupe(more);
+  };
+  Outcome outcome = with({"coverage"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ElementsAre("m.csv: error: the table cannot go on: the checkpoint was saved without these measures, "
+                  "and does not say what they remembered; choose another file"));
+  outcome = with({"order"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("m.csv: error: cannot be written: to go on with it, its first line had to "
+                        "be tick,time_s,order"));
+  EXPECT_EQ(read("m.csv"), before);
+}
+
+TEST_F(Tables, DescribeTellsWhatIsMeasured) {
+  const Outcome list = troupe({"describe"});
+  EXPECT_THAT(lines_of(list.out), Contains("measures"));
+  EXPECT_THAT(lines_of(list.out), Contains("events"));
+  EXPECT_THAT(lines_of(list.out), Contains(StartsWith("  stall_begins ")));
+  const Outcome one = troupe({"describe", "mean_nearest_distance"});
+  EXPECT_EQ(one.code, 0);
+  EXPECT_THAT(one.out,
+              AllOf(StartsWith("measure mean_nearest_distance (m): "), HasSubstr("Clark and Evans")));
+  EXPECT_THAT(troupe({"describe", "coverage"}).out, HasSubstr("cell_m (_cm, _mm)"));
+}
+
+}  // namespace
+}  // namespace troupe::apps

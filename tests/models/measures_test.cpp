@@ -1,0 +1,389 @@
+#include "engine/measures.hpp"
+
+#include "tests/support/scene.hpp"
+#include "tests/support/slow_build.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+#include <set>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::MeasureSet;
+using engine::MeasureSpec;
+using engine::World;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::size_t k_minibots = test::k_slow_build ? 60 : 1500;  // several blocks of a sum
+constexpr double k_edge_m = test::k_slow_build ? 6 : 20;
+
+double draw(std::mt19937_64& words, double low, double high) {
+  return low + (high - low) * static_cast<double>(words() >> 11) * 0x1p-53;
+}
+
+Ring turned_box(double x, double y, double size_x, double size_y, double angle) {
+  Ring ring = test::box_ring(size_x, size_y);
+  for (Vec2& v : ring)
+    v = Vec2(x + std::cos(angle) * v.x() - std::sin(angle) * v.y(),
+             y + std::sin(angle) * v.x() + std::cos(angle) * v.y());
+  return ring;
+}
+
+/// Minibots and some trucks that drive about at random among two crates that stand askew; they start
+/// anywhere, so that some overlap.
+test::SceneBuilder crowd(bool bounded = true) {
+  test::SceneBuilder scene;
+  std::mt19937_64 words(5);
+  const double half = k_edge_m / 2;
+  const TypeId crate = scene.type("crate", {Solid{{turned_box(0, 0, k_edge_m / 4, 0.7, 0.3)}, {0, 1}}});
+  scene.body("crate0", crate, {0.2 * k_edge_m, 1, 0, 0});
+  scene.body("crate1", crate, {-0.2 * k_edge_m, -1, 0, 1});
+  const TypeId minibot = scene.robot("minibot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+  const TypeId truck = scene.robot("truck", {Solid{{test::box_ring(2.5, 0.8)}, {0, 1}}});
+  const auto anywhere = [&] {
+    return Pose{draw(words, -half, half), draw(words, -half, half), 0, draw(words, -3, 3)};
+  };
+  for (std::size_t i = 0; i < k_minibots; ++i) scene.body(fmt::format("m{}", i), minibot, anywhere());
+  for (std::size_t i = 0; i < 10; ++i) scene.body(fmt::format("t{}", i), truck, anywhere());
+  if (bounded) scene.spec.bounds = Box::around(Vec2::Zero(), half);
+  return scene;
+}
+
+void step_at_random(World& world, std::mt19937_64& words) {
+  for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (row.valid() && words() % 4 != 0)
+      world.set_command(row, {draw(words, -1, 1), draw(words, -1, 1), draw(words, -2, 2)});
+  }
+  world.step();
+}
+
+MeasureSpec spec(std::string kind, std::string of = {},
+                 std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+  const engine::MeasureKind* known = test::registry().measure(kind);
+  return {.kind = std::move(kind),
+          .of = std::move(of),
+          .params = known ? test::record(known->params, values) : engine::Record{}};
+}
+
+std::vector<MeasureSpec> all_specs() {
+  std::vector<MeasureSpec> specs;
+  for (const char* of : {"", "minibot", "t"})
+    for (const engine::MeasureKind& kind : test::registry().measures) {
+      specs.push_back(spec(std::string(kind.name), of));
+      if (kind.name == "coverage") specs.back().params = test::record(kind.params, {{"cell", 0.37}});
+    }
+  return specs;
+}
+
+MeasureSet measures(World& world, const std::vector<MeasureSpec>& specs) {
+  Diagnostics diagnostics;
+  MeasureSet set(world, test::registry(), specs, diagnostics);
+  diagnostics.throw_if_errors();
+  return set;
+}
+
+double value(World& world, const MeasureSpec& one) { return measures(world, {one}).value(0); }
+
+/// What the definitions say, all robots against all, from poses alone.
+class Oracle {
+ public:
+  Oracle(const World& world, std::string prefix) : prefix_(std::move(prefix)), start_(poses(world)) {
+    see(world);
+  }
+
+  void see(const World& world) {
+    const std::vector<Pose> now = poses(world);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      way_ += std::hypot(now[i].x - last(i).x, now[i].y - last(i).y);
+      visited_.insert({std::floor(now[i].x / k_cell_m), std::floor(now[i].y / k_cell_m)});
+    }
+    before_ = now_;
+    now_ = now;
+  }
+
+  double mean_nearest_distance() const {
+    double sum = 0;
+    for (const Pose& a : now_) {
+      double nearest = 1e9;
+      for (const Pose& b : now_)
+        if (&a != &b) nearest = std::min(nearest, std::hypot(a.x - b.x, a.y - b.y));
+      sum += nearest;
+    }
+    return sum / size();
+  }
+  double neighbours() const {
+    std::size_t count = 0;
+    for (const Pose& a : now_)
+      for (const Pose& b : now_) count += &a != &b && std::hypot(a.x - b.x, a.y - b.y) <= 1;
+    return static_cast<double>(count) / size();
+  }
+  double displacement() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < now_.size(); ++i)
+      sum += std::hypot(now_[i].x - start_[i].x, now_[i].y - start_[i].y);
+    return sum / size();
+  }
+  double path_length() const { return way_ / size(); }
+  double mean_speed(double tick_s) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < before_.size(); ++i)
+      sum += std::hypot(now_[i].x - before_[i].x, now_[i].y - before_[i].y) / tick_s;
+    return sum / size();
+  }
+  double order() const {
+    double x = 0;
+    double y = 0;
+    for (const Pose& pose : now_) {
+      x += std::cos(pose.heading);
+      y += std::sin(pose.heading);
+    }
+    return std::hypot(x, y) / size();
+  }
+  double spread() const {
+    double x = 0;
+    double y = 0;
+    for (const Pose& pose : now_) {
+      x += pose.x / size();
+      y += pose.y / size();
+    }
+    double sum = 0;
+    for (const Pose& pose : now_) sum += std::hypot(pose.x - x, pose.y - y);
+    return sum / size();
+  }
+  double coverage(const World& world) const {
+    std::size_t free = 0;
+    std::size_t visited = 0;
+    const Box& ground = *world.spec().bounds;
+    for (double x = std::floor(ground.min.x() / k_cell_m); x <= ground.max.x() / k_cell_m; ++x)
+      for (double y = std::floor(ground.min.y() / k_cell_m); y <= ground.max.y() / k_cell_m; ++y) {
+        const Vec2 centre((x + 0.5) * k_cell_m, (y + 0.5) * k_cell_m);
+        bool is_free = ground.contains(centre);
+        for (const partition::FixedSolid& solid : world.scene().solids())
+          is_free = is_free && !contains(solid.solid, centre);
+        free += is_free;
+        visited += is_free && visited_.contains({x, y});
+      }
+    return static_cast<double>(visited) / static_cast<double>(free);
+  }
+
+ private:
+  static constexpr double k_cell_m = 0.37;
+
+  std::vector<Pose> poses(const World& world) const {
+    std::vector<Pose> poses;
+    for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
+      if (world.row(BodyId(b)).valid() && world.spec().name(BodyId(b)).starts_with(prefix_))
+        poses.push_back(world.pose(BodyId(b)));
+    return poses;
+  }
+  const Pose& last(std::size_t i) const { return now_.empty() ? start_[i] : now_[i]; }
+  double size() const { return static_cast<double>(now_.size()); }
+
+  std::string prefix_;
+  std::vector<Pose> start_, before_, now_;
+  double way_ = 0;
+  std::set<std::pair<double, double>> visited_;
+};
+
+TEST(Measures, AreWhatTheirDefinitionsSay) {
+  World world = crowd().world();
+  const std::vector<MeasureSpec> specs = all_specs();
+  MeasureSet set = measures(world, specs);
+  std::vector<Oracle> oracles{{world, ""}, {world, "m"}, {world, "t"}};
+  std::mt19937_64 words(6);
+  std::size_t stalls = 0;
+  std::size_t held = 0;
+  for (int tick = 0; tick <= 6; ++tick) {
+    const std::vector<double> values = set.values();
+    const std::size_t kinds = values.size() / oracles.size();
+    for (std::size_t o = 0; tick % 3 == 0 && o < oracles.size(); ++o) {
+      const double* v = &values[o * kinds];
+      SCOPED_TRACE(fmt::format("tick {}, of \"{}\"", tick, specs[o * kinds].of));
+      EXPECT_EQ(v[0], oracles[o].coverage(world));
+      EXPECT_NEAR(v[1], oracles[o].mean_nearest_distance(), 1e-9);
+      EXPECT_EQ(v[2], oracles[o].neighbours());
+      EXPECT_NEAR(v[5], oracles[o].displacement(), 1e-9);
+      EXPECT_NEAR(v[6], oracles[o].path_length(), 1e-9);
+      EXPECT_NEAR(v[7], oracles[o].mean_speed(world.tick_s()), 1e-9);
+      EXPECT_NEAR(v[8], oracles[o].order(), 1e-9);
+      EXPECT_NEAR(v[9], oracles[o].spread(), 1e-9);
+    }
+    EXPECT_EQ(values[3], static_cast<double>(world.stalled_count()));
+    EXPECT_EQ(values[4], static_cast<double>(world.held_count()));
+    EXPECT_EQ(values[3], values[kinds + 3] + values[2 * kinds + 3]);
+    stalls += world.stalled_count();
+    held += world.held_count();
+    step_at_random(world, words);
+    set.see();
+    for (Oracle& oracle : oracles) oracle.see(world);
+  }
+  EXPECT_GT(stalls, held);
+  EXPECT_GT(held, 0u);
+}
+
+TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
+  std::vector<std::vector<std::uint64_t>> runs;
+  for (const engine::WorldOptions& options : {engine::WorldOptions{1, 0}, engine::WorldOptions{2, 0},
+                                              engine::WorldOptions{8, 1.1}, engine::WorldOptions{3, 40}}) {
+    World world = crowd().world(options);
+    MeasureSet set = measures(world, all_specs());
+    std::mt19937_64 words(7);
+    std::vector<std::uint64_t> bits;
+    for (int tick = 0; tick < 5; ++tick) {
+      step_at_random(world, words);
+      set.see();
+      for (const double v : set.values()) bits.push_back(std::bit_cast<std::uint64_t>(v));
+    }
+    runs.push_back(bits);
+  }
+  EXPECT_THAT(runs, ::testing::Each(runs.front()));
+}
+
+TEST(Measures, ChangeNoState) {
+  World watched = crowd().world();
+  World plain = crowd().world();
+  MeasureSet set = measures(watched, all_specs());
+  std::mt19937_64 watched_words(8);
+  std::mt19937_64 plain_words(8);
+  for (int tick = 0; tick < 3; ++tick) {
+    step_at_random(watched, watched_words);
+    set.see();
+    set.values();
+    step_at_random(plain, plain_words);
+    EXPECT_EQ(watched.hashes().state, plain.hashes().state);
+  }
+}
+
+TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
+  World world = crowd().world();
+  MeasureSet whole = measures(world, all_specs());
+  std::mt19937_64 words(9);
+  for (int tick = 0; tick < 3; ++tick) {
+    step_at_random(world, words);
+    whole.see();
+  }
+  const std::vector<std::byte> memory = whole.memory();
+  MeasureSet resumed = measures(world, all_specs());
+  EXPECT_NE(resumed.values(), whole.values());
+  EXPECT_TRUE(resumed.remember(memory));
+  for (int tick = 0; tick < 3; ++tick) {
+    EXPECT_EQ(resumed.values(), whole.values());
+    step_at_random(world, words);
+    whole.see();
+    resumed.see();
+  }
+  EXPECT_FALSE(resumed.remember(std::span(memory).first(memory.size() - 1)));
+  EXPECT_FALSE(measures(world, {spec("stalls")}).remember(memory));
+}
+
+TEST(Measures, BeginAnewAfterAReset) {
+  World world = crowd().world();
+  MeasureSet set = measures(world, all_specs());
+  const std::vector<double> start = set.values();
+  std::mt19937_64 words(10);
+  for (int tick = 0; tick < 3; ++tick) {
+    step_at_random(world, words);
+    set.see();
+  }
+  EXPECT_NE(set.values(), start);
+  world.reset();
+  set.see();
+  EXPECT_EQ(set.values(), start);
+}
+
+TEST(Measures, TheNearestIsFoundHoweverFarItIs) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
+  scene.body("a", bot, {-90000, 3, 0, 0});
+  scene.body("b", bot, {90000, 3, 0, 0});
+  scene.body("c", bot, {90000.25, 3, 0, 0});
+  World world = scene.world();
+  EXPECT_DOUBLE_EQ(value(world, spec("mean_nearest_distance")), (180000 + 0.25 + 0.25) / 3);
+  EXPECT_DOUBLE_EQ(value(world, spec("neighbours", "", {{"radius", 0.25}})), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(value(world, spec("neighbours", "", {{"radius", 0.2499}})), 0);
+}
+
+TEST(Measures, OfFewRobotsAreNumbersOrNone) {
+  test::SceneBuilder scene;
+  World empty = scene.world();
+  for (const engine::MeasureKind& kind : test::registry().measures) {
+    const double v = value(empty, spec(std::string(kind.name)));
+    if (kind.name == "stalls" || kind.name == "held")
+      EXPECT_EQ(v, 0) << kind.name;
+    else
+      EXPECT_TRUE(std::isnan(v)) << kind.name;
+  }
+  scene.body("lone", scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}), {5, 5, 0, 1});
+  World one = scene.world();
+  EXPECT_TRUE(std::isnan(value(one, spec("mean_nearest_distance"))));
+  EXPECT_EQ(value(one, spec("neighbours")), 0);
+  EXPECT_DOUBLE_EQ(value(one, spec("order")), 1);
+  EXPECT_EQ(value(one, spec("spread")), 0);
+}
+
+TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {
+  test::SceneBuilder scene;
+  scene.wall(0, 0, 2, 1);  // two cells of eight
+  scene.body("bot", scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni"),
+             {3.75, 1.75, 0, 0});
+  World world = scene.world();
+  MeasureSet set = measures(world, {spec("coverage")});
+  EXPECT_EQ(set.value(0), 1.0 / 6);
+  world.set_command(Row(0), {-1, 0, 0});
+  for (int tick = 0; tick < 9; ++tick) {
+    world.step();
+    set.see();
+  }
+  EXPECT_EQ(set.value(0), 2.0 / 6);
+  world.set_command(Row(0), {0, 1, 0});  // leaves that ground, and nothing more is covered
+  for (int tick = 0; tick < 9; ++tick) {
+    world.step();
+    set.see();
+  }
+  EXPECT_EQ(set.value(0), 2.0 / 6);
+}
+
+TEST(Measures, ColumnsCarryUnitsAndWhoIsMeasured) {
+  World world = crowd().world();
+  std::vector<MeasureSpec> specs{spec("stalls"), spec("displacement"), spec("displacement", "truck"),
+                                 spec("mean_speed", "m"), spec("coverage")};
+  specs.back().name = "fine";
+  EXPECT_THAT(measures(world, specs).columns(),
+              ElementsAre("stalls", "displacement_m", "displacement_m:truck", "mean_speed_mps:m", "fine"));
+  EXPECT_EQ(engine::robots_of(world, "truck").size(), 10u);
+  EXPECT_EQ(engine::robots_of(world, "t").size(), 10u);
+  EXPECT_EQ(engine::robots_of(world, "t1").size(), 1u);
+  EXPECT_EQ(engine::robots_of(world, "").size(), world.robots());
+}
+
+TEST(Measures, SayWhatIsWrongWithThem) {
+  World world = crowd().world();
+  Diagnostics diagnostics;
+  const std::vector<MeasureSpec> specs{spec("stals"), spec("stalls", "trucks"), spec("order"), spec("order"),
+                                       spec("coverage", "", {{"cell", 0.001}})};
+  const MeasureSet set(world, test::registry(), specs, diagnostics);
+  std::vector<std::string> texts;
+  for (const Finding& finding : diagnostics.findings()) texts.push_back(diagnostics.text(finding));
+  EXPECT_THAT(
+      texts,
+      ElementsAre(
+          AllOf(HasSubstr("error: unknown measure \"stals\"; known: coverage, "),
+                HasSubstr("(did you mean \"stalls\"?)")),
+          "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
+          "\"truck\"?)",
+          "error: a second measure \"order\": give one of them a name",
+          AllOf(HasSubstr("error: coverage: "),
+                HasSubstr(" cells of 0.001 m, and at most 2.5e+07 are allowed: give a larger cell_m"))));
+}
+
+}  // namespace
+}  // namespace troupe::models

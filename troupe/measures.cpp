@@ -1,0 +1,73 @@
+#include "troupe/measures.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/measures.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/measures_json.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
+                                          const std::vector<std::string>& wanted, Diagnostics& diagnostics) {
+  if (wanted.empty() && !simulation.world().spec().measures.empty())
+    return simulation.world().spec().measures;
+  std::vector<engine::MeasureSpec> specs;
+  if (wanted.empty())
+    for (const engine::MeasureKind& kind : simulation.registry().measures) {
+      engine::Record params = kind.params.defaults();
+      if (std::ranges::all_of(params, &engine::Value::given))
+        specs.push_back({.kind = std::string(kind.name), .params = std::move(params)});
+    }
+  for (const std::string& text : wanted)
+    if (auto spec = worldio::parse_measure(text, "measure " + text, simulation.registry(), diagnostics))
+      specs.push_back(std::move(*spec));
+  return specs;
+}
+
+}  // namespace
+
+struct Measures::Impl {
+  engine::MeasureSet set;
+  std::vector<std::string> names;  // of the columns, without their units
+};
+
+Measures::Measures(Simulation& simulation, const std::vector<std::string>& wanted) {
+  Diagnostics diagnostics(simulation.world().spec().files);
+  const std::vector<engine::MeasureSpec> specs = specs_of(simulation, wanted, diagnostics);
+  diagnostics.throw_if_errors();
+  impl_ = std::make_unique<Impl>(
+      Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs, diagnostics), {}});
+  diagnostics.throw_if_errors();
+  for (const engine::MeasureSpec& spec : specs) {
+    const std::string kind = spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;
+    impl_->names.push_back(spec.name.empty() ? kind : spec.name);
+  }
+}
+
+Measures::~Measures() = default;
+Measures::Measures(Measures&&) noexcept = default;
+Measures& Measures::operator=(Measures&&) noexcept = default;
+
+void Measures::see() { impl_->set.see(); }
+
+std::span<const std::string> Measures::columns() const { return impl_->set.columns(); }
+
+std::vector<double> Measures::values() { return impl_->set.values(); }
+
+double Measures::value(std::string_view name) {
+  for (std::size_t i = 0; i < impl_->names.size(); ++i)
+    if (name == impl_->names[i] || name == columns()[i]) return impl_->set.value(i);
+  const std::vector<std::string_view> known(columns().begin(), columns().end());
+  throw std::out_of_range(unknown_name("measure", name, known));
+}
+
+std::vector<std::byte> Measures::memory() const { return impl_->set.memory(); }
+
+bool Measures::remember(std::span<const std::byte> memory) { return impl_->set.remember(memory); }
+
+}  // namespace troupe
