@@ -30,7 +30,8 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
           "where");
     return nullptr;
   }
-  if (std::error_code ignored; simulation.resumed_at_tick() && std::filesystem::exists(file, ignored)) {
+  if (std::error_code ignored;
+      simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
     if (options.recording.every_s > 0 || !options.recording.fields.empty())
       throw InputError(fmt::format(
           "{}: error: the recording is there, and goes on as it was begun: without --record-every and "

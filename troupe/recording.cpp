@@ -3,12 +3,16 @@
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "worldio/recording_reader.hpp"
+#include "worldio/recording_repair.hpp"
 #include "worldio/recording_writer.hpp"
 #include "worldio/spec_json.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace troupe {
@@ -48,6 +52,30 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
+/// Two runs may have the same bodies: a recording is of the simulation's run if it was begun by it. What was
+/// changed when it was resumed belongs to the ticks from there on.
+void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
+  const worldio::RecordingReader recording(file);
+  const auto is_free = [](std::string_view key) {
+    return key == "threads" || key == "tile_m" || key == "resumed_at_tick" || key.starts_with("set ");
+  };
+  for (const auto& [key, value] : simulation.effective_options()) {
+    const auto known = recording.meta().find(key);
+    const bool is_there = known != recording.meta().end();
+    if (is_free(key) || (is_there && known->second == value)) continue;
+    throw std::runtime_error(fmt::format(
+        "{}: error: {} is {}, here it is \"{}\": this is the recording of another run", file.string(), key,
+        is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
+  }
+  const auto tick = std::ranges::find(recording.ticks(), simulation.tick());
+  if (tick != recording.ticks().end() &&
+      recording.hashes()[static_cast<std::size_t>(tick - recording.ticks().begin())] !=
+          simulation.state_hash())
+    throw std::runtime_error(
+        fmt::format("{}: error: tick {} has another state than here: this is the recording of another run",
+                    file.string(), simulation.tick()));
+}
+
 }  // namespace
 
 struct Recording::Impl {
@@ -75,6 +103,8 @@ Recording& Recording::operator=(Recording&&) noexcept = default;
 Recording::~Recording() = default;
 
 Recording Recording::resume(const std::filesystem::path& file, const Simulation& simulation) {
+  worldio::repair_recording(file);
+  check_same_run(file, simulation);
   Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world()}}));
   recording.observe(simulation);
   return recording;

@@ -11,6 +11,8 @@
 namespace troupe::worldio {
 namespace {
 
+constexpr int k_most_steps = 8;  // of a component's name; ours have three
+
 /// Places in the order of the phases: what went wrong first stands first.
 int phase_order(const RecordingReader::Array& array) {
   const std::string& component = array.component;
@@ -76,18 +78,20 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
 
 void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& component,
                                   const std::vector<std::uint32_t>& bodies) {
+  // A damaged file may hold a group that holds itself.
+  if (std::ranges::count(component, '/') > k_most_steps) group.fail("lies too deep: the file is damaged");
   for (const std::string& name : group.names()) {
     if (group.has_group(name)) {
       find_arrays(group.group(name), component.empty() ? name : fmt::format("{}/{}", component, name),
                   bodies);
       continue;
     }
-    if (component.empty()) continue;  // /state/alive is of no component
     Hdf5Dataset dataset = group.dataset(name);
+    dataset.values();                 // throws where no file could hold them
+    if (component.empty()) continue;  // /state/alive is of no component
     const std::vector<std::size_t>& extent = dataset.extent();
     if (extent.size() != 3 || extent[1] != bodies.size())
       dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
-    if (extent[1] * extent[2] > 0) dataset.values();  // throws where no file could hold them
     Array array;
     array.component = component;
     array.frame = dataset.text("frame");

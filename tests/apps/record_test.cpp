@@ -265,6 +265,27 @@ TEST_F(Record, InterruptedRunsCloseTheirFile) {
   EXPECT_EQ(run.frames() + 9, lines_of(read("run.log")).size());
 }
 
+TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
+  record("run.h5", {"--checkpoint", "c.h5"});
+  record("other.h5", {"--seed", "7"});
+  const auto resume = [&](const std::string& file, std::vector<std::string> options = {}) {
+    options.insert(options.begin(), {"resume", "c.h5", "--for", "4", "--quiet", "--record", file});
+    return troupe(options);
+  };
+  const std::string other = read("other.h5");
+  const Outcome refused = resume("other.h5");
+  EXPECT_EQ(refused.code, k_bad_input);
+  EXPECT_EQ(refused.err,
+            "other.h5: error: seed is \"7\", here it is \"1\": this is the recording of another run\n");
+  EXPECT_EQ(read("other.h5"), other);
+  EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no whole head of HDF5"));
+
+  ASSERT_EQ(resume("other.h5", {"--force"}).code, 0);
+  EXPECT_EQ(recording("other.h5").ticks().front(), 20u);
+  ASSERT_EQ(resume("run.h5").code, 0);
+  EXPECT_EQ(recording("run.h5").frames(), 41u);
+}
+
 TEST_F(Record, AFullDiskEndsTheRunWithAReadableFile) {
   const Outcome outcome = troupe_with_file_limit(
       {"run", "room.world", "--for", "100000", "--quiet", "--record", "run.h5"}, std::size_t{1} << 20);

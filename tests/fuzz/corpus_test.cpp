@@ -25,7 +25,8 @@ struct Target {
 class Corpus : public ::testing::TestWithParam<Target> {};
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus,
                          ::testing::Values(Target{"stage", read_stage}, Target{"json", read_json},
-                                           Target{"bitmap", read_bitmap}),
+                                           Target{"bitmap", read_bitmap},
+                                           Target{"recording", read_recording}),
                          [](const auto& target) { return target.param.name; });
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {

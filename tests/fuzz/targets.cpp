@@ -1,12 +1,18 @@
 #include "tests/fuzz/targets.hpp"
 
 #include "engine/world.hpp"
+#include "tests/fuzz/hdf5_text.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/bitmap.hpp"
+#include "worldio/hdf5_file.hpp"
 #include "worldio/load.hpp"
+#include "worldio/recording_reader.hpp"
+#include "worldio/recording_repair.hpp"
 
+#include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -121,6 +127,26 @@ void read_json(std::string_view text) {
 void read_bitmap(std::string_view bytes) {
   decode(bytes);
   if (const std::string repaired = with_right_checksums(bytes); repaired != bytes) decode(repaired);
+}
+
+void read_recording(std::string_view text) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("troupe-fuzz-" + std::to_string(getpid()) + ".h5");
+  if (!worldio::has_hdf5() || !make_hdf5(text, file)) return;
+  try {
+    const worldio::RecordingReader recording(file);
+    static_cast<void>(recording.world_json());
+    for (const worldio::RecordingReader::Array& array : recording.arrays()) {
+      std::vector<std::byte> frame(array.bodies.size() * array.row_bytes());
+      for (std::size_t f = 0; f < std::min<std::size_t>(recording.frames(), 4); ++f)
+        recording.read(array, f, frame);
+    }
+    check(recording.frames() == recording.ticks().size());
+    check(worldio::repair_recording(file).frames == recording.frames());
+  } catch (const worldio::Hdf5Error& error) {
+    check(std::string_view(error.what()).starts_with(file.string() + ": error: "));
+  }
+  std::filesystem::remove(file);
 }
 
 }  // namespace troupe::fuzz

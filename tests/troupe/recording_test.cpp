@@ -119,8 +119,9 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
   EXPECT_THAT(error_of<std::runtime_error>(resume),
               HasSubstr("run.h5: error: /frames/tick ends before tick 6, where the run goes on at tick 15"));
   Simulation other(world_, {.robots = {{"r", 7}}});
-  EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
-              HasSubstr("run.h5: error: /bodies is of another world: it has other bodies"));
+  EXPECT_THAT(
+      error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
+      HasSubstr("run.h5: error: robots is \"8\", here it is \"7\": this is the recording of another run"));
 }
 
 TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {

@@ -1,0 +1,142 @@
+#include "tests/fuzz/hdf5_text.hpp"
+
+#include "worldio/hdf5_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace troupe::fuzz {
+namespace {
+
+using engine::Element;
+using worldio::Hdf5Dataset;
+using worldio::Hdf5File;
+using worldio::Hdf5Group;
+
+constexpr std::size_t k_most_values = 4096;  // that are written
+
+template <class T>
+T number(const std::string& text) {
+  T value{};
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+/// The last step of a path, and the group that it lies in.
+std::pair<Hdf5Group, std::string> place(Hdf5File& file, const std::string& path) {
+  std::istringstream steps(path);
+  std::vector<std::string> names;
+  for (std::string step; std::getline(steps, step, '/');)
+    if (!step.empty()) names.push_back(step);
+  if (names.empty()) throw worldio::Hdf5Error("no path");
+  const std::string last = names.back();
+  names.pop_back();
+  if (names.empty()) return {file.create_group("nowhere"), last};  // the root itself is no group to be moved
+  Hdf5Group group = file.has_group(names[0]) ? file.group(names[0]) : file.create_group(names[0]);
+  for (std::size_t i = 1; i < names.size(); ++i)
+    group = group.has_group(names[i]) ? group.group(names[i]) : group.create_group(names[i]);
+  return {std::move(group), last};
+}
+
+/// set(object) for the group or dataset of this path.
+template <class Set>
+void with_object(Hdf5File& file, const std::string& path, Set set) {
+  auto [group, name] = place(file, path + "/.");
+  set(group);
+}
+
+/// The first rows with the numbers of the texts; the others are there, and empty.
+template <class T>
+void append_rows(Hdf5Dataset& dataset, std::size_t rows, const std::vector<std::string>& texts) {
+  const std::size_t written = std::min(rows, k_most_values / std::max<std::size_t>(dataset.row_values(), 1));
+  std::vector<T> values(written * dataset.row_values());
+  for (std::size_t i = 0; i < values.size() && !texts.empty(); ++i)
+    values[i] = number<T>(texts[i % texts.size()]);
+  dataset.append(std::span<const T>(values));
+  if (dataset.rows() < rows) dataset.resize(rows);
+}
+
+/// A dataset as the rest of its line says; false where the first word is no element.
+bool make_dataset(Hdf5File& file, const std::string& word, const std::string& path,
+                  std::istringstream& rest) {
+  std::vector<std::size_t> extent;
+  std::string next;
+  while (rest >> next && next != "=") extent.push_back(number<std::size_t>(next));
+  std::vector<std::string> texts;
+  while (rest >> next) texts.push_back(next);
+  if (extent.empty() || extent.size() > 5) return false;
+
+  const auto make = [&]<class T>(T) {
+    auto [group, name] = place(file, path);
+    const std::vector<std::size_t> row(extent.begin() + 1, extent.end());
+    std::vector<std::size_t> chunk{4};
+    for (const std::size_t size : row) chunk.push_back(std::clamp<std::size_t>(size, 1, 64));
+    Hdf5Dataset dataset =
+        group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk, .fill = {}});
+    append_rows<T>(dataset, extent[0], texts);
+    for (const char* attribute : {"unit", "frame", "text"}) dataset.set_text(attribute, "m");
+    return true;
+  };
+  if (word == "f64") return make(double{});
+  if (word == "f32") return make(float{});
+  if (word == "i64") return make(std::int64_t{});
+  if (word == "i32") return make(std::int32_t{});
+  if (word == "u64") return make(std::uint64_t{});
+  if (word == "u32") return make(std::uint32_t{});
+  return word == "u8" && make(std::uint8_t{});
+}
+
+bool make_line(Hdf5File& file, const std::string& line) {
+  std::istringstream words(line);
+  std::string word;
+  std::string path;
+  if (!(words >> word >> path)) return line.empty();
+  std::string name;
+  std::string rest;
+  if (word == "text" || word == "int" || word == "number") {
+    words >> name >> std::ws;
+    std::getline(words, rest);
+    with_object(file, path, [&](Hdf5Group& group) {
+      if (word == "text") group.set_text(name, rest);
+      if (word == "int") group.set_integer(name, number<std::int64_t>(rest));
+      if (word == "number") group.set_number(name, number<double>(rest));
+    });
+    return true;
+  }
+  if (word == "json") {
+    std::getline(words >> std::ws, rest);
+    if (path == "/world")
+      file.write_text("world", rest);
+    else
+      place(file, path).first.write_text("text", rest);
+    return true;
+  }
+  if (word == "texts") {
+    std::vector<std::string> texts;
+    while (words >> rest) texts.push_back(rest);
+    auto [group, last] = place(file, path);
+    group.write_texts(last, texts);
+    return true;
+  }
+  return make_dataset(file, word, path, words);
+}
+
+}  // namespace
+
+bool make_hdf5(std::string_view text, const std::filesystem::path& name) {
+  try {
+    Hdf5File file = Hdf5File::create(name);
+    std::istringstream lines{std::string(text)};
+    for (std::string line; std::getline(lines, line);)
+      if (!make_line(file, line)) return false;
+    file.close();
+    return true;
+  } catch (const worldio::Hdf5Error&) {
+    return false;
+  }
+}
+
+}  // namespace troupe::fuzz
