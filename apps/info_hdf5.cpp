@@ -27,7 +27,7 @@ void add_header(const std::map<std::string, std::string>& header, const std::set
 
 Summary summary_of(const worldio::RecordingReader& recording) {
   Summary summary{{"kind", fmt::format("recording, layout {}", worldio::k_recording_layout)}};
-  add_header(recording.meta(), {"layout"}, summary);
+  add_header(recording.meta(), {"kind", "layout"}, summary);
   summary.emplace_back("bodies", fmt::format("{}", recording.ids().size()));
   summary.emplace_back("frames", fmt::format("{}", recording.frames()));
   if (recording.frames() > 0) {
@@ -70,7 +70,7 @@ Summary summary_of_recording(const fs::path& file) {
 Summary summary_of_checkpoint(const fs::path& file) {
   const worldio::Checkpoint checkpoint(file);  // refuses one that is not whole
   Summary summary{{"kind", fmt::format("checkpoint, layout {}", worldio::k_checkpoint_layout)}};
-  add_header(checkpoint.header(), {"layout", "tick", "time_s", "state_hash"}, summary);
+  add_header(checkpoint.header(), {"kind", "layout", "tick", "time_s", "state_hash"}, summary);
   summary.emplace_back("tick", fmt::format("{}, {:.10g} s", checkpoint.tick(), checkpoint.time_s()));
   summary.emplace_back("state", hex(checkpoint.state_hash()));
   summary.emplace_back("whole", "yes");

@@ -117,7 +117,7 @@ TEST_F(Info, OfARecording) {
   EXPECT_THAT(lines, Contains("bodies 12"));
   EXPECT_THAT(lines, Contains("frames 5"));
   EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
-  EXPECT_THAT(lines, Contains("pose x, y, z, heading"));
+  EXPECT_THAT(lines, Contains("pose heading, x, y, z"));
   EXPECT_THAT(lines, Contains(HasSubstr("ranges[9]")));
   EXPECT_EQ(lines.back(), "whole yes");
 

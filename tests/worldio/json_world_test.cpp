@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: floorplans, models, populations, quit_time_ms, quit_time_s, ranging, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: floorplans, measure_every_ms, measure_every_s, measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -460,7 +460,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
   EXPECT_THAT(
       Loaded("{\n\"troupe\": 3,\n\"types\": {\n\"a\": {\"size_m\": 1, \"drive\": {\"kind\": "
-             "\"x\"}}},\n\"record\": {},\n"
+             "\"x\"}}},\n\"noise\": {},\n"
              "\"models\": [{\"name\": \"m\", \"type\": \"b\"}, 4]}")
           .found,
       ElementsAre(
@@ -469,9 +469,9 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"record\"; known: floorplans, models, populations, quit_time_ms, "
-          "quit_time_s, ranging, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, "
-          "troupe, types"));
+          "maze.json:5: error: unknown key \"noise\"; known: floorplans, measure_every_ms, measure_every_s, "
+          "measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, "
+          "resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

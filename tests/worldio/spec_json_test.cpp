@@ -205,7 +205,7 @@ WorldSpec full_spec() {
   spec.tick_s = 0.1 + 1e-17;
   spec.quit_time_s = 1.0 / 3;
   spec.record = engine::RecordSpec{"a.h5", {"pose", "ranges"}, 0.3, {file, 1}, {file, 2}};
-  spec.measures = {{"coverage", "fine", "r", {0.1}, {file, 4}}, {"order", "", "", {}, {file, 5}}};
+  spec.measures = {{"coverage", "fine", "r", {0.1}, {file, 4}}, {"neighbours", "", "", {2.5}, {file, 5}}};
   spec.measure_every_s = 0.7;
   spec.ranging = engine::RangingEngine::grid;
   spec.resolution_m = 0.1;
