@@ -256,7 +256,7 @@ std::string Hdf5Object::text(const std::string& name) const {
     fail(fmt::format("has an attribute \"{}\" that is no text", name));
   char* text = nullptr;
   check(H5Aread(attribute.get(), type.get(), static_cast<void*>(&text)), "read");
-  const std::string value(text ? text : "");
+  std::string value(text ? text : "");
   H5free_memory(text);
   return value;
 }

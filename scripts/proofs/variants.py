@@ -69,6 +69,7 @@ def surroundings(base, folder):
 def observers(base, folder):
     """With everything that looks on; the files are written anew by each variant."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
+               "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
                "--profile", folder / "profile.json", "--snapshot", folder / "last.png")
     variants = tuple(replace(base, label=f"observed, {n} threads", threads=n, options=options) for n in (1, 2))
     return Proof("T0 observers", "recording, measures, events, profile, picture", variants)

@@ -1,13 +1,16 @@
 #include "troupe/recording.hpp"
 
 #include "base/diagnostics.hpp"
+#include "tests/support/rogue_controllers.hpp"
 #include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "worldio/recording_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -145,6 +148,33 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
   EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "new.h5", simulation, {.fields = {"rangs"}}); }),
               HasSubstr("new.h5: error: unknown field \"rangs\"; known: "));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
+}
+
+TEST_F(RecordingTest, WhatABodyLacksIsNoNumber) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<test::Honest>("honest", "for this test", {}));
+  write("mixed.json", R"({"troupe": 1,
+    "types": {"thinker": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "honest"}},
+              "cart": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},
+    "models": [{"name": "a", "type": "cart"}, {"name": "b", "type": "thinker", "pose": {"x_m": 1}},
+               {"name": "c", "type": "cart", "pose": {"x_m": 2}}]})");
+  Simulation simulation(folder_ / "mixed.json", {}, std::move(registry));
+  {
+    Recording recording(folder_ / "run.h5", simulation, {.fields = {"honest", "pose"}});
+    step(simulation, recording, 7);
+  }
+  const worldio::Hdf5File file = worldio::Hdf5File::open(folder_ / "run.h5");
+  const worldio::Hdf5Group memory = file.group("state").group("honest").group("0");
+  const std::vector<double> sums = memory.dataset("sum").read<double>();
+  ASSERT_EQ(sums.size(), 8u * 3);
+  for (std::size_t frame = 0; frame < 8; ++frame) {
+    EXPECT_TRUE(std::isnan(sums[3 * frame]) && std::isnan(sums[3 * frame + 2])) << frame;
+    EXPECT_EQ(sums[3 * frame + 1] > 0, frame > 0) << frame;
+  }
+  EXPECT_THAT(memory.dataset("odd").read<std::uint8_t>(),
+              ::testing::ElementsAre(0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0));
+  EXPECT_THAT(file.group("bodies").group("has").group("honest").dataset("0").read<std::uint8_t>(),
+              ::testing::ElementsAre(0, 1, 0));
 }
 
 TEST_F(RecordingTest, SeveralAtOnce) {
