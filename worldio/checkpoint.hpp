@@ -17,13 +17,13 @@ namespace troupe::worldio {
 
 /// A checkpoint: everything that a run goes on from, in one sealed HDF5 file (worldio/sealed_file.hpp).
 ///
-///   /meta     attributes: layout, tick, time_s, state_hash, what was counted, and the header that it was
-///   given /world    the spec as JSON (worldio/spec_json.hpp), without /bodies   its bodies, a column for
-///   each of their fields, and /aliases, their other names /tables/<component>/<field>  the state [rows,
-///   columns], by the tables' own descriptions; rows by id, which stand
-///             in /tables/<component>/id
-///   /subscribed  ids of the bodies whose sensors the program itself had run
-///   /memories/<name>  bytes that what looks on remembers of earlier ticks: beside the state, not of it
+/// `/meta`        attributes: layout, tick, time_s, state_hash, what was counted, and the header it was given
+/// `/world`       the spec as JSON (worldio/spec_json.hpp), without
+/// `/bodies`      its bodies, a column for each of their fields, and
+/// `/aliases`     their other names
+/// `/tables/<component>/<field>`  the state [rows, columns], by the tables' own descriptions; rows by id,
+///                which stand in `/tables/<component>/id`
+/// `/subscribed`  ids of the bodies whose sensors the program itself had run
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
