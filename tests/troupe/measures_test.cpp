@@ -1,0 +1,101 @@
+#include "troupe/measures.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/measures.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
+
+#include <gmock/gmock.h>
+
+#include <stdexcept>
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class MeasuresOfASimulation : public test::ScratchTest {
+ protected:
+  Simulation simulation(engine::Registry registry = make_registry(), std::string_view measures = "[]") const {
+    return Simulation(
+        write("w.json", R"({"troupe": 1, "measures": )" + std::string(measures) + R"(, "types": {
+      "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+              "controller": {"kind": "script", "legs": [{"until_s": 9, "forward_mps": 0.5}]}}},
+      "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"y_m": 3}}]})"),
+        {}, std::move(registry));
+  }
+};
+
+TEST_F(MeasuresOfASimulation, AreAskedForByName) {
+  Simulation world = simulation();
+  Measures measures(world, {"displacement", "mean_nearest_distance", "path_length:b",
+                            R"({"kind": "neighbours", "name": "near", "radius_m": 3.5})"});
+  EXPECT_THAT(measures.columns(),
+              ElementsAre("displacement_m", "mean_nearest_distance_m", "path_length_m:b", "near"));
+  for (int i = 0; i < 11; ++i) {
+    world.step();
+    measures.see();
+  }
+  EXPECT_NEAR(measures.value("displacement"), 0.5, 1e-12);  // a command takes effect a tick later
+  EXPECT_NEAR(measures.value("displacement_m"), 0.5, 1e-12);
+  EXPECT_DOUBLE_EQ(measures.value("mean_nearest_distance"), 3);
+  EXPECT_NEAR(measures.value("path_length:b"), 0.5, 1e-12);
+  EXPECT_EQ(measures.value("near"), 1);
+  EXPECT_EQ(measures.values().size(), 4u);
+  try {
+    measures.value("displacment");
+    ADD_FAILURE();
+  } catch (const std::out_of_range& error) {
+    EXPECT_THAT(error.what(), HasSubstr("unknown measure \"displacment\"; known: displacement_m, "));
+  }
+}
+
+TEST_F(MeasuresOfASimulation, AreThoseOfTheWorldElseAll) {
+  Simulation asks = simulation(make_registry(), R"(["order", "stalls:a"])");
+  EXPECT_THAT(Measures(asks).columns(), ElementsAre("order", "stalls:a"));
+  EXPECT_THAT(Measures(asks, {"spread"}).columns(), ElementsAre("spread_m"));
+  Simulation asks_for_none = simulation();
+  EXPECT_EQ(Measures(asks_for_none).columns().size(), make_registry().measures.size());
+}
+
+TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
+  Simulation world = simulation();
+  try {
+    const Measures measures(world, {"ordr", "stalls:", "{\"kind\": "});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("measure ordr: error: unknown measure \"ordr\"; known: "));
+    EXPECT_THAT(error.what(), HasSubstr("\nmeasure stalls:: error: \"stalls:\": the name of a type, "));
+    EXPECT_THAT(error.what(), HasSubstr("\nmeasure {\"kind\": : error: "));
+  }
+}
+
+/// The greatest x of all robots.
+class Front : public engine::Measure {
+ public:
+  Front(const engine::World&, const engine::Record&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+  double value(engine::World& world) override {
+    double front = -1e9;
+    for (const Row row : robots_) front = std::max(front, world.transform(row).position.x());
+    return front;
+  }
+
+ private:
+  std::vector<Row> robots_;
+};
+
+TEST_F(MeasuresOfASimulation, MayBeOnesOwn) {
+  engine::Registry registry = make_registry();
+  registry.measures.push_back(
+      engine::make_measure_kind<Front>("front", engine::Unit::meters, "how far east", "The greatest x."));
+  Simulation world = simulation(std::move(registry), R"(["front"])");
+  Measures measures(world);
+  EXPECT_EQ(measures.value("front_m"), 0);
+  world.run_for(1.1);
+  EXPECT_NEAR(measures.value("front"), 0.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace troupe
