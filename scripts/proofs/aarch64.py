@@ -3,9 +3,9 @@
 import re
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from .runs import ROOT, Fault, Variant
+from .runs import ROOT, Fault, Variant, program_of
 from .variants import Proof
 
 SYSROOT = ROOT / "build" / "aarch64-sysroot"
@@ -48,7 +48,16 @@ def versions():
     return [*first_lines, *(f"{name} {packages[name]}" for name in ("libc6", "libstdc++6", "libhwy1", "libtbb12"))]
 
 
-def emulated(processor, threads, folder):
+@dataclass(frozen=True)
+class Moved(Variant):
+    """Begins on this machine's own processor; what was saved there goes on under the emulator."""
+
+    def _call(self, arguments):
+        begins = arguments[0] == "run"
+        Variant._call(replace(self, program=program_of("release"), emulator=()) if begins else self, arguments)
+
+
+def emulated(processor, threads, folder, kind=Variant):
     """A variant, and the file in which it says which kernels ran (tests/hostile/instruction_set.cpp)."""
     told = folder / f"ran-{re.sub('[^a-z0-9]+', '-', processor.cpu)}-{threads}"  # -E takes commas for itself
     library = FOLDER / "hostile" / "instruction_set.so"
@@ -57,8 +66,8 @@ def emulated(processor, threads, folder):
     emulator = ["qemu-aarch64", "-L", SYSROOT, "-cpu", processor.cpu]
     for name, value in names.items():
         emulator += ["-E", f"{name}={value}"]
-    return Variant(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
-                   emulator=tuple(emulator)), told
+    return kind(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
+                emulator=tuple(emulator)), told
 
 
 def proof_of(processor, folder):
@@ -70,6 +79,12 @@ def proof_of(processor, folder):
 
     return Proof(f"T2 aarch64, {processor.cpu.partition(',')[0]} ({processor.kernels})",
                  f"{processor.about}; 1 and 2 threads", variants, verify)
+
+
+def move_of(processor, ticks, folder):
+    variant, _ = emulated(processor, 2, folder, Moved)
+    return Proof(f"T2 resumed on aarch64, {processor.cpu.partition(',')[0]}", "saved by x86-64 in the middle; 2 threads",
+                 (replace(variant, restarts=(ticks // 2,)),))
 
 
 # Multiplication and addition, rounded once: scalar ones, NEON's and SVE's, and of complex numbers and matrices.
