@@ -133,7 +133,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     for (const StageProperty& property : document_.properties(*layer)) {
       const auto number = point_number(document_.key(property));
       if (!number) continue;
-      if (*number < *count)
+      if (*number >= 0 && *number < *count)
         given[static_cast<std::size_t>(*number)] = &property;
       else
         values_.warning(values_.where(property), fmt::format("\"{}\" is ignored: the block has {} points",

@@ -240,6 +240,12 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
                           "w.world:3: warning: this block has no area"));
 }
 
+TEST_F(StageWorld, IgnoresPointsBelowTheFirst) {
+  load("model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1]\n point[-3] [3 3] ) )\n");
+  EXPECT_THAT(messages(),
+              ::testing::Contains("w.world:2: warning: \"point[-3]\" is ignored: the block has 3 points"));
+}
+
 TEST_F(StageWorld, BoundaryIsFourWallsWithin) {
   const auto spec = load("model( size [4 2 1] boundary 1 noblocks 1 )\nmodel( size [4 2 1] boundary 1 )\n");
   const engine::PartSpec& walls = type_of(spec, 1).parts[0];
