@@ -49,8 +49,7 @@ void Checkpointing::save(const Simulation& simulation) {
 void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool force) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return;
-  if (!fs::is_regular_file(file, ignored))
-    throw OutputError(fmt::format("{}: error: cannot be written: it is no regular file", file.string()));
+  if (!fs::is_regular_file(file, ignored)) refuse_output(file, "it is no regular file");
   if (force) return;
   if (!resumed_from.empty() && fs::equivalent(file, resumed_from, ignored)) return;
   throw OutputError(

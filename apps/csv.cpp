@@ -17,23 +17,20 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void refuse_file(const fs::path& file, std::string_view reason) {
-  throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
-}
-
 /// Bytes of a table up to its first line whose tick is not below `keep_before`.
 std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std::uint64_t keep_before) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse_file(file, std::strerror(errno));
+  if (!stream) refuse_output(file, std::strerror(errno));
   std::string line;
   // A line that has no end does not count.
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
-    refuse_file(file, fmt::format("to go on with it, its first line had to be {}", header));
+    refuse_output(file, fmt::format("to go on with it, its first line had to be {}", header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
-    if (!tick) refuse_file(file, fmt::format("to go on with it, a tick had to stand first in \"{}\"", line));
+    if (!tick)
+      refuse_output(file, fmt::format("to go on with it, a tick had to stand first in \"{}\"", line));
     if (*tick >= keep_before) break;
     bytes += line.size() + 1;
   }
@@ -44,7 +41,7 @@ std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std:
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header)
     : file_(file), stream_(file, std::ios::binary) {
-  if (!stream_) refuse_file(file, std::strerror(errno));
+  if (!stream_) refuse_output(file, std::strerror(errno));
   pending_ = fmt::format("{}\n", header);
 }
 
@@ -52,7 +49,7 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, std::uint64_t ke
   const bool is_new = !fs::exists(file);
   if (!is_new) fs::resize_file(file, bytes_to_keep(file, header, keep_before));
   stream_.open(file, std::ios::binary | std::ios::app);
-  if (!stream_) refuse_file(file, std::strerror(errno));
+  if (!stream_) refuse_output(file, std::strerror(errno));
   if (is_new) pending_ = fmt::format("{}\n", header);
 }
 

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "engine/state_difference.hpp"
+#include "worldio/hdf5_superblock.hpp"
 #include "worldio/recording_reader.hpp"
 
 #include <fmt/format.h>
@@ -161,10 +162,9 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
 }  // namespace
 
 bool is_hdf5(const std::filesystem::path& file) {
-  constexpr std::string_view k_signature = "\x89HDF\r\n\x1a\n";
-  std::string head(k_signature.size(), '\0');
+  std::string head(worldio::k_hdf5_signature.size(), '\0');
   std::ifstream(file, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head == k_signature;
+  return head == worldio::k_hdf5_signature;
 }
 
 ExitCode diff_recordings(const DiffOptions& options) {

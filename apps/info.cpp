@@ -7,6 +7,7 @@
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/checkpoint.hpp"
+#include "worldio/hdf5_superblock.hpp"
 #include "worldio/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
@@ -40,7 +41,6 @@ Examples:
   troupe info run.log)";
 
 constexpr std::size_t k_start_bytes = 4096;
-constexpr std::string_view k_hdf5_mark = "\x89HDF\r\n\x1a\n";
 
 std::string start_of(const fs::path& file) {
   std::error_code ignored;
@@ -94,7 +94,7 @@ bool is_json_world(const std::string& text) {
 std::optional<Summary> summary_of(const fs::path& file) {
   const std::string start = start_of(file);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
-  if (start.starts_with(k_hdf5_mark)) return summary_of_recording(file);
+  if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_recording(file);
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
   if (start.starts_with(k_events_header)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);

@@ -12,17 +12,14 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void refuse(const fs::path& file, std::string_view reason) {
-  throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
-}
-
 void check_output(const fs::path& file) {
   std::error_code ignored;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (!fs::is_directory(folder, ignored)) refuse(file, fmt::format("there is no folder {}", folder.string()));
-  if (fs::is_directory(file, ignored)) refuse(file, "it is a folder");
+  if (!fs::is_directory(folder, ignored))
+    refuse_output(file, fmt::format("there is no folder {}", folder.string()));
+  if (fs::is_directory(file, ignored)) refuse_output(file, "it is a folder");
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
-  if (access(written.c_str(), W_OK) != 0) refuse(file, std::strerror(errno));
+  if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }
 
 /// The bytes of the first lines of a file.
@@ -75,6 +72,10 @@ void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
 
 }  // namespace
 
+void refuse_output(const fs::path& file, std::string_view reason) {
+  throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
+}
+
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
   // Made absolute first: weakly_canonical leaves a relative name that does not exist yet as it is.
@@ -87,9 +88,10 @@ void check_outputs(const fs::path& world, std::string_view what, const std::vect
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
     check_output(*output);
-    if (same_file(*output, world)) refuse(*output, fmt::format("it is {}", what));
+    if (same_file(*output, world)) refuse_output(*output, fmt::format("it is {}", what));
     for (auto other = outputs.begin(); other != output; ++other)
-      if (!other->empty() && same_file(*output, *other)) refuse(*output, "another output has the same name");
+      if (!other->empty() && same_file(*output, *other))
+        refuse_output(*output, "another output has the same name");
   }
 }
 
@@ -108,7 +110,7 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
     written_ = simulation.tick();
   }
   stream_.open(file, goes_on ? std::ios::app : std::ios::trunc);
-  if (!stream_) refuse(file, std::strerror(errno));
+  if (!stream_) refuse_output(file, std::strerror(errno));
   if (!goes_on) stream_ << simulation.hash_log_header();
 }
 

@@ -20,6 +20,9 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Throws OutputError: `file: error: cannot be written: reason`.
+[[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
+
 /// Checks that each of `outputs` (empty paths count as none) can be written: its folder exists and may be
 /// written in, it is no folder itself, and it is neither `world` (which is `what`, for people) nor another
 /// output. Creates nothing, so that a world that turns out wrong afterwards leaves nothing behind. Throws

@@ -43,8 +43,7 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
       threads_(simulation.threads()) {
   static std::atomic<std::uint64_t> generations = 0;
   generation_ = ++generations;
-  if (!stream_)
-    throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), std::strerror(errno)));
+  if (!stream_) refuse_output(file, std::strerror(errno));
   about_.emplace_back("version", version_line());
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
   stream_ << k_profile_mark;

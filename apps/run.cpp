@@ -71,25 +71,24 @@ struct Observers {
   Profile* profile = nullptr;         // of them the one that the phases and tasks are told, too
   Observer* checkpointing = nullptr;  // the last of them, so that what is saved was written by all others
 
-  /// A log that cannot be written any more ends the run, but costs no state.
   void observe(const Simulation& simulation) const {
-    try {
-      for (const auto& observer : all) observer->observe(simulation);
-    } catch (...) {
-      save_at_least(simulation);
-      throw;
-    }
+    tell(simulation, [&](Observer& observer) { observer.observe(simulation); });
   }
   void finish(const Simulation& simulation) const {
-    try {
-      for (const auto& observer : all) observer->finish(simulation);
-    } catch (...) {
-      save_at_least(simulation);
-      throw;
-    }
+    tell(simulation, [&](Observer& observer) { observer.finish(simulation); });
   }
 
  private:
+  /// A log that cannot be written any more ends the run, but costs no state.
+  template <class Tell>
+  void tell(const Simulation& simulation, Tell&& each) const {
+    try {
+      for (const auto& observer : all) each(*observer);
+    } catch (...) {
+      save_at_least(simulation);
+      throw;
+    }
+  }
   void save_at_least(const Simulation& simulation) const {
     try {
       if (checkpointing) checkpointing->finish(simulation);

@@ -15,6 +15,13 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>);
 
+/// For HDF5's iterations over attributes and links: collects their names.
+template <class Info>
+herr_t add_name(hid_t, const char* name, const Info*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
 /// HDF5 prints its stack of errors by default; while one of these lives it does not.
 class Quiet {
  public:
@@ -221,14 +228,7 @@ std::vector<std::string> Hdf5Object::attributes() const {
   const Quiet quiet;
   std::vector<std::string> names;
   hsize_t from = 0;
-  check(H5Aiterate2(
-            id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from,
-            [](hid_t, const char* name, const H5A_info_t*, void* all) {
-              static_cast<std::vector<std::string>*>(all)->emplace_back(name);
-              return herr_t{0};
-            },
-            &names),
-        "read");
+  check(H5Aiterate2(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5A_info_t>, &names), "read");
   std::ranges::sort(names);
   return names;
 }
@@ -446,14 +446,7 @@ std::vector<std::string> Hdf5Group::names() const {
   const Quiet quiet;
   std::vector<std::string> names;
   hsize_t from = 0;
-  check(H5Literate(
-            id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from,
-            [](hid_t, const char* name, const H5L_info_t*, void* all) {
-              static_cast<std::vector<std::string>*>(all)->emplace_back(name);
-              return herr_t{0};
-            },
-            &names),
-        "read");
+  check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5L_info_t>, &names), "read");
   std::ranges::sort(names);
   return names;
 }

@@ -24,7 +24,6 @@ constexpr std::size_t k_offset_size = 9;
 constexpr std::size_t k_flags = 11;
 constexpr std::size_t k_end = 28;
 constexpr std::size_t k_checksum = 44;
-constexpr std::array<std::uint8_t, 8> k_signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 
 using Head = std::array<std::uint8_t, k_bytes>;
 
@@ -76,8 +75,9 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
 
 bool is_whole(const Head& head) {
   const std::uint8_t version = head[k_version];
-  return std::equal(k_signature.begin(), k_signature.end(), head.begin()) && (version == 2 || version == 3) &&
-         head[k_offset_size] == 8 &&
+  return std::ranges::equal(k_hdf5_signature, std::span(head).first(k_hdf5_signature.size()), {},
+                            [](char c) { return static_cast<std::uint8_t>(c); }) &&
+         (version == 2 || version == 3) && head[k_offset_size] == 8 &&
          little_endian(std::span(head).subspan(k_checksum)) == checksum(std::span(head).first(k_checksum));
 }
 

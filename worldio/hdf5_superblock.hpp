@@ -3,8 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 namespace troupe::worldio {
+
+/// What an HDF5 file begins with, unless a head of its user stands before it.
+inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 
 /// The head of an HDF5 file as far as the death of its writer concerns it (HDF5 File Format
 /// Specification 3.0, section II.A, versions 2 and 3), read and written without HDF5.

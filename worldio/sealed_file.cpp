@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "worldio/hdf5_superblock.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -149,7 +150,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   const std::string& text = content.head;
   const std::string mark = first_line(kind);
   if (text.empty()) refuse(fmt::format("this is no {}: the file is empty", kind));
-  if (text.starts_with("\x89HDF\r\n\x1a\n")) refuse(fmt::format("this is an HDF5 file, but no {}", kind));
+  if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but no {}", kind));
   if (!text.starts_with(mark) && !mark.starts_with(text)) {
     if (text.starts_with("troupe ")) refuse(fmt::format("this is no {}, or a damaged one", kind));
     refuse(fmt::format("this is no {}", kind));
