@@ -49,6 +49,9 @@ constexpr Effect k_effects[] = {
     {"world", "quit_time", "@", "quit_time 7", loaded},
     {"world", "unit_length", "@ mover( pose [1 0 0 0] )", "unit_length \"cm\""},
     {"world", "unit_angle", "@ mover( pose [0 0 0 1] )", "unit_angle \"radians\""},
+    {"world", "show_clock", "@", "show_clock 1", loaded},
+    {"world", "show_clock_interval", "@", "show_clock_interval 10", loaded},
+    {"world", "speedup", "@", "speedup 4", loaded},
     {"world", "seed", "@ wanderer() model( pose [0.5 0.1 0 0] )", "seed 7"},
     {"world", "resolution", "@ eye() model( pose [2 0.3 0 10] )", "resolution 0.3", grid},
 
@@ -60,6 +63,8 @@ constexpr Effect k_effects[] = {
     {"model", "color", "model( @ )", "color \"blue\"", loaded},
     {"model", "color_rgba", "model( @ )", "color_rgba [0 0 1 1]", loaded},
     {"model", "bitmap", "eye() model( pose [2 0 0 0] @ )", "bitmap \"corner.png\""},
+    {"model", "bitmap_margins", "eye() model( pose [2 0 0 0] bitmap \"corner.png\" @ )", "bitmap_margins 1"},
+    {"model", "bitmap_unknown", "eye() model( pose [1 0 0 0] bitmap \"map.yaml\" @ )", "bitmap_unknown 1"},
     {"model", "noblocks", "eye() model( pose [2 0 0 0] @ )", "noblocks 1"},
     {"model", "boundary", "eye() model( size [4 4 1] noblocks 1 @ )", "boundary 1"},
     {"model", "stack_children", "eye() model( pose [2 0 0 0] noblocks 1 model() @ )", "stack_children 0"},
@@ -97,6 +102,21 @@ constexpr Effect k_effects[] = {
      "fov 90"},
     {"sensor", "samples", "position( ranger( alwayson 1 sensor( @ ) ) )", "samples 3"},
 
+    {"laser", "samples", "position( size [0.2 0.2 0.2] laser( alwayson 1 @ ) ) model( pose [1 0 0 0] )",
+     "samples 7"},
+    {"laser", "fov", "position( size [0.2 0.2 0.2] laser( alwayson 1 samples 3 @ ) ) model( pose [1 0 0 0] )",
+     "fov 20"},
+    {"laser", "range", "position( laser( alwayson 1 @ ) )", "range [0 3]"},
+    {"laser", "range_max", "position( laser( alwayson 1 @ ) )", "range_max 3"},
+    {"laser", "range_min", "position( laser( alwayson 1 @ ) )", "range_min 1", loaded},
+    {"sonar", "samples", "position( size [0.2 0.2 0.2] sonar( alwayson 1 @ ) ) model( pose [1 0 0 0] )",
+     "samples 7"},
+    {"sonar", "fov", "position( size [0.2 0.2 0.2] sonar( alwayson 1 samples 3 @ ) ) model( pose [1 0 0 0] )",
+     "fov 20"},
+    {"sonar", "range", "position( sonar( alwayson 1 @ ) )", "range [0 3]"},
+    {"sonar", "range_max", "position( sonar( alwayson 1 @ ) )", "range_max 3"},
+    {"sonar", "range_min", "position( sonar( alwayson 1 @ ) )", "range_min 1", loaded},
+
     {"gripper", "paddle_size", "eye() gripper( pose [1 0 0 180] size [0.5 0.5 1] @ )",
      "paddle_size [0.3 0.1 0.4]"},
 };
@@ -107,6 +127,8 @@ class StageEffects : public test::ScratchTest {
     worldio::Image corner{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 255)};
     for (const std::size_t pixel : {1u, 2u, 3u}) corner.rgba[4 * pixel] = 0;
     worldio::write_png(folder_ / "corner.png", corner);
+    write("map.pgm", "P5 2 1 255\n" + std::string("\x00\xcd", 2));
+    write("map.yaml", "image: map.pgm\nresolution: 0.3\norigin: [0, 0, 0]\n");
   }
 
   Simulation load(const Effect& effect, std::string_view property) {
