@@ -70,6 +70,10 @@ constexpr Effect k_effects[] = {
     {"model", "stack_children", "eye() model( pose [2 0 0 0] noblocks 1 model() @ )", "stack_children 0"},
     {"model", "obstacle_return", "mover() model( pose [0.5 0 0 0] @ )", "obstacle_return 0"},
     {"model", "ranger_return", "eye() model( pose [2 0 0 0] @ )", "ranger_return -1"},
+    {"model", "fiducial_return", "model( @ )", "fiducial_return 7", loaded},
+    {"model", "fiducial_key", "model( @ )", "fiducial_key 7", loaded},
+    {"model", "gripper_return", "model( @ )", "gripper_return 1", loaded},
+    {"model", "blob_return", "model( @ )", "blob_return 0", loaded},
     {"model", "ctrl", "position( @ )", "ctrl \"script line\""},
     {"model", "alwayson", "position( ranger( sensor() @ ) )", "alwayson 1"},
 
@@ -116,6 +120,10 @@ constexpr Effect k_effects[] = {
     {"sonar", "range", "position( sonar( alwayson 1 @ ) )", "range [0 3]"},
     {"sonar", "range_max", "position( sonar( alwayson 1 @ ) )", "range_max 3"},
     {"sonar", "range_min", "position( sonar( alwayson 1 @ ) )", "range_min 1", loaded},
+
+    {"blinkenlight", "period", "position( blinkenlight( alwayson 1 dutycycle 0.5 @ ) )", "period 300"},
+    {"blinkenlight", "dutycycle", "position( blinkenlight( alwayson 1 @ ) )", "dutycycle 0.5"},
+    {"blinkenlight", "enabled", "position( blinkenlight( alwayson 1 @ ) )", "enabled 0"},
 
     {"gripper", "paddle_size", "eye() gripper( pose [1 0 0 180] size [0.5 0.5 1] @ )",
      "paddle_size [0.3 0.1 0.4]"},

@@ -20,16 +20,16 @@ constexpr double k_degree = k_pi / 180;
 
 class StageWorld : public StageTest {};
 
-const engine::FieldTable& ranger_table() { return test_registry().sensor("ranger")->params; }
+const engine::FieldTable& ranger_table() { return test_registry().device("ranger")->params; }
 
 /// One field of one transducer of a ranger.
-const engine::Value& transducer(const engine::SensorSpec& sensor, std::size_t number,
+const engine::Value& transducer(const engine::DeviceSpec& sensor, std::size_t number,
                                 std::string_view field) {
   const engine::FieldTable& table = *ranger_table().fields[ranger_table().find("transducers")].record;
   return get(table, get(ranger_table(), sensor.params, "transducers").records()[number], field);
 }
 
-double transducer_pose(const engine::SensorSpec& sensor, std::size_t number, std::string_view field) {
+double transducer_pose(const engine::DeviceSpec& sensor, std::size_t number, std::string_view field) {
   return get(engine::pose_fields(), transducer(sensor, number, "pose").records()[0], field).number();
 }
 
@@ -156,24 +156,23 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
       "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
-                  "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
-                  "threads, friction",
-                  "w.world:3: warning: accepted, but only Stage's window would use it: paused, "
-                  "window, gui_nose",
-                  "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
-                  "polygon[k].points"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
+                          "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
+                          "threads, friction",
+                          "w.world:3: warning: accepted, but only Stage's window would use it: paused, "
+                          "window, gui_nose",
+                          "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
+                          "polygon[k].points"));
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
   load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n"
+      "define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\nfiducial( fov 3 )\n"
       "position( localization \"odom\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
-                          "w.world:4: warning: not supported yet: fiducial_return",
+                          "w.world:4: warning: not supported yet: watts",
                           "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
                           "w.world:5: warning: not supported yet: fov of a fiducial",
@@ -385,7 +384,7 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
   EXPECT_EQ(plan.solids[0].z, (ZInterval{0, 1}));
   EXPECT_TRUE(plan.floor_plan);
   EXPECT_EQ(type_of(spec, 2).parts[0].solids[0].z, (ZInterval{0, 0.3}));
-  EXPECT_EQ(spec.bodies[2].pose_world_body.heading, k_pi / 2);           // of the map's frame
+  EXPECT_EQ(spec.bodies[2].pose_world_body.heading, k_pi / 2);                  // of the map's frame
   expect_box(bounds_of(type_of(spec, 3).parts[0].solids), 10.5, 11.5, 20, 21);  // the unknown cell too
 }
 
@@ -525,6 +524,14 @@ TEST_F(StageWorld, ReturnsAndColours) {
   EXPECT_FALSE(type_of(spec, 2).parts[0].color);
   EXPECT_EQ(type_of(spec, 2).parts[1].color, (Color{0, 1, 0, 1}));
   EXPECT_EQ(type_of(spec, 2).parts[2].color, (Color{0, 0, 0.5f, 1}));
+  const auto seen = load(
+      "define m model()\nm( fiducial_return -7 fiducial_key 3 gripper_return 1 blob_return 0 )\nm()\n"
+      "m( fiducial_return 3000000000 )\n");
+  EXPECT_EQ(type_of(seen, 1).parts[0].returns, (engine::Returns{true, 1, -7, 3, true, false}));
+  EXPECT_EQ(type_of(seen, 2).parts[0].returns, (engine::Returns{true, 1, 0, 0, false, true}));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number of 32 bits; "
+                          "here is 3000000000"));
 }
 
 TEST_F(StageWorld, RandomColoursFollowFromSeedAndBody) {
@@ -550,8 +557,8 @@ TEST_F(StageWorld, RangersBecomeSensors) {
       "  sensor( pose [0.01 0 0.1 -30] size [0.1 0.1 0.01] range [0.5 8] fov 180 samples 180 )\n"
       "  sensor() ) )\n");
   const engine::TypeSpec& type = type_of(spec, 1);
-  ASSERT_THAT(type.sensors, SizeIs(1));
-  const engine::SensorSpec& eyes = type.sensors[0];
+  ASSERT_THAT(type.devices, SizeIs(1));
+  const engine::DeviceSpec& eyes = type.devices[0];
   EXPECT_EQ(eyes.name, "eyes");
   EXPECT_EQ(eyes.kind, "ranger");
   EXPECT_TRUE(eyes.active);
@@ -577,8 +584,8 @@ TEST_F(StageWorld, RangersBecomeSensors) {
 
 TEST_F(StageWorld, RangersRunAtStagesPaceUnlessTold) {
   const auto spec = load("position( ranger( sensor() ) )");
-  EXPECT_FALSE(type_of(spec, 1).sensors[0].active);
-  EXPECT_EQ(type_of(spec, 1).sensors[0].period_s, 0.1);
+  EXPECT_FALSE(type_of(spec, 1).devices[0].active);
+  EXPECT_EQ(type_of(spec, 1).devices[0].period_s, 0.1);
   EXPECT_EQ(type_of(spec, 1).drive->period_s, 0.1);
 }
 
@@ -591,7 +598,7 @@ TEST_F(StageWorld, LasersAndSonarsAreRangers) {
       "position( laser( sensor( samples 4 ) sensor() ) )\n"
       "define laser ranger( sensor( samples 6 ) )\nposition( laser() )\n");
   EXPECT_THAT(messages(), IsEmpty());
-  const auto sensor = [&](std::size_t body) { return type_of(spec, body).sensors[0]; };
+  const auto sensor = [&](std::size_t body) { return type_of(spec, body).devices[0]; };
   EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "ranger:0"));
   EXPECT_EQ(type_of(spec, 1).parts[1].kind, "ranger");
   EXPECT_EQ(sensor(1).kind, "ranger");
@@ -828,19 +835,16 @@ class StageOwnWorld : public StageTest {
   }
 };
 
-constexpr const char* k_floorplan_1 = "map.inc:17: warning: not supported yet: gripper_return";
-
 TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "blob_return, acceleration_bounds of a position",
+          "acceleration_bounds of a position",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
@@ -861,10 +865,10 @@ TEST_F(StageOwnWorld, Simple) {
   // The octagon's corners after normalisation, moved by the origin.
   expect_box(bounds_of(robot.parts[0].solids), -0.26, 0.18, -0.19, 0.19);
   EXPECT_EQ(robot.parts[0].solids[0].z, (ZInterval{0, 0.22}));
-  ASSERT_THAT(robot.sensors, SizeIs(2));
-  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 3, "z"), 0.195, 1e-12);
-  EXPECT_NEAR(robot.sensors[1].pose_body_sensor.z + transducer_pose(robot.sensors[1], 0, "z"), 0.33, 1e-12);
-  EXPECT_EQ(transducer(robot.sensors[1], 0, "samples").integer(), 180);
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 3, "z"), 0.195, 1e-12);
+  EXPECT_NEAR(robot.devices[1].pose_body_sensor.z + transducer_pose(robot.devices[1], 0, "z"), 0.33, 1e-12);
+  EXPECT_EQ(transducer(robot.devices[1], 0, "samples").integer(), 180);
   EXPECT_NEAR(robot.parts[2].solids[0].z.max, 0.41, 1e-12);
   ASSERT_THAT(robot.controllers, SizeIs(1));
   EXPECT_EQ(robot.controllers[0].kind, "wander");
@@ -876,11 +880,10 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -897,8 +900,7 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
-                  "irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
+      ElementsAre("irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
                   "irobot.inc:30: warning: not supported yet: bcount of a bumper",
                   "irobot.inc:31: warning: not supported yet: blength of a bumper",
                   "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
@@ -918,19 +920,18 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
-  EXPECT_FALSE(robot.sensors[0].active);
-  EXPECT_TRUE(robot.sensors[1].active);
+  EXPECT_FALSE(robot.devices[0].active);
+  EXPECT_TRUE(robot.devices[1].active);
   EXPECT_THAT(robot.controllers, IsEmpty());
 }
 
@@ -938,17 +939,15 @@ TEST_F(StageOwnWorld, Cave) {
   const auto spec = open("benchmark/cave.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
-          "definition holds",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
-          "pioneer.inc:144: warning: not supported yet: mass",
-          "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
-          "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+      ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
+                  "definition holds",
+                  "pioneer.inc:116: warning: not supported yet: localization of a position",
+                  "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
+                  "pioneer.inc:144: warning: not supported yet: mass",
+                  "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
+                  "threads, acceleration_bounds of a position",
+                  "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
+                  "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
@@ -958,8 +957,8 @@ TEST_F(StageOwnWorld, Cave) {
   EXPECT_NE(spec.bodies[2].color, spec.bodies[12].color);
   const engine::TypeSpec& robot = spec.types[2];
   EXPECT_THAT(robot.parts[0].solids, SizeIs(7));
-  ASSERT_THAT(robot.sensors, SizeIs(2));
-  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(16));
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(16));
   EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(8));
   EXPECT_EQ(robot.controllers[0].kind, "expand");
 }
@@ -969,7 +968,6 @@ TEST_F(StageOwnWorld, Hospital) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
           "benchmark/hospital.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
           "threads",
           "benchmark/hospital.world:13: warning: accepted, but only Stage's window would use it: "
@@ -986,8 +984,8 @@ TEST_F(StageOwnWorld, Hospital) {
   }
   const engine::TypeSpec& robot = spec.types[2];
   EXPECT_EQ(robot.name, "swarmbot");
-  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(12));
-  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 0, "z"), 0.06, 1e-12);
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(12));
+  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.06, 1e-12);
   expect_box(bounds_of(spec.types[1].parts[0].solids), -70, 70, -30, 30);
   EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(979));
 }
@@ -997,7 +995,6 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
@@ -1006,7 +1003,7 @@ TEST_F(StageOwnWorld, LspTest) {
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -1030,14 +1027,13 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
+          "threads, acceleration_bounds of a position",
           "pioneer_flocking.world:10: warning: accepted, but only Stage's window would use it: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
