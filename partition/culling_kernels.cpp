@@ -128,8 +128,8 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     const Floats to = Add(angle, width);
     Floats first, last;
     angles.beams(from, to, Ge(radius, distance), first, last);
-    const auto spans =
-        And(Le(first, last), Ge(radius, Zero(k_f)));  // what fills the last vector is no circle
+    const auto circle = Ge(radius, Zero(k_f));  // what fills up the last vector is none
+    const auto spans = And(Le(first, last), circle);
     StoreU(Compress(first, spans), k_f, &met.x[spanning]);
     StoreU(Compress(last, spans), k_f, &met.y[spanning]);
     StoreU(Compress(Sub(distance, radius), spans), k_f, &met.radius[spanning]);

@@ -262,8 +262,10 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
 /// A step: an edge of a scan, and a vector of beams by its first.
 constexpr int k_edge_bits = 8;
 static_assert(Relative::k_size <= 1 << k_edge_bits);
-std::size_t edge_of(std::int32_t step) { return static_cast<std::size_t>(step) & ((1u << k_edge_bits) - 1); }
-std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
+HWY_INLINE std::size_t edge_of(std::int32_t step) {
+  return static_cast<std::size_t>(step) & ((1u << k_edge_bits) - 1);
+}
+HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
 
 /// Writes the steps at `where`, and returns their number.
 HWY_INLINE std::size_t note(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
