@@ -242,7 +242,7 @@ TEST(JsonWorld, MapsOfRosSayTheirSizeAndPlaceThemselves) {
     {"name": "a", "bitmap": "lab.yaml", "size_m": [1, 1, 1]}]})",
                      {}, file);
   EXPECT_THAT(sized.found,
-              ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, boundary")));
+              ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, blob_return, boundary")));
 }
 
 TEST(JsonWorld, ItSaysHowItIsToBeWatched) {

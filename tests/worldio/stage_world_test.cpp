@@ -844,7 +844,7 @@ TEST_F(StageOwnWorld, Simple) {
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
@@ -884,7 +884,7 @@ TEST_F(StageOwnWorld, PioneerWalle) {
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -925,7 +925,7 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
@@ -1004,7 +1004,7 @@ TEST_F(StageOwnWorld, LspTest) {
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
