@@ -214,7 +214,8 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
       for (const double y : {-part.size.y() / 2, part.size.y() / 2})
         spec_.bounds->extend(transform * Vec2(x, y));
   } else if (!spec_.bounds) {
-    spec_.bounds.emplace().extend(Vec2::Zero());  // else populations would be told that there is no floor plan
+    spec_.bounds.emplace().extend(
+        Vec2::Zero());  // else populations would be told that there is no floor plan
   }
   object.finish();
   body.type = TypeId(spec_.types.size());

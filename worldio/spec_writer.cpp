@@ -267,7 +267,8 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch, window] = spec;
+               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
+               window] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;

@@ -241,7 +241,9 @@ TEST(JsonWorld, MapsOfRosSayTheirSizeAndPlaceThemselves) {
   const Loaded sized(R"({"troupe": 1, "floorplans": [
     {"name": "a", "bitmap": "lab.yaml", "size_m": [1, 1, 1]}]})",
                      {}, file);
-  EXPECT_THAT(sized.found, ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, ")));
+  EXPECT_THAT(
+      sized.found,
+      ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, blob_return, boundary")));
 }
 
 TEST(JsonWorld, ItSaysHowItIsToBeWatched) {

@@ -1011,7 +1011,7 @@ TEST_F(StageOwnWorld, LspTest) {
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
           "blobfinder, channels of a blobfinder"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
-  EXPECT_NE(spec.bodies[2].type, spec.bodies[3].type);  // they show different fiducials
+  EXPECT_NE(spec.bodies[2].type, spec.bodies[3].type) << "their fiducial_return differs";
   EXPECT_THAT(part_names(type_of(spec, 2)),
               ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));
 }
