@@ -32,6 +32,8 @@ struct BodyType {
     const DriveKind* kind;
     std::any data;
     std::uint64_t period;  ///< ticks
+    Localization localization;
+    std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
   };
   std::optional<Drive> drive;
 

@@ -89,10 +89,11 @@ struct MemoryOf<C> {
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<std::span<const float>, k_most_sensors_read> ranges;
-  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}};
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}, {}};
   for (std::size_t i = 0; i < batch.size(); ++i) {
     percept.body = batch.body(i);
     for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
+    percept.estimate = batch.estimate(i);
     Random random = batch.random(i);
     Actions actions{batch.command(i)};
     if constexpr (std::is_same_v<Memory, NoMemory>)

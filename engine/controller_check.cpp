@@ -129,6 +129,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
     }
   };
   note(here.commands_before, here.memories_before);
+  for (std::size_t i = 0; i < batch.size(); ++i) here.estimates.push_back(batch.estimate(i));
   controller.kind->decide(controller.data, batch);
   note(here.commands_after, here.memories_after);
 
@@ -137,6 +138,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
                            [static_cast<std::size_t>(&controller - type.controllers.data())];
   taken.given = batch;
   append(taken.rows, here.rows);
+  append(taken.estimates, here.estimates);
   append(taken.commands_before, here.commands_before);
   append(taken.commands_after, here.commands_after);
   append(taken.memories_before, here.memories_before);
@@ -154,6 +156,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // of a thread that we have not seen before
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  estimates_.assign(world_.rows(), Pose{k_nan, k_nan, k_nan, k_nan});
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < taken_.size(); ++t) {
     for (std::size_t c = 0; c < taken_[t].size(); ++c) {
@@ -179,11 +182,14 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Decisions& 
   std::size_t slots = 0;
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
   memories_.assign(slots * kind.memory_bytes, k_junk);
+  static const Localization k_as_noted;
   batch.commands = commands_;
+  batch.estimates = {&k_as_noted, estimates_, {}};
   if (batch.memories.first) batch.memories.first = memories_.data();
   for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     const std::size_t row = taken.rows[i].index();
     commands_[row] = taken.commands_before[i];
+    estimates_[row] = taken.estimates[i];
     if (batch.memories.first)
       copy_fields(kind.memory, taken.memories_before.data() + i * kind.memory_bytes,
                   memories_.data() + batch.slots[row] * kind.memory_bytes);

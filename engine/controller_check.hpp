@@ -74,6 +74,7 @@ class ControllerCheck {
     DecideBatch given;  // but for rows, commands and memories, which are here
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
+    std::vector<Pose> estimates;  // of the time, which the world no longer knows
     std::vector<std::byte> memories_before, memories_after;
   };
 
@@ -90,6 +91,7 @@ class ControllerCheck {
   std::uint64_t decisions_ = 0;
   // What the repetitions write: as large as the world's own tables.
   std::vector<Command> commands_;
+  std::vector<Pose> estimates_;
   std::vector<std::byte> memories_;
 };
 

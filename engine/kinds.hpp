@@ -4,6 +4,7 @@
 #include "base/pose.hpp"
 #include "base/random.hpp"
 #include "engine/fields.hpp"
+#include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
 #include "engine/state_table.hpp"
 
@@ -59,17 +60,35 @@ struct SensorKind {
                          StateTable& percepts);
 };
 
-/// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
+/// What the numbers of a command are.
+enum class ControlMode : std::uint8_t {
+  velocity,      ///< speeds, m/s and rad/s; for a `car` turn is the steering angle, rad
+  acceleration,  ///< m/s^2 and rad/s^2; for a `car` turn is the steering angle, rad
+  position,      ///< a goal in the frame of the estimate, m and rad
+};
+inline constexpr std::size_t k_control_modes = 3;
+
+/// What a controller asks of its drive, in the body's frame (a goal: in the estimate's): forward, left,
+/// counter-clockwise. To assign `{x, y, turn}` commands a speed; to change one number keeps the mode.
 struct Command {
   double x = 0;
   double y = 0;
   double turn = 0;
+  ControlMode mode = ControlMode::velocity;
 };
 
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
   double y = 0;     ///< m/s, body frame, left
   double turn = 0;  ///< rad/s
+};
+
+/// Drives of robots of one type that are due in a tick; sizes are equal.
+struct DriveBatch {
+  std::span<const Command> commands;
+  std::span<Velocity> velocities;   ///< in: of the last tick, where `estimates` are given; out: of this one
+  std::span<const Pose> estimates;  ///< empty where all commands are speeds
+  double elapsed_s = 0;             ///< since they were due before
 };
 
 struct DriveKind {
@@ -79,8 +98,10 @@ struct DriveKind {
   std::any (*prepare)(const Record& params);
   /// What is wrong with the parameters taken together; empty when nothing is.
   std::string (*fault)(const Record& params);
-  /// Velocities of a batch from their commands, bounds applied. Sizes are equal.
-  void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
+  /// Velocities of a batch from their commands, bounds applied.
+  void (*drive)(const std::any& data, const DriveBatch& batch);
+  /// With which a robot moves until its drive is due for the first time. Null: it stands.
+  Velocity (*start)(const std::any& data) = nullptr;
 };
 
 /// Sensors that one controller can read.
@@ -94,11 +115,25 @@ struct Percept {
   std::uint32_t body = 0;
   /// Readings of the sensors it asked for in `prepare`, in that order (ranges, m).
   std::span<const std::span<const float>> ranges;
+  /// Where it believes to be: engine/localization.hpp.
+  Pose estimate;
 };
 
 /// What it may do: slots of its own body, already holding the last values.
 struct Actions {
   Command& command;
+
+  /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
+  void set_speed(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::velocity};
+  }
+  /// m/s^2 and rad/s^2: speeds change by as much a second until replaced; of a car `turn` is the steering
+  /// angle.
+  void accelerate(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::acceleration};
+  }
+  /// To a pose in the frame of Percept::estimate, m and rad; it stays there until it is told otherwise.
+  void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 };
 
 /// Robots of one type whose controller decides in a tick: where all that concerns robot i of the batch lies.
@@ -112,6 +147,7 @@ struct DecideBatch {
   std::span<const BodyId> ids;  ///< a row each, as are:
   std::span<const std::uint32_t> slots;
   std::span<Command> commands;
+  Estimates estimates;
 
   /// A row of a table each slot, `stride` apart.
   template <class T>
@@ -127,6 +163,7 @@ struct DecideBatch {
   std::size_t size() const { return rows.size(); }
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
   Command& command(std::size_t i) const { return commands[rows[i].index()]; }
+  Pose estimate(std::size_t i) const { return estimates.of(rows[i], slots[rows[i].index()]); }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   std::byte* memory(std::size_t i) const { return memories.first + slots[rows[i].index()] * memories.stride; }
   std::span<const float> readings(std::size_t sensor, std::size_t i) const {

@@ -8,6 +8,7 @@
 #include "models/nearness.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "models/waypoints.hpp"
 #include "sensors/ranger.hpp"
 
 namespace troupe {
@@ -18,7 +19,7 @@ engine::Registry make_registry() {
   registry.sensors = {sensors::ranger_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
-                          models::script_controller()};
+                          models::script_controller(), models::waypoints_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

@@ -8,6 +8,7 @@
 #include "models/nearness.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "models/waypoints.hpp"
 #include "sensors/ranger.hpp"
 
 #include <initializer_list>
@@ -23,7 +24,8 @@ inline const engine::Registry& registry() {
     engine::Registry r;
     r.sensors = {sensors::ranger_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller(),
+                     models::waypoints_controller()};
     r.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                   models::neighbours_measure(),  models::stalls_measure(),
                   models::held_measure(),        models::displacement_measure(),

@@ -111,16 +111,13 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n"
-      "position( localization \"odom\" )");
+  load("define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
                           "w.world:4: warning: not supported yet: fiducial_return",
                           "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
-                          "w.world:5: warning: not supported yet: fov of a fiducial",
-                          "w.world:6: warning: not supported yet: localization of a position"));
+                          "w.world:5: warning: not supported yet: fov of a fiducial"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -677,11 +674,9 @@ TEST_F(StageOwnWorld, Simple) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "blob_return, acceleration_bounds of a position",
+          "blob_return",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
@@ -718,11 +713,8 @@ TEST_F(StageOwnWorld, PioneerWalle) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
@@ -743,8 +735,6 @@ TEST_F(StageOwnWorld, Roomba) {
                   "irobot.inc:30: warning: not supported yet: bcount of a bumper",
                   "irobot.inc:31: warning: not supported yet: blength of a bumper",
                   "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
-                  "roomba.world:43: warning: not supported yet: localization of a position",
-                  "roomba.world:44: warning: not supported yet: localization_origin of a position",
                   "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
                   "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
                   "gui_nose, gui_grid, gui_move, gui_outline"));
@@ -760,12 +750,9 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
@@ -783,11 +770,9 @@ TEST_F(StageOwnWorld, Cave) {
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
           "definition holds",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return",
           "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
@@ -839,16 +824,13 @@ TEST_F(StageOwnWorld, LspTest) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
           "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
           "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
@@ -872,13 +854,11 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return",
           "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
