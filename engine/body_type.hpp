@@ -37,20 +37,23 @@ struct BodyType {
   };
   std::optional<Drive> drive;
 
-  struct Sensor {
+  struct Device {
     std::string name;
-    const SensorKind* kind;
-    SensorKind::Prepared prepared;
-    std::uint64_t period;   ///< ticks
-    bool active;            ///< runs: always on, or a controller reads it
-    std::size_t table = 0;  ///< its percepts: index into World::tables()
+    const DeviceKind* kind;
+    DeviceKind::Prepared prepared;
+    std::uint64_t period;                      ///< ticks
+    bool active;                               ///< runs: always on, or a controller reads it
+    std::uint32_t part;                        ///< that carries it
+    std::uint32_t stream;                      ///< of its random numbers
+    std::size_t table = 0;                     ///< its percepts: index into World::tables()
+    std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };
-  std::vector<Sensor> sensors;
+  std::vector<Device> devices;
 
   struct Controller {
     const ControllerKind* kind;
     std::any data;
-    std::vector<std::size_t> sensors;  ///< indices into `sensors`; the first is the trigger
+    std::vector<std::size_t> devices;  ///< indices into `devices`; the first is the trigger
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
@@ -59,7 +62,7 @@ struct BodyType {
 
   /// What a body of this type takes: readings, memories and its outline.
   double row_bytes() const;
-  bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
+  bool runs() const { return drive || !devices.empty() || !controllers.empty(); }
 };
 
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.

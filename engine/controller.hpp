@@ -88,14 +88,18 @@ struct MemoryOf<C> {
 
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
-  std::array<std::span<const float>, k_most_sensors_read> ranges;
-  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}, {}};
+  std::array<Readings, k_most_devices_read> readings;
+  std::array<std::byte*, k_most_devices_read> devices;
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}, {}};
   for (std::size_t i = 0; i < batch.size(); ++i) {
     percept.body = batch.body(i);
-    for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
+    for (std::size_t s = 0; s < batch.devices; ++s) {
+      readings[s] = batch.readings(s, i);
+      devices[s] = batch.device_command(s, i);
+    }
     percept.estimate = batch.estimate(i);
     Random random = batch.random(i);
-    Actions actions{batch.command(i)};
+    Actions actions{batch.command(i), {devices.data(), batch.devices}};
     if constexpr (std::is_same_v<Memory, NoMemory>)
       controller(percept, random, actions);
     else
@@ -137,8 +141,9 @@ std::vector<StateField> memory_fields() {
 
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
+///   static constexpr bool needs_drive = false;      (optional: else it drives)
 ///   static C make(const Record& params);
-///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string&
+///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
 ///   fault);
 ///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
 ///   void operator()(const DecideBatch&) const;                               for many at once
@@ -146,13 +151,14 @@ template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
   ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
+  if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   kind.memory = memory_fields<Memory>();
   kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
-  kind.prepare = [](const Record& record, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
+  kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                     std::string& fault) {
     C controller = C::make(record);
-    std::vector<std::size_t> chosen = controller.choose(sensors, claimed, fault);
+    std::vector<std::size_t> chosen = controller.choose(devices, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {

@@ -138,13 +138,13 @@ class World {
   /// Whether a body would stand at this pose within the world's bounds and free of everything solid.
   bool is_free(Row row, const Pose& pose) const;
   /// Percepts of one sensor of a type.
-  const StateTable& percepts(const BodyType::Sensor& sensor) const { return tables_[sensor.table]; }
+  const StateTable& percepts(const BodyType::Device& sensor) const { return tables_[sensor.table]; }
   /// Runs every sensor of this body from now on; before the first step.
   void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
   /// The bodies that subscribe() was called for, by id.
   std::vector<BodyId> subscribed() const;
   /// Whether a sensor of the row's type runs for this row.
-  bool senses(Row row, const BodyType::Sensor& sensor) const {
+  bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
@@ -201,6 +201,7 @@ class World {
 
   void sense();
   void decide();
+  DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
@@ -208,6 +209,7 @@ class World {
   void commit();
   /// The odometry of a robot that has moved as proposed.
   void count_way(Row row, const BodyType::Drive& drive);
+  void apply_effects();
   /// What is derived from a row's pose.
   void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
@@ -221,6 +223,8 @@ class World {
   void for_blocks(Work&& work);
   template <class Work>
   void for_types(std::span<Row> rows, Work&& work);
+  template <class Work>
+  void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
 
   WorldSpec spec_;
   std::vector<BodyType> types_;
@@ -245,6 +249,7 @@ class World {
 
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;
+  Effects effects_;  // of the tick under way
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;

@@ -50,7 +50,7 @@ struct Waypoints {
     return waypoints;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
                                   std::string& fault) const {
     if (goals.empty()) fault = "needs goals: without them it has nowhere to go";
     return {};

@@ -84,6 +84,20 @@ TEST(ControllerCheck, FindsNothingInAFunction) {
   EXPECT_EQ(check.decisions(), 5 * k_robots);
 }
 
+TEST(ControllerCheck, RepeatsWithWhatRobotsBelievedThen) {
+  for (const char* localization : {"gps", "odom"}) {
+    WorldSpec spec = Swarm::make({"believer"});
+    spec.types.back().drive = test::drive("omni", {{"localization", localization}});
+    Diagnostics diagnostics;
+    World world(std::move(spec), registry(), {.threads = 2}, diagnostics);
+    ControllerCheck check(world, registry());
+    for (int tick = 1; tick <= 7; ++tick) {
+      world.step();
+      ASSERT_THAT(on_another_thread(check), IsEmpty()) << localization << ", tick " << tick;
+    }
+  }
+}
+
 TEST(ControllerCheck, ChangesNoResult) {
   Swarm alone({"honest"});
   Swarm watched({"honest"});
@@ -182,7 +196,7 @@ TEST(ControllerCheck, OurOwnControllersAreFunctions) {
           {.pose = {0, 0, 0.1, radians(360.0 / static_cast<double>(beams) * static_cast<double>(i))},
            .fov = beams == 1 ? 2.0 : 0.0,
            .samples = beams == 1 ? 31 : 1});
-    scene[type].sensors.push_back(test::ranger("eye", ring));
+    scene[type].devices.push_back(test::ranger("eye", ring));
     scene[type].controllers.push_back(std::move(controller));
     for (int i = 0; i < 40; ++i)
       scene.body(fmt::format("{}{}", name, i), type,

@@ -14,7 +14,7 @@ struct Pair {
   explicit Pair(double second_x = 3, const char* localization = "gps") {
     const TypeId type = scene.robot("robot", {Solid{{test::box_ring(0.4, 0.4)}, {0, 1}}});
     scene[type].drive = test::drive("diff", {{"localization", localization}});
-    scene[type].sensors.push_back(test::ranger("eye", {{.range_max = 5}}));
+    scene[type].devices.push_back(test::ranger("eye", {{.range_max = 5}}));
     first = scene.body("a", type);
     second = scene.body("b", type, {second_x, 0, 0, 0});
     scene.wall(6, -2, 7, 2);
@@ -26,7 +26,7 @@ struct Pair {
 
 float reading(const World& world, BodyId body) {
   const Row row = world.row(body);
-  return world.percepts(world.type(row).sensors[0]).cell<float>(world.slot(row), 0)[0];
+  return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
 }
 
 TEST(Placing, IsSeenByOthersAndGoesOnFromThere) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace troupe::models {
@@ -12,7 +13,7 @@ using engine::Command;
 
 /// One decision of a controller kind on readings given by hand: a ring of single beams, or one scanner.
 struct Decision {
-  engine::SensorKind::Prepared layout;
+  engine::DeviceKind::Prepared layout;
   engine::ControllerKind kind;
   engine::ControllerKind::Prepared prepared;
   std::vector<std::byte> memory;
@@ -21,8 +22,8 @@ struct Decision {
   std::uint32_t tick = 1;
   double tick_s = 0.1;
 
-  static engine::SensorKind::Prepared ring(const std::vector<double>& headings) {
-    engine::SensorKind::Prepared layout;
+  static engine::DeviceKind::Prepared ring(const std::vector<double>& headings) {
+    engine::DeviceKind::Prepared layout;
     for (const double heading : headings) {
       layout.transducers.push_back(layout.bearings.size());
       layout.transducer_headings.push_back(heading);
@@ -30,17 +31,17 @@ struct Decision {
     }
     return layout;
   }
-  static engine::SensorKind::Prepared scanner(std::size_t samples) {
-    engine::SensorKind::Prepared layout;
+  static engine::DeviceKind::Prepared scanner(std::size_t samples) {
+    engine::DeviceKind::Prepared layout;
     layout.transducers = {0};
     layout.transducer_headings = {0};
     layout.bearings.assign(samples, 0);
     return layout;
   }
 
-  Decision(engine::SensorKind::Prepared sensor, const std::string& name, const engine::Record& params)
+  Decision(engine::DeviceKind::Prepared sensor, const std::string& name, const engine::Record& params)
       : layout(std::move(sensor)), kind(*test::registry().controller(name)) {
-    const engine::SensorInfo info{"sensor", "ranger", layout};
+    const engine::DeviceInfo info{"sensor", "ranger", layout};
     std::vector<bool> claimed(1, false);
     prepared = kind.prepare(params, {&info, 1}, claimed, fault);
     memory.resize(kind.memory_bytes);
@@ -60,9 +61,13 @@ struct Decision {
                               .ids = {&id, 1},
                               .slots = {&slot, 1},
                               .commands = {&command, 1},
-                              .sensors = 1,
-                              .memories = {memory.data(), memory.size(), memory.size()}};
-    batch.ranges[0] = {ranges.data(), ranges.size(), ranges.size()};
+                              .devices = 1,
+                              .memories = {memory.data(), memory.size()}};
+    engine::StateTable readings(
+        "sensor", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
+        {{"ranges", engine::Element::f32, static_cast<std::uint32_t>(ranges.size()), "m", ""}}, {id});
+    std::ranges::copy(ranges, readings.cell<float>(0, 0).begin());
+    batch.percepts[0] = &readings;
     kind.decide(prepared.data, batch);
     ++tick;
     return command;
@@ -257,6 +262,46 @@ TEST(Expand, MoreClearancesThanTransducersIsAFault) {
 TEST(Script, TimedWithoutLegsIsAFault) {
   Decision decide({}, "script", test::registry().controller("script")->params.defaults());
   EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");
+}
+
+engine::Record goals(std::vector<engine::Record> poses, bool again) {
+  return test::record(test::registry().controller("waypoints")->params,
+                      {{"goals", std::move(poses)}, {"again", again}});
+}
+
+TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
+  for (const bool again : {true, false}) {
+    test::SceneBuilder scene;
+    const TypeId type = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+    scene[type].controllers.push_back(
+        {.kind = "waypoints", .params = goals({{1.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.5}}, again)});
+    const BodyId body = scene.body("r", type);
+    engine::World world = scene.world();
+    // 1 m at 0.4 m/s, slower within 0.4 m: at the first goal, within 0.1 m, after some 3 s; so each metre.
+    while (world.tick() < 28) world.step();
+    EXPECT_EQ(world.pose(body).y, 0);
+    while (world.tick() < 58) world.step();
+    EXPECT_NEAR(world.pose(body).x, 1, 0.1);
+    EXPECT_NEAR(world.pose(body).y, 0.85, 0.15);
+    while (world.tick() < 88) world.step();
+    EXPECT_NEAR(world.pose(body).y, again ? 0.1 : 1, again ? 0.1 : 0.02);
+    EXPECT_NEAR(world.pose(body).heading, again ? 0.05 : 0.5, again ? 0.05 : 0.02);
+  }
+}
+
+TEST(Waypoints, NeedsGoals) {
+  std::string fault;
+  std::vector<bool> claimed;
+  test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed, fault);
+  EXPECT_EQ(fault, "needs goals: without them it has nowhere to go");
+}
+
+TEST(Wander, TakesOverARobotThatWasSentSomewhere) {
+  Decision decide(Decision::scanner(31), "wander",
+                  test::registry().controller("wander")->params.defaults());
+  decide.command = {3, 4, 0.5, engine::ControlMode::position};
+  // In its way, so that it changes single numbers of the command.
+  EXPECT_EQ(decide(std::vector<float>(31, 0.1f)).mode, engine::ControlMode::velocity);
 }
 
 }  // namespace
