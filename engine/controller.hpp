@@ -86,6 +86,31 @@ struct MemoryOf<C> {
   using type = typename C::Memory;
 };
 
+template <class C>
+C make(const Record& params) {
+  if constexpr (requires { C::make(params); })
+    return C::make(params);
+  else
+    return C{};
+}
+
+template <class C>
+std::vector<std::size_t> choose(C& controller, std::span<const SensorInfo> sensors,
+                                std::vector<bool>& claimed, std::string& fault) {
+  if constexpr (requires { controller.choose(sensors, claimed, fault); }) {
+    return controller.choose(sensors, claimed, fault);
+  } else {
+    if constexpr (requires { C::k_least_sensors; })
+      if (sensors.size() < C::k_least_sensors) {
+        fault = "needs so many sensors on its robot: ";
+        fault += std::to_string(C::k_least_sensors);
+      }
+    std::vector<std::size_t> all(sensors.size());
+    for (std::size_t s = 0; s < all.size(); ++s) all[s] = s;
+    return all;
+  }
+}
+
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<std::span<const float>, k_most_sensors_read> ranges;
@@ -136,9 +161,10 @@ std::vector<StateField> memory_fields() {
 
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
-///   static C make(const Record& params);
+///   static C make(const Record& params);                              (without: C{})
 ///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string&
-///   fault);
+///   fault);                                                   (without: all sensors; it claims none)
+///   static constexpr std::size_t k_least_sensors = 1;         (without choose: of fewer it makes an error)
 ///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
 ///   void operator()(const DecideBatch&) const;                               for many at once
 template <class C>
@@ -150,8 +176,8 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
   kind.prepare = [](const Record& record, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
                     std::string& fault) {
-    C controller = C::make(record);
-    std::vector<std::size_t> chosen = controller.choose(sensors, claimed, fault);
+    C controller = detail::make<C>(record);
+    std::vector<std::size_t> chosen = detail::choose(controller, sensors, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
