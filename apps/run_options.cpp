@@ -244,6 +244,11 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
       ->add_flag("--across-versions", options.across_versions,
                  "Though another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
+  add_plugin_path_option(*resume, options.simulation.plugin_path);
+  resume
+      ->add_flag("--across-plugins", options.across_plugins,
+                 "Though its plug-ins have been built anew since it was written")
+      ->disable_flag_override();
   add_output_options(*resume, options);
   return resume;
 }

@@ -29,6 +29,7 @@ struct RunOptions : WorldOptions {
   bool force = false;                     ///< outputs that exist may be replaced
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
+  bool across_plugins = false;
   int width = 1280;
   int height = 720;
   bool json = false;
