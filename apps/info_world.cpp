@@ -17,7 +17,7 @@ namespace {
 std::string type_text(const engine::TypeSpec& type, std::size_t bodies) {
   std::vector<std::string> parts;
   if (type.drive) parts.push_back(type.drive->kind);
-  for (const engine::SensorSpec& sensor : type.sensors)
+  for (const engine::DeviceSpec& sensor : type.devices)
     parts.push_back(fmt::format("{} {}", sensor.kind, sensor.name));
   for (const engine::ControllerSpec& controller : type.controllers) parts.push_back(controller.kind);
   std::string text = fmt::format("{}", bodies);

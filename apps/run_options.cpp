@@ -40,7 +40,8 @@ Examples:
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
   troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
   troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
-  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall
+  troupe run apps/examples/plugin/room.json --for 60 --plugin-path build)";
 
 std::string resume_footer() {
   std::string changeable(worldio::k_changeable);

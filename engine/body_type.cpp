@@ -33,7 +33,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
       }
     }
   }
-  if (is_mobile(spec) || !spec.sensors.empty()) {  // others: the static scene
+  if (is_mobile(spec) || !spec.devices.empty()) {  // others: the static scene
     try {
       type.obstacle = obstacle_shape(spec);
     } catch (const std::length_error& fault) {
@@ -62,11 +62,37 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
 
 double BodyType::row_bytes() const {
   double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
-  for (const Sensor& sensor : sensors)
-    for (const StateField& field : sensor.prepared.percepts)
+  for (const Device& device : devices) {
+    for (const StateField& field : device.prepared.percepts)
       sum += static_cast<double>(element_size(field.element)) * field.columns;
+    sum += static_cast<double>(device.prepared.command_bytes);
+  }
   for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
   return sum;
+}
+
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const TypeSpec& spec, const BodyType& type,
+                                            std::vector<bool>& claimed, std::string& fault) {
+  std::vector<std::size_t> shown;
+  for (std::size_t s = 0; s < type.devices.size(); ++s)
+    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+  std::vector<DeviceInfo> infos;
+  std::vector<bool> claimed_shown;
+  for (const std::size_t s : shown) {
+    const BodyType::Device& sensor = type.devices[s];
+    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
+    claimed_shown.push_back(claimed[s]);
+  }
+  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
+  for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
+  for (std::size_t& s : prepared.devices) {
+    if (s < shown.size())
+      s = shown[s];
+    else
+      fault = fmt::format("chose sensor {} of {}", s, shown.size());  // a slip of its author's
+  }
+  return prepared;
 }
 
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
@@ -92,10 +118,10 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }
 
-  for (const SensorSpec& sensor : spec.sensors) {
-    const SensorKind* kind = registry.sensor(sensor.kind);
+  for (const DeviceSpec& sensor : spec.devices) {
+    const DeviceKind* kind = registry.device(sensor.kind);
     if (!kind) {
-      diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.sensors));
+      diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.devices));
       continue;
     }
     if (const double samples = samples_asked_for(kind->params, sensor.params); samples > k_most_readings) {
@@ -107,20 +133,19 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     }
     // Readings are found, and hashed, by name.
     std::string name = sensor.name;
-    for (int n = 2; std::ranges::find(type.sensors, name, &BodyType::Sensor::name) != type.sensors.end(); ++n)
+    for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
       name = fmt::format("{}#{}", sensor.name, n);
     if (name != sensor.name) {
       diagnostics.warning(
           sensor.where,
           fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
-    type.sensors.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
-                            period_ticks(sensor.period_s, tick_s), sensor.active});
+    const std::uint32_t stream = stream_id(kind->name, name);
+    type.devices.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
+                            period_ticks(sensor.period_s, tick_s), sensor.active, sensor.part, stream});
   }
 
-  std::vector<SensorInfo> infos;
-  for (const BodyType::Sensor& s : type.sensors) infos.push_back({s.name, s.kind->name, s.prepared});
-  std::vector<bool> claimed(infos.size(), false);
+  std::vector<bool> claimed(type.devices.size(), false);
   for (std::size_t c = 0; c < spec.controllers.size(); ++c) {
     const ControllerSpec& controller = spec.controllers[c];
     const ControllerKind* kind = registry.controller(controller.kind);
@@ -128,27 +153,28 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
       continue;
     }
-    if (!type.drive) {
+    if (kind->needs_drive && !type.drive) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
       continue;
     }
     std::string fault;
-    ControllerKind::Prepared prepared = kind->prepare(controller.params, infos, claimed, fault);
+    ControllerKind::Prepared prepared = prepare_controller(*kind, controller, spec, type, claimed, fault);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;
     }
-    if (prepared.sensors.size() > k_most_sensors_read) {
+    if (prepared.devices.size() > k_most_devices_read) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",
-                                    controller.kind, prepared.sensors.size(), k_most_sensors_read));
+                                    controller.kind, prepared.devices.size(), k_most_devices_read));
       continue;
     }
-    for (const std::size_t s : prepared.sensors) type.sensors[s].active = true;
-    const std::uint64_t period =
-        prepared.sensors.empty() ? type.drive->period : type.sensors[prepared.sensors.front()].period;
-    type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.sensors), period,
+    for (const std::size_t s : prepared.devices) type.devices[s].active = true;
+    const std::uint64_t period = !prepared.devices.empty() ? type.devices[prepared.devices.front()].period
+                                 : type.drive              ? type.drive->period
+                                                           : period_ticks(controller.period_s, tick_s);
+    type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.devices), period,
                                 stream_id(kind->name, std::to_string(c)), std::nullopt});
   }
   return type;

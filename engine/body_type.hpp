@@ -35,20 +35,23 @@ struct BodyType {
   };
   std::optional<Drive> drive;
 
-  struct Sensor {
+  struct Device {
     std::string name;
-    const SensorKind* kind;
-    SensorKind::Prepared prepared;
-    std::uint64_t period;   ///< ticks
-    bool active;            ///< runs: always on, or a controller reads it
-    std::size_t table = 0;  ///< its percepts: index into World::tables()
+    const DeviceKind* kind;
+    DeviceKind::Prepared prepared;
+    std::uint64_t period;                      ///< ticks
+    bool active;                               ///< runs: always on, or a controller reads it
+    std::uint32_t part;                        ///< that carries it
+    std::uint32_t stream;                      ///< of its random numbers
+    std::size_t table = 0;                     ///< its percepts: index into World::tables()
+    std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };
-  std::vector<Sensor> sensors;
+  std::vector<Device> devices;
 
   struct Controller {
     const ControllerKind* kind;
     std::any data;
-    std::vector<std::size_t> sensors;  ///< indices into `sensors`; the first is the trigger
+    std::vector<std::size_t> devices;  ///< indices into `devices`; the first is the trigger
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
@@ -57,8 +60,14 @@ struct BodyType {
 
   /// What a body of this type takes: readings, memories and its outline.
   double row_bytes() const;
-  bool runs() const { return drive || !sensors.empty() || !controllers.empty(); }
+  bool runs() const { return drive || !devices.empty() || !controllers.empty(); }
 };
+
+/// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
+/// among them. Why it cannot have what it needs stands in `fault`.
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const TypeSpec& spec, const BodyType& type,
+                                            std::vector<bool>& claimed, std::string& fault);
 
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,

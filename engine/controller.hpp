@@ -2,6 +2,7 @@
 
 #include "engine/kinds.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -95,31 +96,43 @@ C make(const Record& params) {
 }
 
 template <class C>
-std::vector<std::size_t> choose(C& controller, std::span<const SensorInfo> sensors,
+std::vector<std::size_t> choose(C& controller, std::span<const DeviceInfo> devices,
                                 std::vector<bool>& claimed, std::string& fault) {
-  if constexpr (requires { controller.choose(sensors, claimed, fault); }) {
-    return controller.choose(sensors, claimed, fault);
+  if constexpr (requires { controller.choose(devices, claimed, fault); }) {
+    return controller.choose(devices, claimed, fault);
   } else {
-    if constexpr (requires { C::k_least_sensors; })
-      if (sensors.size() < C::k_least_sensors) {
-        fault = "needs so many sensors on its robot: ";
-        fault += std::to_string(C::k_least_sensors);
+    std::vector<std::size_t> chosen;
+    if constexpr (requires { C::k_uses; }) {
+      for (const std::string_view kind : C::k_uses) {
+        std::size_t d = 0;
+        while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
+        if (d == devices.size()) {
+          fault = chosen.empty() ? "needs, on its robot: " : "needs, on its robot, one more: ";
+          fault += kind;
+          return {};
+        }
+        chosen.push_back(d);
       }
-    std::vector<std::size_t> all(sensors.size());
-    for (std::size_t s = 0; s < all.size(); ++s) all[s] = s;
-    return all;
+    } else {
+      for (std::size_t d = 0; d < devices.size(); ++d) chosen.push_back(d);
+    }
+    return chosen;
   }
 }
 
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
-  std::array<std::span<const float>, k_most_sensors_read> ranges;
-  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {ranges.data(), batch.sensors}};
+  std::array<Readings, k_most_devices_read> readings;
+  std::array<std::byte*, k_most_devices_read> devices;
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}};
   for (std::size_t i = 0; i < batch.size(); ++i) {
     percept.body = batch.body(i);
-    for (std::size_t s = 0; s < batch.sensors; ++s) ranges[s] = batch.readings(s, i);
+    for (std::size_t s = 0; s < batch.devices; ++s) {
+      readings[s] = batch.readings(s, i);
+      devices[s] = batch.device_command(s, i);
+    }
     Random random = batch.random(i);
-    Actions actions{batch.command(i)};
+    Actions actions{batch.command(i), {devices.data(), batch.devices}};
     if constexpr (std::is_same_v<Memory, NoMemory>)
       controller(percept, random, actions);
     else
@@ -161,23 +174,27 @@ std::vector<StateField> memory_fields() {
 
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
-///   static C make(const Record& params);                              (without: C{})
-///   std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>& claimed, std::string&
-///   fault);                                                   (without: all sensors; it claims none)
-///   static constexpr std::size_t k_least_sensors = 1;         (without choose: of fewer it makes an error)
+///   static constexpr bool needs_drive = false;      (optional: else it drives)
+///   static C make(const Record& params);            (optional: else it is C{})
+///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
+///   fault);                                         (optional: else it uses all, and claims none)
+///   static constexpr std::array k_uses{std::string_view("ranger")};
+///                                                   (optional, without choose: kinds of the devices it
+///                                                   uses, in this order)
 ///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
 ///   void operator()(const DecideBatch&) const;                               for many at once
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
   ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
+  if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   kind.memory = memory_fields<Memory>();
   kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
-  kind.prepare = [](const Record& record, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
+  kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                     std::string& fault) {
     C controller = detail::make<C>(record);
-    std::vector<std::size_t> chosen = detail::choose(controller, sensors, claimed, fault);
+    std::vector<std::size_t> chosen = detail::choose(controller, devices, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {

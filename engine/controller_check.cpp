@@ -51,15 +51,12 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
 /// The controllers of a type once more, each on a stack of junk: a type is made on what the making of its
 /// other parts has left there, which may be the same each time.
 void make_afresh(const TypeSpec& spec, BodyType& type) {
-  std::vector<SensorInfo> infos;
-  for (const BodyType::Sensor& sensor : type.sensors)
-    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
-  std::vector<bool> claimed(infos.size(), false);
+  std::vector<bool> claimed(type.devices.size(), false);
   for (std::size_t c = 0; c < type.controllers.size(); ++c) {
     std::string fault;
     spoil_stack();
     type.controllers[c].data =
-        type.controllers[c].kind->prepare(spec.controllers[c].params, infos, claimed, fault).data;
+        prepare_controller(*type.controllers[c].kind, spec.controllers[c], spec, type, claimed, fault).data;
   }
 }
 
@@ -93,10 +90,14 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
   Diagnostics diagnostics;
   for (const TypeSpec& type : world.spec().types) {
     fresh_types_.push_back(make_body_type(type, registry, world.tick_s(), diagnostics));
-    taken_.emplace_back(fresh_types_.back().controllers.size());
   }
   diagnostics.throw_if_errors();
   for (std::size_t t = 0; t < fresh_types_.size(); ++t) make_afresh(world.spec().types[t], fresh_types_[t]);
+  for (const BodyType& type : world.types()) {
+    watched_.emplace_back();
+    for (const BodyType::Controller& controller : type.controllers)
+      watched_.back().push_back(watch(type, controller));
+  }
   const auto commands = std::ranges::find(world.tables(), "command", &StateTable::component);
   command_fields_.assign(commands->fields().begin(), commands->fields().end());
   world.on_decide([this](const BodyType& type, const BodyType::Controller& controller,
@@ -131,37 +132,73 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
+ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
+                                                const BodyType::Controller& controller) const {
+  Watched watched;
+  if (controller.table) {
+    const StateTable& memories = world_.tables()[*controller.table];
+    watched.written.push_back({"memory", controller.kind->memory, memories.row_bytes(), std::nullopt});
+  }
+  for (std::size_t s = 0; s < controller.devices.size(); ++s) {
+    const BodyType::Device& sensor = type.devices[controller.devices[s]];
+    if (sensor.kind->apply || !sensor.kind->sense) watched.kept.push_back(s);
+    if (!sensor.command_table) continue;
+    const StateTable& commands = world_.tables()[*sensor.command_table];
+    watched.written.push_back({commands.component(), sensor.prepared.commands, commands.row_bytes(), s});
+  }
+  watched.taken.written_before.resize(watched.written.size());
+  watched.taken.written_after.resize(watched.written.size());
+  watched.taken.percepts.resize(watched.kept.size());
+  return watched;
+}
+
 /// On the world's workers, in place of the decision.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
+  Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
+                             [static_cast<std::size_t>(&controller - type.controllers.data())];
+  const auto parts = [](const Watched& of) { return std::pair(of.written.size(), of.kept.size()); };
+  const auto [written, kept] = parts(watched);
   Decisions here{.given = batch, .rows = {batch.rows.begin(), batch.rows.end()}};
-  const auto note = [&](std::vector<Command>& commands, std::vector<std::byte>& memories) {
-    commands.reserve(batch.size());
+  here.written_before.resize(written);
+  here.written_after.resize(written);
+  here.percepts.resize(kept);
+  const auto note = [&](std::vector<Command>& commands, std::vector<std::vector<std::byte>>& rows) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
       commands.push_back(batch.command(i));
-      if (batch.memories.first)
-        memories.insert(memories.end(), batch.memory(i), batch.memory(i) + batch.memories.count);
+      for (std::size_t w = 0; w < written; ++w) {
+        const std::byte* row = watched.written[w].rows(here.given).of(batch.slot(i));
+        rows[w].insert(rows[w].end(), row, row + watched.written[w].row_bytes);
+      }
     }
   };
-  note(here.commands_before, here.memories_before);
+  note(here.commands_before, here.written_before);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const StateTable& table = *batch.percepts[watched.kept[k]];
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      here.percepts[k].insert(here.percepts[k].end(), table.row(batch.slot(i)),
+                              table.row(batch.slot(i)) + table.row_bytes());
+  }
   controller.kind->decide(controller.data, batch);
-  note(here.commands_after, here.memories_after);
+  note(here.commands_after, here.written_after);
 
   const std::lock_guard lock(mutex_);
-  Decisions& taken = taken_[static_cast<std::size_t>(&type - world_.types().data())]
-                           [static_cast<std::size_t>(&controller - type.controllers.data())];
+  Decisions& taken = watched.taken;
   taken.given = batch;
   append(taken.rows, here.rows);
   append(taken.commands_before, here.commands_before);
   append(taken.commands_after, here.commands_after);
-  append(taken.memories_before, here.memories_before);
-  append(taken.memories_after, here.memories_after);
+  for (std::size_t w = 0; w < written; ++w) {
+    append(taken.written_before[w], here.written_before[w]);
+    append(taken.written_after[w], here.written_after[w]);
+  }
+  for (std::size_t k = 0; k < kept; ++k) append(taken.percepts[k], here.percepts[k]);
 }
 
 std::size_t ControllerCheck::pending() const {
   std::size_t count = 0;
-  for (const auto& of_type : taken_)
-    for (const Decisions& taken : of_type) count += taken.rows.size();
+  for (const auto& of_type : watched_)
+    for (const Watched& watched : of_type) count += watched.taken.rows.size();
   return count;
 }
 
@@ -170,38 +207,49 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
   std::vector<Finding> findings;
-  for (std::size_t t = 0; t < taken_.size(); ++t) {
-    for (std::size_t c = 0; c < taken_[t].size(); ++c) {
-      Decisions& taken = taken_[t][c];
-      if (taken.rows.empty()) continue;
-      decisions_ += taken.rows.size();
+  for (std::size_t t = 0; t < watched_.size(); ++t) {
+    for (std::size_t c = 0; c < watched_[t].size(); ++c) {
+      Watched& watched = watched_[t][c];
+      if (watched.taken.rows.empty()) continue;
+      decisions_ += watched.taken.rows.size();
       const BodyType::Controller& same = world_.types()[t].controllers[c];
       for (const auto how : {Finding::Repeat::again, Finding::Repeat::afresh}) {
-        repeat(how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c], taken);
-        compare(taken, same.kind->memory, same.kind->memory_bytes,
-                {.controller = controller_name(same, c), .repeat = how}, findings);
+        repeat(how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c], watched);
+        compare(watched, {.controller = controller_name(same, c), .repeat = how}, findings);
       }
-      taken = {};
+      watched = watch(world_.types()[t], same);
     }
   }
   return findings;
 }
 
-/// Into commands_ and memories_, from copies of what the first time began with.
-void ControllerCheck::repeat(const BodyType::Controller& controller, Decisions& taken) {
-  const ControllerKind& kind = *controller.kind;
+/// Into commands_ and written_, from copies of what the first time began with.
+void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
+  const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;
   std::size_t slots = 0;
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
-  memories_.assign(slots * kind.memory_bytes, k_junk);
   batch.commands = commands_;
-  if (batch.memories.first) batch.memories.first = memories_.data();
-  for (std::size_t i = 0; i < taken.rows.size(); ++i) {
-    const std::size_t row = taken.rows[i].index();
-    commands_[row] = taken.commands_before[i];
-    if (batch.memories.first)
-      copy_fields(kind.memory, taken.memories_before.data() + i * kind.memory_bytes,
-                  memories_.data() + batch.slots[row] * kind.memory_bytes);
+  for (std::size_t i = 0; i < taken.rows.size(); ++i)
+    commands_[taken.rows[i].index()] = taken.commands_before[i];
+  written_.resize(watched.written.size());
+  for (std::size_t w = 0; w < written_.size(); ++w) {
+    const Written& written = watched.written[w];
+    written_[w].assign(slots * written.row_bytes, k_junk);
+    written.rows(batch).first = written_[w].data();
+    for (std::size_t i = 0; i < taken.rows.size(); ++i)
+      copy_fields(written.fields, taken.written_before[w].data() + i * written.row_bytes,
+                  written_[w].data() + batch.slots[taken.rows[i].index()] * written.row_bytes);
+  }
+  percepts_.clear();
+  percepts_.reserve(watched.kept.size());
+  for (std::size_t k = 0; k < watched.kept.size(); ++k) {
+    const StateTable*& now = batch.percepts[watched.kept[k]];
+    StateTable& then = percepts_.emplace_back(*now);
+    now = &then;
+    for (std::size_t i = 0; i < taken.rows.size(); ++i)
+      std::copy_n(taken.percepts[k].data() + i * then.row_bytes(), then.row_bytes(),
+                  then.row(batch.slots[taken.rows[i].index()]));
   }
 
   std::vector<Row> backwards = taken.rows;
@@ -210,13 +258,13 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Decisions& 
   for (std::size_t first = 0; first < rows.size(); first += k_batch) {
     batch.rows = rows.subspan(first, std::min(k_batch, rows.size() - first));
     spoil_stack();
-    kind.decide(controller.data, batch);
+    controller.kind->decide(controller.data, batch);
   }
 }
 
-void ControllerCheck::compare(const Decisions& taken, const std::vector<StateField>& memory_fields,
-                              std::size_t memory_bytes, const Finding& about,
+void ControllerCheck::compare(const Watched& watched, const Finding& about,
                               std::vector<Finding>& findings) const {
+  const Decisions& taken = watched.taken;
   Finding finding = about;
   for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     const std::size_t row = taken.rows[i].index();
@@ -230,9 +278,11 @@ void ControllerCheck::compare(const Decisions& taken, const std::vector<StateFie
         add(finding, findings);
       };
     };
-    if (!memories_.empty())
-      compare_rows(memory_fields, taken.memories_after.data() + i * memory_bytes,
-                   memories_.data() + taken.given.slots[row] * memory_bytes, report("memory"));
+    for (std::size_t w = 0; w < watched.written.size(); ++w) {
+      const Written& written = watched.written[w];
+      compare_rows(written.fields, taken.written_after[w].data() + i * written.row_bytes,
+                   written_[w].data() + taken.given.slots[row] * written.row_bytes, report(written.what));
+    }
     compare_rows(command_fields_, reinterpret_cast<const std::byte*>(&taken.commands_after[i]),
                  reinterpret_cast<const std::byte*>(&commands_[row]), report("command"));
   }

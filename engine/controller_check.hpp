@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -71,26 +72,45 @@ class ControllerCheck {
  private:
   /// Those of one controller of one type in one tick, a robot after the other.
   struct Decisions {
-    DecideBatch given;  // but for rows, commands and memories, which are here
+    DecideBatch given;  // but for what is here
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
-    std::vector<std::byte> memories_before, memories_after;
+    std::vector<std::vector<std::byte>> written_before, written_after;  // of each of `written`
+    std::vector<std::vector<std::byte>> percepts;                       // of each of `kept`
+  };
+  /// What a controller writes beside its robot's command: its memory, and what it asks of devices.
+  struct Written {
+    std::string what;  ///< "memory", or the component of a device's commands
+    std::vector<StateField> fields;
+    std::size_t row_bytes = 0;
+    std::optional<std::size_t> device;  ///< which of those it chose; none: the memory
+    DecideBatch::Rows& rows(DecideBatch& batch) const {
+      return device ? batch.device_commands[*device] : batch.memories;
+    }
+  };
+  /// Of one controller of one type.
+  struct Watched {
+    std::vector<Written> written;
+    std::vector<std::size_t> kept;  ///< of the sensors it chose: those that change after it has decided
+    Decisions taken;
   };
 
+  Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
-  void repeat(const BodyType::Controller& controller, Decisions& taken);
-  void compare(const Decisions& taken, const std::vector<StateField>& memory_fields, std::size_t memory_bytes,
-               const Finding& about, std::vector<Finding>& findings) const;
+  void repeat(const BodyType::Controller& controller, Watched& watched);
+  void compare(const Watched& watched, const Finding& about, std::vector<Finding>& findings) const;
 
   World& world_;
   std::vector<BodyType> fresh_types_;
   std::vector<StateField> command_fields_;
-  std::vector<std::vector<Decisions>> taken_;  // of each type, of each of its controllers
-  std::mutex mutex_;                           // of taken_, while the world steps
+  std::vector<std::vector<Watched>> watched_;  // of each type, of each of its controllers
+  std::mutex mutex_;                           // of watched_, while the world steps
   std::uint64_t decisions_ = 0;
   // What the repetitions write: as large as the world's own tables.
   std::vector<Command> commands_;
-  std::vector<std::byte> memories_;
+  std::vector<std::vector<std::byte>> written_;
+  // What they read in place of what has changed since.
+  std::vector<StateTable> percepts_;
 };
 
 }  // namespace troupe::engine

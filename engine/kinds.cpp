@@ -16,7 +16,7 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 }  // namespace
 
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
-const SensorKind* Registry::sensor(std::string_view name) const { return find(sensors, name); }
+const DeviceKind* Registry::device(std::string_view name) const { return find(devices, name); }
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
 const ControllerKind* Registry::controller(std::string_view name) const {
   std::string ignored;

@@ -3,6 +3,7 @@
 #include "base/color.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
+#include "engine/effects.hpp"
 #include "engine/fields.hpp"
 #include "engine/measure_kind.hpp"
 #include "engine/state_table.hpp"
@@ -33,19 +34,48 @@ struct ModelKind {
   Eigen::Vector3d size{0.4, 0.4, 1.0};
   Color color{1, 0, 0, 1};
   bool has_default_body = true;
+  std::string_view device;  ///< kind of the device that each model of this kind is; empty: it is none
   FieldTable params;
 };
 
-struct SensorKind {
+/// Rows of one type whose device senses or acts in a tick, and where all that concerns them lies.
+struct DeviceBatch {
+  const World& world;    ///< the last committed state
+  const std::any& data;  ///< what the kind prepared
+  std::span<const Row> rows;
+  StateTable& state;           ///< the device's rows, by slot; of `rows` it may write its own
+  const StateTable* commands;  ///< what controllers asked of it, by slot; null where the kind takes none
+  Effects& effects;            ///< what it does to others goes here
+  std::uint32_t device = 0;    ///< its index within the type
+  std::uint32_t stream = 0;    ///< of its random numbers
+  double period_s = 0;         ///< since it last ran
+
+  BodyId body(std::size_t i) const;
+  std::size_t slot(std::size_t i) const;
+  /// Its random numbers in this tick.
+  Random random(std::size_t i) const;
+  void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
+            const std::array<double, 4>& payload = {}) const {
+    effects.emit({body(i), device, sequence, verb, target, payload});
+  }
+};
+
+/// What a body carries that has a state of its own: sensors, which look at the world, and other devices
+/// (grippers, lights, power packs), which take commands and act on it.
+struct DeviceKind {
   std::string_view name;
   std::string_view text;
   FieldTable params;
-  /// Parameters -> what `sense` needs; also says how many float32 readings a row has.
+  /// Parameters -> what `sense` needs; also says what state a row has.
   struct Prepared {
     std::any data;
     std::vector<StateField> percepts;  ///< element fields of the sensor's state table
+    std::size_t percept_bytes = 0;     ///< of a struct that the percepts are (memory_fields); 0: of none
+    std::vector<StateField> commands;  ///< what controllers may ask of it: fields of a struct (memory_fields)
+    std::size_t command_bytes = 0;     ///< of that struct; 0: it takes no commands
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
+    std::size_t most_effects = 0;      ///< that a row may emit in a tick
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -53,10 +83,20 @@ struct SensorKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
-  /// Writes the percepts of every row it is given (all of one type); reads S(k) only. Returns the rays it
-  /// cast.
-  std::uint64_t (*sense)(const World& world, const std::any& data, std::span<const Row> rows,
-                         StateTable& percepts);
+  /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
+  void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
+  /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
+  /// Returns the rays it cast. Null: it senses nothing.
+  std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
+  /// Before the controllers decide, as drives do: carries out the commands of the tick before. Null: it does
+  /// nothing.
+  void (*act)(const DeviceBatch& batch) = nullptr;
+  /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
+  /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
+  void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
+
+  /// True where it looks at the world and takes no commands: what people call a sensor.
+  bool is_sensor() const { return sense != nullptr && act == nullptr; }
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
@@ -83,8 +123,29 @@ struct DriveKind {
   void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
 };
 
-/// Sensors that one controller can read.
-inline constexpr std::size_t k_most_sensors_read = 16;
+/// Sensors and other devices that one controller can use.
+inline constexpr std::size_t k_most_devices_read = 16;
+
+/// The state of one sensor, or other device, of one robot.
+class Readings {
+ public:
+  Readings() = default;
+  Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
+  /// A field, by its place among the kind's percepts; one value a column.
+  template <class T>
+  std::span<const T> field(std::size_t f) const {
+    return table_->cell<T>(slot_, f);
+  }
+  /// All of it, where the kind's percepts are the members of a struct.
+  template <class State>
+  const State& as() const {
+    return table_->as<State>(slot_);
+  }
+
+ private:
+  const StateTable* table_ = nullptr;
+  std::size_t slot_ = 0;
+};
 
 /// What one robot's controller sees in a tick.
 struct Percept {
@@ -92,13 +153,25 @@ struct Percept {
   double time_s = 0;       ///< world time at its end
   double tick_s = 0;
   std::uint32_t body = 0;
-  /// Readings of the sensors it asked for in `prepare`, in that order (ranges, m).
-  std::span<const std::span<const float>> ranges;
+  /// The sensors and other devices it asked for in `prepare`, in that order.
+  std::span<const Readings> devices;
+
+  /// Of a ranger, m.
+  std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
 };
 
 /// What it may do: slots of its own body, already holding the last values.
 struct Actions {
   Command& command;
+  /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
+  /// commands.
+  std::span<std::byte* const> devices;
+
+  /// Of a device whose kind takes commands of this struct.
+  template <class DeviceCommand>
+  DeviceCommand& device(std::size_t chosen) const {
+    return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
+  }
 };
 
 /// Robots of one type whose controller decides in a tick: where all that concerns robot i of the batch lies.
@@ -113,39 +186,45 @@ struct DecideBatch {
   std::span<const std::uint32_t> slots;
   std::span<Command> commands;
 
-  /// A row of a table each slot, `stride` apart.
-  template <class T>
-  struct Column {
-    T* first = nullptr;
-    std::size_t stride = 0;
-    std::size_t count = 0;
+  /// A row of a table each slot.
+  struct Rows {
+    std::byte* first = nullptr;
+    std::size_t row_bytes = 0;
+
+    std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
   };
-  std::array<Column<const float>, k_most_sensors_read> ranges;
-  std::size_t sensors = 0;
-  Column<std::byte> memories;
+  std::array<const StateTable*, k_most_devices_read> percepts;  ///< of the sensors it chose, and
+  std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
+  std::size_t devices = 0;
+  Rows memories;
 
   std::size_t size() const { return rows.size(); }
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
+  std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
   Command& command(std::size_t i) const { return commands[rows[i].index()]; }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
-  std::byte* memory(std::size_t i) const { return memories.first + slots[rows[i].index()] * memories.stride; }
-  std::span<const float> readings(std::size_t sensor, std::size_t i) const {
-    const Column<const float>& column = ranges[sensor];
-    return {column.first + slots[rows[i].index()] * column.stride, column.count};
+  std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
+  Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
+  std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
+    return percepts[sensor]->cell<float>(slot(i), 0);
+  }
+  std::byte* device_command(std::size_t sensor, std::size_t i) const {
+    return device_commands[sensor].of(slot(i));
   }
 };
 
 /// A sensor of a type, as a controller that looks for its inputs sees it.
-struct SensorInfo {
+struct DeviceInfo {
   std::string_view name;
   std::string_view kind;
-  const SensorKind::Prepared& prepared;
+  const DeviceKind::Prepared& prepared;
 };
 
 struct ControllerKind {
   std::string_view name;
   std::string_view text;
   FieldTable params;
+  bool needs_drive = true;  ///< else also bodies that cannot move may have it
   /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;
@@ -155,12 +234,12 @@ struct ControllerKind {
 
   struct Prepared {
     std::any data;
-    /// Indices of the sensors it reads; the first is its trigger. None: it runs with its drive.
-    std::vector<std::size_t> sensors;
+    /// Indices of the devices it uses; the first is its trigger. None: it runs with its drive.
+    std::vector<std::size_t> devices;
   };
-  /// Chooses among the sensors of the type those that no controller before it has `claimed`, and marks its
+  /// Chooses among the devices of the type those that no controller before it has `claimed`, and marks its
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
-  Prepared (*prepare)(const Record& params, std::span<const SensorInfo> sensors, std::vector<bool>& claimed,
+  Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.
   void (*decide)(const std::any& data, const DecideBatch& batch);
@@ -169,7 +248,7 @@ struct ControllerKind {
 /// Everything a world can be made of. Passed in, never global; assembled in troupe/registry.cpp.
 struct Registry {
   std::vector<ModelKind> models;
-  std::vector<SensorKind> sensors;
+  std::vector<DeviceKind> devices;
   std::vector<DriveKind> drives;
   std::vector<ControllerKind> controllers;
   std::vector<MeasureKind> measures;
@@ -189,7 +268,7 @@ struct Registry {
   std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
 
   const ModelKind* model(std::string_view name) const;
-  const SensorKind* sensor(std::string_view name) const;
+  const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.

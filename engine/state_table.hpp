@@ -99,6 +99,16 @@ class StateTable {
   std::byte* row(std::size_t row) { return data_.data() + row * row_bytes_; }
   const std::byte* row(std::size_t row) const { return data_.data() + row * row_bytes_; }
 
+  /// A row that is a struct (memory_fields); Layout::rows only.
+  template <class T>
+  T& as(std::size_t r) {
+    return *reinterpret_cast<T*>(row(r));
+  }
+  template <class T>
+  const T& as(std::size_t r) const {
+    return *reinterpret_cast<const T*>(row(r));
+  }
+
   /// Hash of (component name, id, fields in declared order); equal rows of equal entities hash alike whatever
   /// the layout.
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }

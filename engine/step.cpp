@@ -89,22 +89,24 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
+/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones.
+template <class Work>
+void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
+  if (!due(tick_, device.period)) return;
+  if (device.active) return work(rows);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (row_subscribed_[rows[i].index()]) work(rows.subspan(i, 1));
+}
+
 void World::sense() {
   std::atomic<std::uint64_t> beams = 0;
   for_neighbours([&](std::span<const Row> rows, const BodyType& type) {
-    for (const BodyType::Sensor& sensor : type.sensors) {
-      if (!due(tick_, sensor.period)) continue;
-      const auto sense_rows = [&](std::span<const Row> some) {
-        const std::uint64_t cast =
-            sensor.kind->sense(*this, sensor.prepared.data, some, tables_[sensor.table]);
+    for (const BodyType::Device& device : type.devices) {
+      if (!device.kind->sense) continue;
+      for_running(rows, device, [&](std::span<const Row> some) {
+        const std::uint64_t cast = device.kind->sense(device_batch(some, type, device));
         beams.fetch_add(cast, std::memory_order_relaxed);
-      };
-      if (sensor.active) {
-        sense_rows(rows);
-        continue;
-      }
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (row_subscribed_[rows[i].index()]) sense_rows(rows.subspan(i, 1));
+      });
     }
   });
   beams_ += beams;
@@ -114,6 +116,10 @@ void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
+    for (const BodyType::Device& device : type.devices)
+      if (device.kind->act)
+        for_running(rows, device,
+                    [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
     for (const BodyType::Controller& controller : type.controllers)
       if (due(tick_, controller.period)) decide(rows, type, controller);
   });
@@ -121,6 +127,25 @@ void World::decide() {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
                                 tick_, spec_.name(id)));
   }
+}
+
+DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
+                                const BodyType::Device& sensor) {
+  return {.world = *this,
+          .data = sensor.prepared.data,
+          .rows = rows,
+          .state = tables_[sensor.table],
+          .commands = sensor.command_table ? &tables_[*sensor.command_table] : nullptr,
+          .effects = effects_,
+          .device = static_cast<std::uint32_t>(&sensor - type.devices.data()),
+          .stream = sensor.stream,
+          .period_s = static_cast<double>(sensor.period) * spec_.tick_s};
+}
+
+BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }
+std::size_t DeviceBatch::slot(std::size_t i) const { return world.slot(rows[i]); }
+Random DeviceBatch::random(std::size_t i) const {
+  return {world.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(world.tick())};
 }
 
 void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
@@ -153,15 +178,16 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
                     .ids = row_bodies_,
                     .slots = row_slots_,
                     .commands = as<Command>(k_command)};
-  for (const std::size_t sensor : controller.sensors) {
-    const StateTable& table = percepts(type.sensors[sensor]);
-    const std::span<const float> first = table.cell<float>(0, 0);
-    batch.ranges[batch.sensors++] = {first.data(), table.stride(0) / sizeof(float), first.size()};
+  const auto rows_of = [this](std::size_t table) {
+    return DecideBatch::Rows{tables_[table].row(0), tables_[table].row_bytes()};
+  };
+  for (const std::size_t sensor : controller.devices) {
+    const BodyType::Device& chosen = type.devices[sensor];
+    batch.percepts[batch.devices] = &percepts(chosen);
+    batch.device_commands[batch.devices++] =
+        chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
   }
-  if (controller.table) {
-    StateTable& table = tables_[*controller.table];
-    batch.memories = {table.row(0), table.row_bytes(), table.row_bytes()};
-  }
+  if (controller.table) batch.memories = rows_of(*controller.table);
   if (on_decide_)
     on_decide_(type, controller, batch);
   else
@@ -176,6 +202,16 @@ void World::move() {
       scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
+  apply_effects();
+}
+
+void World::apply_effects() {
+  if (effects_.empty()) return;
+  for (const Effect& effect : effects_.sorted()) {
+    const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
+    device.kind->apply(*this, device.prepared.data, effect);
+  }
+  effects_.clear();
 }
 
 void World::propose() {

@@ -28,7 +28,7 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     const BodyType& type = types[body.type.index()];
     if (!type.runs()) continue;
     double reach = 0;
-    for (const BodyType::Sensor& sensor : type.sensors)
+    for (const BodyType::Device& sensor : type.devices)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
     sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
     widths += 2 * type.radius;
@@ -52,7 +52,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   double beams = 0;
   for (const TypeSpec& type : spec_.types) {
     types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
-    for (const BodyType::Sensor& sensor : types_.back().sensors)
+    for (const BodyType::Device& sensor : types_.back().devices)
       beams += static_cast<double>(sensor.prepared.beams);
     if (beams <= k_most_beams) continue;
     diagnostics.error(
@@ -212,13 +212,20 @@ void World::build_tables() {
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
+  std::size_t effects = 0;
   for (std::size_t t = 0; t < types_.size(); ++t) {
     if (bodies[t].empty()) continue;
-    for (BodyType::Sensor& sensor : types_[t].sensors) {
+    for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
       // Component names hold no type: types are an economy of ours, and two files may cut them differently.
-      tables_.emplace_back(fmt::format("{}/{}", sensor.kind->name, sensor.name), HashGroup::sensor,
-                           Layout::rows, sensor.prepared.percepts, bodies[t]);
+      const std::string component = fmt::format("{}/{}", sensor.kind->name, sensor.name);
+      tables_.emplace_back(component, HashGroup::sensor, Layout::rows, sensor.prepared.percepts, bodies[t],
+                           sensor.prepared.percept_bytes);
+      effects += sensor.prepared.most_effects * bodies[t].size();
+      if (sensor.prepared.commands.empty()) continue;
+      sensor.command_table = tables_.size();
+      tables_.emplace_back(component + "/command", HashGroup::velocity, Layout::rows,
+                           sensor.prepared.commands, bodies[t], sensor.prepared.command_bytes);
     }
     for (std::size_t c = 0; c < types_[t].controllers.size(); ++c) {
       BodyType::Controller& controller = types_[t].controllers[c];
@@ -228,6 +235,7 @@ void World::build_tables() {
                            controller.kind->memory, bodies[t], controller.kind->memory_bytes);
     }
   }
+  effects_.reserve(effects);
   start();
 }
 
@@ -235,12 +243,18 @@ void World::start() {
   tick_ = 0;
   beams_ = conflict_rounds_ = 0;
   for (StateTable& table : tables_) table.clear();
-  for (const BodyType& type : types_)
+  for (const BodyType& type : types_) {
+    for (const BodyType::Device& sensor : type.devices) {
+      if (!sensor.kind->start || sensor.table == 0) continue;
+      StateTable& state = tables_[sensor.table];
+      for (std::size_t i = 0; i < state.rows(); ++i) sensor.kind->start(sensor.prepared.data, state, i);
+    }
     for (const BodyType::Controller& controller : type.controllers) {
       if (!controller.table) continue;
       StateTable& memories = tables_[*controller.table];
       for (std::size_t i = 0; i < memories.rows(); ++i) controller.kind->start(memories.row(i));
     }
+  }
   for (std::size_t r = 0; r < rows(); ++r) {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};

@@ -121,13 +121,13 @@ class World {
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
   /// Percepts of one sensor of a type.
-  const StateTable& percepts(const BodyType::Sensor& sensor) const { return tables_[sensor.table]; }
+  const StateTable& percepts(const BodyType::Device& sensor) const { return tables_[sensor.table]; }
   /// Runs every sensor of this body from now on; before the first step.
   void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
   /// The bodies that subscribe() was called for, by id.
   std::vector<BodyId> subscribed() const;
   /// Whether a sensor of the row's type runs for this row.
-  bool senses(Row row, const BodyType::Sensor& sensor) const {
+  bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
@@ -180,11 +180,13 @@ class World {
 
   void sense();
   void decide();
+  DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
   void propose();
   void commit();
+  void apply_effects();
   /// What is derived from a row's pose.
   void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
@@ -198,6 +200,8 @@ class World {
   void for_blocks(Work&& work);
   template <class Work>
   void for_types(std::span<Row> rows, Work&& work);
+  template <class Work>
+  void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
 
   WorldSpec spec_;
   std::vector<BodyType> types_;
@@ -221,6 +225,7 @@ class World {
 
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;
+  Effects effects_;  // of the tick under way
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;

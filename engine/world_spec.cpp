@@ -11,4 +11,9 @@ void add_ground(WorldSpec& spec) {
   spec.bodies.push_back({.name = spec.names.add("_ground_model"), .type = TypeId(spec.types.size() - 1)});
 }
 
+bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part) {
+  while (below > part) below = type.parts[below].parent;  // parents stand before their children
+  return below == part;
+}
+
 }  // namespace troupe::engine

@@ -24,16 +24,21 @@ inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model shows itself to others.
 struct Returns {
-  bool obstacle = true;  ///< takes part in collisions
-  float ranger = 1;      ///< below 0: rays pass; else the intensity a ranger reads
+  bool obstacle = true;           ///< takes part in collisions
+  float ranger = 1;               ///< below 0: rays pass; else the intensity a ranger reads
+  std::int32_t fiducial = 0;      ///< what fiducial finders read; 0: they do not find it
+  std::int32_t fiducial_key = 0;  ///< of the finders that may find it
+  bool gripper = false;           ///< grippers feel it, and can take it
+  bool blob = true;               ///< blob finders see its colour; else it only hides what is behind
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
 /// One model of a type's tree, rigidly attached to the root.
 struct PartSpec {
-  std::string name;   ///< below the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;  ///< its generated name, where the world gave it another; else empty
-  std::string kind;   ///< model kind: "position", "ranger", ...
+  std::string name;          ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string alias;         ///< its generated name, where the world gave it another; else empty
+  std::string kind;          ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;  ///< index of the part it stands on; the root's own is 0
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
@@ -43,13 +48,14 @@ struct PartSpec {
   Where where;
 };
 
-struct SensorSpec {
+struct DeviceSpec {
   std::string name;  ///< of the part that carries it, or as the type names it
   std::string kind;
-  Record params;          ///< by the kind's field table
-  Pose pose_body_sensor;  ///< frame in which the kind's parameters are given
-  double period_s = 0;    ///< 0: every tick
-  bool active = true;     ///< runs without a subscriber
+  std::uint32_t part = 0;  ///< index of the part that carries it
+  Record params;           ///< by the kind's field table
+  Pose pose_body_sensor;   ///< frame in which the kind's parameters are given
+  double period_s = 0;     ///< 0: every tick
+  bool active = true;      ///< runs without a subscriber
   Where where;
 };
 
@@ -62,7 +68,9 @@ struct DriveSpec {
 
 struct ControllerSpec {
   std::string kind;
+  std::uint32_t part = 0;  ///< index of the part it belongs to: it finds what that and those on it carry
   Record params;
+  double period_s = 0;  ///< of one that reads no sensor and has no drive; 0: every tick
   Where where;
 };
 
@@ -71,7 +79,7 @@ struct TypeSpec {
   std::string name;
   std::vector<PartSpec> parts;  ///< depth first; part 0 is the root
   std::optional<DriveSpec> drive;
-  std::vector<SensorSpec> sensors;
+  std::vector<DeviceSpec> devices;
   std::vector<ControllerSpec> controllers;
 };
 
@@ -139,5 +147,8 @@ void add_ground(WorldSpec& spec);
 
 /// True when bodies of the type can move.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
+
+/// True when part `below` is `part` itself, stands on it, or on one that does.
+bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part);
 
 }  // namespace troupe::engine

@@ -66,7 +66,7 @@ struct Expand {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), {}};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo> sensors, std::vector<bool>& claimed,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
                                   std::string& fault) {
     for (std::size_t s = 0; s < sensors.size(); ++s) {
       const auto& layout = sensors[s].prepared;
@@ -100,7 +100,7 @@ struct Expand {
     for (std::size_t first = 0; first < batch.size(); first += k_some) {
       const std::size_t count = std::min(k_some, batch.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::span<const float> ranges = batch.readings(0, first + i);
+        const std::span<const float> ranges = batch.ranges(0, first + i);
         double sum_x = 0;
         double sum_y = 0;
         bool all_clear = true;

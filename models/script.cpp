@@ -61,7 +61,7 @@ struct Script {
     return script;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
                                   std::string& fault) {
     for (std::size_t i = 1; i < legs.size(); ++i)
       if (legs[i].until_s <= legs[i - 1].until_s)

@@ -48,7 +48,7 @@ struct Wander {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo> sensors, std::vector<bool>& claimed,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
                                   std::string& fault) {
     for (std::size_t s = 0; s < sensors.size(); ++s) {
       const auto& layout = sensors[s].prepared;
@@ -65,7 +65,7 @@ struct Wander {
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
-    const std::span<const float> scan = percept.ranges[0].first(samples);
+    const std::span<const float> scan = percept.ranges(0).first(samples);
     const std::size_t n = scan.size();
     bool obstruction = false;
     bool stop = false;

@@ -242,13 +242,19 @@ void sweep(benchmark::State& state, const char* world_file, std::size_t robots) 
   for (int i = 0; i < 10; ++i) world.step();
   std::vector<Row> rows;
   for (const std::uint32_t row : world.index().order()) rows.emplace_back(row);
-  std::vector<std::pair<const engine::BodyType::Sensor*, engine::StateTable>> sensors;
-  for (const auto& sensor : world.type(rows.front()).sensors)
+  std::vector<std::pair<const engine::BodyType::Device*, engine::StateTable>> sensors;
+  for (const auto& sensor : world.type(rows.front()).devices)
     sensors.emplace_back(&sensor, world.percepts(sensor));
   std::uint64_t beams = 0;
+  engine::Effects none;
   for (auto _ : state)
     for (auto& [sensor, table] : sensors)
-      beams += sensor->kind->sense(world, sensor->prepared.data, rows, table);
+      beams += sensor->kind->sense({.world = world,
+                                    .data = sensor->prepared.data,
+                                    .rows = rows,
+                                    .state = table,
+                                    .commands = nullptr,
+                                    .effects = none});
   state.SetItemsProcessed(static_cast<std::int64_t>(beams));
 }
 BENCHMARK_CAPTURE(sweep, hospital, "hospital-10cm.json", 10000)

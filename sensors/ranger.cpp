@@ -120,8 +120,8 @@ void finish(BeamGroup& group, bool common_origin) {
                                         group.limits.data());
 }
 
-engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
-  engine::SensorKind::Prepared out;
+engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& pose_body_sensor) {
+  engine::DeviceKind::Prepared out;
   RangerBeams ranger;
   ranger.intensity = params[1].boolean();
   std::vector<Transducer> transducers;
@@ -161,20 +161,19 @@ engine::SensorKind::Prepared prepare(const engine::Record& params, const Pose& p
   return out;
 }
 
-std::uint64_t sense(const engine::World& world, const std::any& data, std::span<const Row> rows,
-                    engine::StateTable& percepts) {
-  const RangerBeams& ranger = *std::any_cast<RangerBeams>(&data);
-  if (world.ray_grid())
-    cast_grid(world, ranger, rows, percepts);
+std::uint64_t sense(const engine::DeviceBatch& batch) {
+  const RangerBeams& ranger = *std::any_cast<RangerBeams>(&batch.data);
+  if (batch.world.ray_grid())
+    cast_grid(batch.world, ranger, batch.rows, batch.state);
   else
-    cast_exact(world, ranger, rows, percepts);
-  return rows.size() * ranger.count;
+    cast_exact(batch.world, ranger, batch.rows, batch.state);
+  return batch.rows.size() * ranger.count;
 }
 
 }  // namespace
 
-engine::SensorKind ranger_kind() {
-  engine::SensorKind kind{.name = "ranger",
+engine::DeviceKind ranger_kind() {
+  engine::DeviceKind kind{.name = "ranger",
                           .text = "distances along beams to the first surface (sonar, infrared, laser)"};
   kind.params = {{
       {.name = "transducers",

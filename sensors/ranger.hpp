@@ -15,6 +15,6 @@ namespace troupe::sensors {
 /// ties    two surfaces at one distance: the larger intensity is reported
 /// source  inverse-depth projection, partition/ranging.hpp; in worlds that ask for the grid engine a walk
 ///         through cells, partition/ray_grid.hpp
-engine::SensorKind ranger_kind();
+engine::DeviceKind ranger_kind();
 
 }  // namespace troupe::sensors

@@ -103,7 +103,7 @@ class Lint {
  private:
   void check_types();
   void check_sensors();
-  void check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sensor, Where where,
+  void check_sensor(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
   void check_floor_plans();
   std::string why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const;
@@ -130,12 +130,12 @@ void Lint::check_sensors() {
         visible.add(outline.z.shifted(z), count);
   visible.sort();
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-    for (std::size_t s = 0; s < world_.types()[t].sensors.size(); ++s)
+    for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s)
       if (!levels_[t].empty())
-        check_sensor(t, world_.types()[t].sensors[s], spec_.types[t].sensors[s].where, visible);
+        check_sensor(t, world_.types()[t].devices[s], spec_.types[t].devices[s].where, visible);
 }
 
-void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Sensor& sensor, Where where,
+void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                         const Heights& visible) {
   const auto* ranger = std::any_cast<sensors::RangerBeams>(&sensor.prepared.data);
   if (!ranger) return;

@@ -29,64 +29,66 @@ namespace troupe {
 using engine::Actions;
 using engine::Command;
 using engine::DecideBatch;
+using engine::DeviceInfo;
 using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Percept;
 using engine::Record;
-using engine::SensorInfo;
 using engine::Unit;
 using engine::Value;
 
 // Hidden: what two plug-ins of one process have of this are two.
-namespace plugin __attribute__((visibility("hidden"))) {
+#pragma GCC visibility push(hidden)
+namespace plugin {
 
-  /// A controller of this library, in the list of all of them.
-  struct Entry {
-    using Make = engine::ControllerKind (*)(std::string_view name);
+/// A controller of this library, in the list of all of them.
+struct Entry {
+  using Make = engine::ControllerKind (*)(std::string_view name);
 
-    Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
-      first = this;
-    }
-
-    std::string_view name;
-    Make make;
-    const Entry* next;
-    static inline constinit const Entry* first = nullptr;
-  };
-
-  template <class C>
-  engine::ControllerKind kind_of(std::string_view name) {
-    std::string_view text;
-    if constexpr (requires { C::text; }) text = C::text;
-    FieldTable parameters;
-    if constexpr (requires { C::parameters(); }) {
-      static_assert(
-          requires(const Record& record) { C::make(record); },
-          "a controller with parameters() takes them in `static C make(const Record&)`");
-      parameters = C::parameters();
-    }
-    return engine::make_controller_kind<C>(name, text, std::move(parameters));
+  Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
+    first = this;
   }
 
-  inline void list(std::vector<engine::ControllerKind> & controllers) {
-    for (const Entry* entry = Entry::first; entry != nullptr; entry = entry->next)
-      controllers.push_back(entry->make(entry->name));
+  std::string_view name;
+  Make make;
+  const Entry* next;
+  static inline constinit const Entry* first = nullptr;
+};
+
+template <class C>
+engine::ControllerKind kind_of(std::string_view name) {
+  std::string_view text;
+  if constexpr (requires { C::text; }) text = C::text;
+  FieldTable parameters;
+  if constexpr (requires { C::parameters(); }) {
+    static_assert(
+        requires(const Record& record) { C::make(record); },
+        "a controller with parameters() takes them in `static C make(const Record&)`");
+    parameters = C::parameters();
   }
+  return engine::make_controller_kind<C>(name, text, std::move(parameters));
+}
 
-  /// Of a product that has to be rounded: 2^-54 is left where it was not. Volatile, so that it is computed as
-  /// a controller's arithmetic is, not by the compiler.
-  inline bool contracts() {
-    const volatile double factor = 0x1.0000002p0;
-    const volatile double rounded_square = 0x1.0000004p0;
-    const double x = factor, y = factor, z = rounded_square;
-    return x * y - z != 0;
-  }
+inline void list(std::vector<engine::ControllerKind>& controllers) {
+  for (const Entry* entry = Entry::first; entry != nullptr; entry = entry->next)
+    controllers.push_back(entry->make(entry->name));
+}
 
-  inline constinit std::atomic<std::uint64_t> contents = 0;
-  inline constexpr Library library{k_interface, k_version, k_build, layout(), contracts, list, &contents};
+/// Of a product that has to be rounded: 2^-54 is left where it was not. Volatile, so that it is computed as
+/// a controller's arithmetic is, not by the compiler.
+inline bool contracts() {
+  const volatile double factor = 0x1.0000002p0;
+  const volatile double rounded_square = 0x1.0000004p0;
+  const double x = factor, y = factor, z = rounded_square;
+  return x * y - z != 0;
+}
 
-}  // namespace )
+inline constinit std::atomic<std::uint64_t> contents = 0;
+inline constexpr Library library{k_interface, k_version, k_build, layout(), contracts, list, &contents};
+
+}  // namespace plugin
+#pragma GCC visibility pop
 }  // namespace troupe
 
 extern "C" __attribute__((used, visibility("default"))) inline const troupe::plugin::Library*

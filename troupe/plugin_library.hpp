@@ -45,13 +45,13 @@ inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),
-                               sizeof(SensorKind),     sizeof(SensorKind::Prepared),
-                               sizeof(SensorInfo),     sizeof(StateTable),
+                               sizeof(DeviceKind),     sizeof(DeviceKind::Prepared),
+                               sizeof(DeviceInfo),     sizeof(StateTable),
                                sizeof(StateField),     sizeof(Field),
                                sizeof(FieldTable),     sizeof(Value),
                                sizeof(DecideBatch),    sizeof(Percept),
-                               sizeof(Actions),        sizeof(Command),
-                               sizeof(Random)};
+                               sizeof(Actions),        sizeof(Readings),
+                               sizeof(Command),        sizeof(Random)};
   std::uint64_t mixture = 0;
   for (const std::size_t size : k_sizes) mixture = mixture * 0x9e3779b97f4a7c15 + size;
   return mixture;

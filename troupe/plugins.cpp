@@ -4,6 +4,7 @@
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "troupe/plugin_library.hpp"
+#include "worldio/stage_files.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -14,8 +15,6 @@
 #include <cstring>
 #include <deque>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 namespace troupe {
@@ -25,13 +24,6 @@ namespace {
 bool is_file(const fs::path& path) {
   std::error_code fault;
   return fs::is_regular_file(path, fault);
-}
-
-std::optional<std::string> read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (!stream) return std::nullopt;
-  return bytes;
 }
 
 /// Whether a library exports a symbol of this name, or at least seems to: whether its bytes hold the name.
@@ -87,8 +79,7 @@ std::string why_unlike(const plugin::Library& library) {
     return fmt::format("was built with the headers of another state of troupe {}: build it again", k_version);
   if (library.contracts())
     return "was compiled so that a * b + c is rounded once, which gives other bits: link it with "
-           "troupe::plugin, "
-           "which brings -ffp-contract=off";
+           "troupe::plugin, which brings -ffp-contract=off";
   return {};
 }
 
@@ -183,14 +174,15 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
 }
 
 void Plugins::open(Loaded& library) {
-  const std::optional<std::string> bytes = read(library.file);
+  const std::optional<std::string> bytes = worldio::read_file(library.file);
   library.broken = bytes ? why_not_ours(*bytes) : "cannot be read";
   if (!library.broken.empty()) return;
   library.contents = hash_text(*bytes);
 
   const fs::path absolute = fs::absolute(library.file);  // a bare name would be looked for elsewhere
+  const bool was_right = fp_environment_fault().empty();
   void* const handle = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (const std::string fault = fp_environment_fault(); !fault.empty()) {
+  if (const std::string fault = fp_environment_fault(); was_right && !fault.empty()) {
     restore_fp_environment();
     warnings_.push_back(
         fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "

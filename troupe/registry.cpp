@@ -3,6 +3,7 @@
 #include "models/coverage.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/light.hpp"
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
 #include "models/nearness.hpp"
@@ -15,7 +16,7 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.sensors = {sensors::ranger_kind()};
+  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller()};

@@ -114,14 +114,14 @@ struct Model::Place {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
   /// A body has the sensors of all its parts, a part its own.
-  std::vector<const engine::BodyType::Sensor*> sensors() const {
+  std::vector<const engine::BodyType::Device*> sensors() const {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
-    std::vector<const engine::BodyType::Sensor*> own;
-    for (const auto& sensor : type().sensors)
+    std::vector<const engine::BodyType::Device*> own;
+    for (const auto& sensor : type().devices)
       if (part == 0 || sensor.name == parts[part].name) own.push_back(&sensor);
     return own;
   }
-  const engine::BodyType::Sensor& sensor(std::string_view wanted) const {
+  const engine::BodyType::Device& sensor(std::string_view wanted) const {
     std::vector<std::string_view> known;
     for (const auto* sensor : sensors()) {
       if (wanted.empty() || sensor->name == wanted) {

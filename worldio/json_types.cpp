@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace troupe::worldio {
 namespace {
@@ -123,30 +124,45 @@ std::optional<engine::DriveSpec> read_drive(const JsonCursor& at, const engine::
   return drive;
 }
 
-void read_sensor(const JsonCursor& at, const engine::Registry& registry,
-                 std::vector<engine::SensorSpec>& sensors) {
+/// The kinds of a type's list: sensors only look, other devices are asked to do something.
+enum class DeviceList : std::uint8_t { sensors, devices };
+
+void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& registry,
+                 std::vector<engine::DeviceSpec>& devices) {
+  const auto belongs = [list](const engine::DeviceKind& kind) {
+    return kind.is_sensor() == (list == DeviceList::sensors);
+  };
+  const std::string_view what = list == DeviceList::sensors ? "sensor" : "device";
+  std::vector<std::string_view> known;
+  for (const engine::DeviceKind& kind : registry.devices)
+    if (belongs(kind)) known.push_back(kind.name);
+  std::ranges::sort(known);
+
   JsonObject object(at);
   const JsonNode* name_node = object.find("name");
-  const engine::SensorKind* kind = read_kind(object, "sensor", names(registry.sensors),
-                                             [&](std::string_view name) { return registry.sensor(name); });
+  const engine::DeviceKind* kind =
+      read_kind(object, what, known, [&](std::string_view name) -> const engine::DeviceKind* {
+        const engine::DeviceKind* found = registry.device(name);
+        return found != nullptr && belongs(*found) ? found : nullptr;
+      });
   if (!kind) return;
-  engine::SensorSpec sensor{.kind = std::string(kind->name), .where = at.where()};
+  engine::DeviceSpec device{.kind = std::string(kind->name), .where = at.where()};
   if (name_node) {
     const JsonCursor cursor(at, "name", *name_node);
-    const std::string* name = read_text(cursor, "the sensor's name");
-    if (name) sensor.name = *name;
-    if (name && std::ranges::find(sensors, *name, &engine::SensorSpec::name) != sensors.end())
-      cursor.error(fmt::format("the type has a sensor \"{}\" already", *name));
+    const std::string* name = read_text(cursor, fmt::format("the {}'s name", what));
+    if (name) device.name = *name;
+    if (name && std::ranges::find(devices, *name, &engine::DeviceSpec::name) != devices.end())
+      cursor.error(fmt::format("the type has a {} \"{}\" already", what, *name));
   } else {  // as Stage names a robot's second ranger: "ranger:1"
-    const auto before = std::ranges::count(sensors, sensor.kind, &engine::SensorSpec::kind);
-    sensor.name = fmt::format("{}:{}", sensor.kind, before);
+    const auto before = std::ranges::count(devices, device.kind, &engine::DeviceSpec::kind);
+    device.name = fmt::format("{}:{}", device.kind, before);
   }
-  sensor.pose_body_sensor = read_pose(object);
-  sensor.active = read_boolean(object, "active", true);
-  sensor.period_s = read_period(object);
-  sensor.params = read_fields(object, kind->params);
+  device.pose_body_sensor = read_pose(object);
+  device.active = read_boolean(object, "active", true);
+  device.period_s = read_period(object);
+  device.params = read_fields(object, kind->params);
   object.finish();
-  sensors.push_back(std::move(sensor));
+  devices.push_back(std::move(device));
 }
 
 void read_controller(const JsonCursor& at, const engine::Registry& registry,
@@ -196,7 +212,9 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
 
   if (const JsonNode* node = object.find("drive"))
     type.spec.drive = read_drive(JsonCursor(at, "drive", *node), registry);
-  each_of("sensors", [&](const JsonCursor& cursor) { read_sensor(cursor, registry, type.spec.sensors); });
+  for (const auto& [key, list] :
+       {std::pair("sensors", DeviceList::sensors), {"devices", DeviceList::devices}})
+    each_of(key, [&](const JsonCursor& cursor) { read_device(cursor, list, registry, type.spec.devices); });
 
   const JsonNode* one = object.find("controller");
   if (one) read_controller(JsonCursor(at, "controller", *one), registry, type.spec.controllers);
@@ -236,6 +254,16 @@ engine::Returns read_returns(JsonObject& object) {
   returns.obstacle = read_boolean(object, "obstacle", returns.obstacle);
   const Value ranger = read_field(object, {.name = "ranger_return", .min = -1e6, .max = 1e6});
   if (ranger.given()) returns.ranger = static_cast<float>(ranger.number());
+  const auto mark = [&](std::string_view name, std::int32_t& member) {
+    using Limits = std::numeric_limits<std::int32_t>;
+    const Value value = read_field(
+        object, {.name = name, .type = FieldType::integer, .min = Limits::min(), .max = Limits::max()});
+    if (value.given()) member = static_cast<std::int32_t>(value.integer());
+  };
+  mark("fiducial_return", returns.fiducial);
+  mark("fiducial_key", returns.fiducial_key);
+  returns.gripper = read_boolean(object, "gripper_return", returns.gripper);
+  returns.blob = read_boolean(object, "blob_return", returns.blob);
   return returns;
 }
 

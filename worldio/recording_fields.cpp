@@ -95,7 +95,7 @@ void add_sensors(const World& world, std::span<const std::string> names,
   const std::vector<std::string> type_names = recorded_type_names(world);
   for (std::size_t t = 0; t < world.types().size(); ++t) {
     UniqueNames sensor_names;
-    for (const BodyType::Sensor& sensor : world.types()[t].sensors) {
+    for (const BodyType::Device& sensor : world.types()[t].devices) {
       const std::string name = sensor_names.add(sensor.name);
       const StateTable& table = world.tables()[sensor.table];
       if (sensor.table == 0) continue;  // a type without a body has no tables

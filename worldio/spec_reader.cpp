@@ -86,6 +86,7 @@ class SpecReader {
   double number(JsonObject& object, std::string_view key, double min, double max, double fallback);
   bool boolean(JsonObject& object, std::string_view key);
   std::uint32_t index(JsonObject& object, std::string_view key);
+  std::int32_t int32(JsonObject& object, std::string_view key);
   Where where(JsonObject& object, std::string_view key = "where");
   Pose pose(JsonObject& object);
   /// read(cursor) for each entry of the list under a key.
@@ -105,7 +106,7 @@ class SpecReader {
   /// By the kind's table; null where there is none.
   engine::Record params(JsonObject& object, const engine::FieldTable* table);
   engine::DriveSpec drive(const JsonCursor& at);
-  engine::SensorSpec sensor(const JsonCursor& at);
+  engine::DeviceSpec sensor(const JsonCursor& at);
   engine::ControllerSpec controller(const JsonCursor& at);
   engine::TypeSpec type(const JsonCursor& at);
 
@@ -152,6 +153,16 @@ bool SpecReader::boolean(JsonObject& object, std::string_view key) {
   const Value value =
       read_value(JsonCursor(object.at(), key, *node), {.name = key, .type = FieldType::boolean});
   return value.given() && value.boolean();
+}
+
+std::int32_t SpecReader::int32(JsonObject& object, std::string_view key) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const JsonNode* node = require(object, key);
+  if (!node) return 0;
+  const Value value =
+      read_value(JsonCursor(object.at(), key, *node),
+                 {.name = key, .type = FieldType::integer, .min = Limits::min(), .max = Limits::max()});
+  return value.given() ? static_cast<std::int32_t>(value.integer()) : 0;
 }
 
 std::uint32_t SpecReader::index(JsonObject& object, std::string_view key) {
@@ -313,12 +324,17 @@ engine::PartSpec SpecReader::part(const JsonCursor& at) {
   part.name = text(object, "name");
   part.alias = text(object, "alias");
   part.kind = text(object, "kind");
+  part.parent = index(object, "parent");
   part.pose_body_part = pose(object);
   const std::vector<double> size = numbers(object, "size_m", 3);
   part.size = {size[0], size[1], size[2]};
   each_of(object, "solids", [&](const JsonCursor& entry) { part.solids.push_back(solid(entry)); });
   part.returns.obstacle = boolean(object, "obstacle");
   part.returns.ranger = static_cast<float>(number(object, "ranger_return", -1e30, 1e30, 1));
+  part.returns.fiducial = int32(object, "fiducial_return");
+  part.returns.fiducial_key = int32(object, "fiducial_key");
+  part.returns.gripper = boolean(object, "gripper_return");
+  part.returns.blob = boolean(object, "blob_return");
   part.floor_plan = boolean(object, "floor_plan");
   if (object.find("color")) {
     const std::vector<double> c = numbers(object, "color", 4);
@@ -364,15 +380,16 @@ engine::DriveSpec SpecReader::drive(const JsonCursor& at) {
   return drive;
 }
 
-engine::SensorSpec SpecReader::sensor(const JsonCursor& at) {
+engine::DeviceSpec SpecReader::sensor(const JsonCursor& at) {
   JsonObject object(at);
-  engine::SensorSpec sensor;
+  engine::DeviceSpec sensor;
   sensor.name = text(object, "name");
   sensor.kind = text(object, "kind");
+  sensor.part = index(object, "part");
   sensor.pose_body_sensor = pose(object);
   sensor.period_s = number(object, "period_s", 0, k_most_s, 0);
   sensor.active = boolean(object, "active");
-  sensor.params = params(object, "sensor", sensor.kind, registry_.sensors);
+  sensor.params = params(object, "sensor", sensor.kind, registry_.devices);
   sensor.where = where(object);
   object.finish();
   return sensor;
@@ -382,6 +399,8 @@ engine::ControllerSpec SpecReader::controller(const JsonCursor& at) {
   JsonObject object(at);
   engine::ControllerSpec controller;
   controller.kind = text(object, "kind");
+  controller.part = index(object, "part");
+  controller.period_s = number(object, "period_s", 0, k_most_s, 0);
   std::string fault;
   const engine::ControllerKind* kind = registry_.controller(controller.kind, fault);
   if (!kind) at.error(fault);
@@ -397,11 +416,17 @@ engine::TypeSpec SpecReader::type(const JsonCursor& at) {
   type.name = text(object, "name");
   each_of(object, "parts", [&](const JsonCursor& entry) { type.parts.push_back(part(entry)); });
   if (type.parts.empty()) at.error("a type has at least one part");
+  for (std::size_t p = 0; p < type.parts.size(); ++p)
+    if (type.parts[p].parent >= std::max<std::size_t>(p, 1))
+      at.error("a part stands on one that comes before it");
   if (const JsonNode* node = object.find("drive")) type.drive = drive(JsonCursor(at, "drive", *node));
-  each_of(object, "sensors", [&](const JsonCursor& entry) { type.sensors.push_back(sensor(entry)); });
+  each_of(object, "sensors", [&](const JsonCursor& entry) { type.devices.push_back(sensor(entry)); });
   each_of(object, "controllers",
           [&](const JsonCursor& entry) { type.controllers.push_back(controller(entry)); });
   object.finish();
+  const auto is_no_part = [&](const auto& carried) { return carried.part >= type.parts.size(); };
+  if (std::ranges::any_of(type.devices, is_no_part) || std::ranges::any_of(type.controllers, is_no_part))
+    at.error("a sensor or controller belongs to a part that the type does not have");
   return type;
 }
 

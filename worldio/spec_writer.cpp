@@ -137,18 +137,24 @@ Json solid_json(const Solid& solid) {
 }
 
 Json part_json(const engine::PartSpec& part) {
-  const auto& [name, alias, kind, pose_body_part, size, solids, returns, floor_plan, color, where] = part;
-  const auto& [obstacle, ranger] = returns;
+  const auto& [name, alias, kind, parent, pose_body_part, size, solids, returns, floor_plan, color, where] =
+      part;
+  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
   Json json;
   json["name"] = text_json(name);
   json["alias"] = text_json(alias);
   json["kind"] = text_json(kind);
+  json["parent"] = parent;
   json["pose"] = pose_json(pose_body_part);
   json["size_m"] = {finite(size.x()), finite(size.y()), finite(size.z())};
   json["solids"] = Json::array();
   for (const Solid& solid : solids) json["solids"].push_back(solid_json(solid));
   json["obstacle"] = obstacle;
   json["ranger_return"] = finite(ranger);
+  json["fiducial_return"] = fiducial;
+  json["fiducial_key"] = fiducial_key;
+  json["gripper_return"] = gripper;
+  json["blob_return"] = blob;
   json["floor_plan"] = floor_plan;
   if (color) json["color"] = color_json(*color);
   json["where"] = where_json(where);
@@ -165,23 +171,26 @@ Json drive_json(const engine::DriveSpec& drive, const engine::Registry& registry
   return json;
 }
 
-Json sensor_json(const engine::SensorSpec& sensor, const engine::Registry& registry) {
-  const auto& [name, kind, params, pose_body_sensor, period_s, active, where] = sensor;
+Json sensor_json(const engine::DeviceSpec& sensor, const engine::Registry& registry) {
+  const auto& [name, kind, part, params, pose_body_sensor, period_s, active, where] = sensor;
   Json json;
   json["name"] = text_json(name);
   json["kind"] = text_json(kind);
+  json["part"] = part;
   json["pose"] = pose_json(pose_body_sensor);
   json["period_s"] = finite(period_s);
   json["active"] = active;
-  json["params"] = params_json(params, params_of(registry.sensor(kind), kind));
+  json["params"] = params_json(params, params_of(registry.device(kind), kind));
   json["where"] = where_json(where);
   return json;
 }
 
 Json controller_json(const engine::ControllerSpec& controller, const engine::Registry& registry) {
-  const auto& [kind, params, where] = controller;
+  const auto& [kind, part, params, period_s, where] = controller;
   Json json;
   json["kind"] = text_json(kind);
+  json["part"] = part;
+  json["period_s"] = finite(period_s);
   json["params"] = params_json(params, params_of(registry.controller(kind), kind));
   json["where"] = where_json(where);
   return json;
@@ -195,7 +204,7 @@ Json type_json(const engine::TypeSpec& type, const engine::Registry& registry) {
   for (const engine::PartSpec& part : parts) json["parts"].push_back(part_json(part));
   if (drive) json["drive"] = drive_json(*drive, registry);
   json["sensors"] = Json::array();
-  for (const engine::SensorSpec& sensor : sensors) json["sensors"].push_back(sensor_json(sensor, registry));
+  for (const engine::DeviceSpec& sensor : sensors) json["sensors"].push_back(sensor_json(sensor, registry));
   json["controllers"] = Json::array();
   for (const engine::ControllerSpec& controller : controllers)
     json["controllers"].push_back(controller_json(controller, registry));

@@ -1,5 +1,7 @@
 #include "worldio/stage_kinds.hpp"
 
+#include "worldio/stage_devices.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -142,9 +144,9 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   return record;
 }
 
-std::optional<engine::SensorSpec> StageKinds::ranger(const StageModel& model,
+std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
                                                      const std::vector<StageModel>& sensors) {
-  const engine::SensorKind* kind = registry_.sensor("ranger");
+  const engine::DeviceKind* kind = registry_.device("ranger");
   const int transducers = kind ? kind->params.find("transducers") : -1;
   if (transducers < 0) {
     values_.error(model.where, "this build has no ranger");
@@ -160,12 +162,101 @@ std::optional<engine::SensorSpec> StageKinds::ranger(const StageModel& model,
     if (auto record = transducer(sensor, table)) records.push_back(std::move(*record));
   if (records.size() < sensors.size()) return {};
 
-  engine::SensorSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
+  engine::DeviceSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
   set(kind->params, spec.params, "transducers", std::move(records));
   spec.period_s = period_s(model);
-  const StageProperty* always_on = model.find(document_, "alwayson");
-  spec.active = always_on && values_.flag(*always_on).value_or(false);
+  spec.active = is_always_on(model);
   return spec;
+}
+
+bool StageKinds::is_always_on(const StageModel& model) {
+  const StageProperty* property = model.find(document_, "alwayson");
+  return property != nullptr && values_.flag(*property).value_or(false);
+}
+
+std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
+                                                     const engine::DeviceKind& kind) {
+  engine::DeviceSpec spec{
+      .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
+  bool is_right = true;  // all properties are read, so that all that is wrong is reported
+  for (const StageParameter& parameter : stage_parameters()) {
+    if (parameter.model != model.type) continue;
+    const StageProperty* property = model.find(document_, parameter.property);
+    if (property == nullptr) continue;
+    const double to_si = parameter.unit == StageUnit::length         ? values_.length_unit()
+                         : parameter.unit == StageUnit::angle        ? values_.angle_unit()
+                         : parameter.unit == StageUnit::degrees      ? radians(1)
+                         : parameter.unit == StageUnit::milliseconds ? 1e-3
+                                                                     : 1.0;
+    const auto at = static_cast<std::size_t>(kind.params.find(parameter.field));
+    auto given = value(*property, kind.params.fields[at], to_si, parameter.column);
+    is_right = is_right && given.has_value();
+    if (given) spec.params[at] = std::move(*given);
+  }
+  if (!is_right) return {};
+  spec.period_s = period_s(model);
+  spec.active = is_always_on(model);
+  return spec;
+}
+
+/// A property as a value of this field; empty, with an error, where it is none.
+std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
+                                       int column) {
+  const auto checked = [&](std::optional<double> given) -> std::optional<double> {
+    if (!given) return {};
+    const std::string broken = limit_broken(field, *given * to_si);
+    if (broken.empty()) return *given * to_si;
+    values_.error(values_.where(property),
+                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, *given));
+    return {};
+  };
+  switch (field.type) {
+    case FieldType::boolean:
+      if (const auto flag = values_.flag(property)) return Value(*flag);
+      return {};
+    case FieldType::integer: {
+      const auto given = values_.integer(property);
+      if (!given || !checked(static_cast<double>(*given))) return {};
+      return Value(*given);
+    }
+    case FieldType::number: {
+      std::optional<double> given;
+      if (column < 0) {
+        given = values_.number(property);
+      } else {
+        const auto least = static_cast<std::size_t>(column) + 1;
+        if (const auto tuple = values_.tuple(property, least, std::max<std::size_t>(least, 2), "[a b]"))
+          given = (*tuple)[static_cast<std::size_t>(column)];
+      }
+      const auto si = checked(given);
+      if (!si) return {};
+      return Value(*si);
+    }
+    case FieldType::text: {
+      const auto given = values_.text(property);
+      if (!given) return {};
+      if (field.choices.empty() || std::ranges::find(field.choices, *given) != field.choices.end())
+        return Value(std::string(*given));
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" must be one of {}{}; here is \"{}\"", values_.key(property),
+                                comma_list(field.choices), did_you_mean(*given, field.choices), *given));
+      return {};
+    }
+    case FieldType::numbers: {
+      auto given = values_.tuple(property, field.columns, field.columns, "one number each");
+      if (!given) return {};
+      for (double& number : *given) {
+        const auto si = checked(number);
+        if (!si) return {};
+        number = *si;
+      }
+      return Value(std::move(*given));
+    }
+    default: break;
+  }
+  values_.error(values_.where(property),
+                fmt::format("\"{}\" cannot be given in a .world file, only in JSON", values_.key(property)));
+  return {};
 }
 
 std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
@@ -222,7 +313,10 @@ std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& mo
   std::vector<engine::ControllerSpec> specs;
   if (const StageProperty* property = model.find(document_, "ctrl"))
     for (const std::string_view call : values_.texts(*property))
-      if (auto spec = controller(call, values_.where(*property))) specs.push_back(std::move(*spec));
+      if (auto spec = controller(call, values_.where(*property))) {
+        spec->period_s = period_s(model);
+        specs.push_back(std::move(*spec));
+      }
   return specs;
 }
 

@@ -21,13 +21,18 @@ class StageKinds {
   double period_s(const StageModel& model);
 
   /// Of a ranger and its `sensor` children; empty, with a warning, when it has none.
-  std::optional<engine::SensorSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
+  std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
+  /// Of a model that is a device of this kind; empty, with errors, where its properties are wrong.
+  std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
   std::optional<engine::DriveSpec> drive(const StageModel& model);
   /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
   /// parameter=value.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:
+  bool is_always_on(const StageModel& model);
+  std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
+                                     int column);
   std::optional<engine::Record> transducer(const StageModel& sensor, const engine::FieldTable& table);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
   bool set_argument(const engine::Field& field, double to_si, std::string_view text,

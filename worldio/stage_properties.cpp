@@ -57,7 +57,6 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "ranger_return", fixed, "bodies of any size are seen, however small"},
     {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`"},
     {"model", "alwayson", honoured, "its sensor runs without a controller that reads it"},
-    {"model", "blob_return", no_effect, "Stage never reads it either"},
     {"model", "event_queue", no_effect, "Stage overwrites it"},
     {"model", "friction", no_effect, "Stage stores it and no more"},
     {"model", "map_resolution", no_effect, "Stage stores it and no more"},
@@ -189,9 +188,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "yaw", obsolete, ""},
     {"camera", "pitch", obsolete, ""},
 
-    {"blinkenlight", "period", unsupported, ""},
-    {"blinkenlight", "dutycycle", unsupported, ""},
-    {"blinkenlight", "enabled", no_effect, "Stage never reads it"},
+    {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing"},
+    {"blinkenlight", "dutycycle", fixed, "share of the period for which it is lit"},
+    {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it"},
 
     {"window", "size", window_only, ""},
     {"window", "center", window_only, ""},

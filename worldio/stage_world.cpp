@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <type_traits>
@@ -39,6 +40,7 @@ class Structure {
       add(part.name);
       add(part.alias);
       add(part.kind);
+      add(part.parent);
       add(part.pose_body_part);
       for (int i = 0; i < 3; ++i) add(part.size[i]);
       add(part.solids.size());
@@ -53,6 +55,10 @@ class Structure {
       }
       add(part.returns.obstacle);
       add(part.returns.ranger);
+      add(part.returns.fiducial);
+      add(part.returns.fiducial_key);
+      add(part.returns.gripper);
+      add(part.returns.blob);
       add(part.floor_plan);
       add(part.color.has_value());
       if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
@@ -63,10 +69,11 @@ class Structure {
       add(type.drive->params);
       add(type.drive->period_s);
     }
-    add(type.sensors.size());
-    for (const engine::SensorSpec& sensor : type.sensors) {
+    add(type.devices.size());
+    for (const engine::DeviceSpec& sensor : type.devices) {
       add(sensor.name);
       add(sensor.kind);
+      add(sensor.part);
       add(sensor.params);
       add(sensor.pose_body_sensor);
       add(sensor.period_s);
@@ -75,7 +82,9 @@ class Structure {
     add(type.controllers.size());
     for (const engine::ControllerSpec& controller : type.controllers) {
       add(controller.kind);
+      add(controller.part);
       add(controller.params);
+      add(controller.period_s);
     }
   }
 
@@ -176,6 +185,7 @@ class StageWorld {
 
   /// Where a part lies in its body, and how it is called there.
   struct Place {
+    std::uint32_t parent = 0;
     Pose pose_body_part;
     std::string name;
     std::string alias;
@@ -195,7 +205,8 @@ class StageWorld {
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
   void add_part(const StageModel& model, const Place& place, Draft& draft);
-  void add_behaviour(const StageModel& model, bool is_root, Draft& draft);
+  engine::Returns returns(const StageModel& model);
+  void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
@@ -450,12 +461,14 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
 
 void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
   const auto find = [&](std::string_view key) { return model.find(document_, key); };
-  const bool is_root = draft.type.parts.empty();
+  const auto index = static_cast<std::uint32_t>(draft.type.parts.size());
+  const bool is_root = index == 0;
   const engine::ModelKind& kind = *registry_.model(model.type);
   const std::optional<Contents> holds = contents(model, draft);
   if (!holds) return;
 
   engine::PartSpec part{.name = place.name, .alias = place.alias, .kind = std::string(kind.name)};
+  part.parent = place.parent;
   part.pose_body_part = place.pose_body_part;
   part.where = model.where;
   part.size = kind.size;
@@ -480,26 +493,56 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       for (Vec2& point : ring) point = to_body * point;
     solid.z = solid.z.shifted(pose_body_frame.z);
   }
-  if (const StageProperty* property = find("obstacle_return"))
-    part.returns.obstacle = values_.flag(*property).value_or(true);
-  if (const StageProperty* property = find("ranger_return"))
-    part.returns.ranger = static_cast<float>(values_.number(*property).value_or(1));
+  part.returns = returns(model);
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
   const double height = part.size.z();
   draft.type.parts.push_back(std::move(part));
 
-  if (model.type == "ranger")
-    if (auto sensor = kinds_.ranger(model, holds->sensors)) {
-      sensor->name = place.name;
-      sensor->pose_body_sensor = pose_body_frame;
-      draft.type.sensors.push_back(std::move(*sensor));
+  if (const engine::DeviceKind* device_kind = registry_.device(kind.device)) {
+    auto device =
+        model.type == "ranger" ? kinds_.ranger(model, holds->sensors) : kinds_.device(model, *device_kind);
+    if (device) {
+      device->name = place.name;
+      device->part = index;
+      device->pose_body_sensor = pose_body_frame;
+      draft.type.devices.push_back(std::move(*device));
     }
-  add_behaviour(model, is_root, draft);
-  add_children(model, place, height, holds->children, draft);
+  }
+  add_behaviour(model, index, draft);
+  Place below = place;
+  below.parent = index;
+  add_children(model, below, height, holds->children, draft);
 }
 
-void StageWorld::add_behaviour(const StageModel& model, bool is_root, Draft& draft) {
+/// How the model shows itself to the sensors of others.
+engine::Returns StageWorld::returns(const StageModel& model) {
+  engine::Returns returns;
+  const auto read = [&](std::string_view key, auto& member, auto value) {
+    if (const StageProperty* property = model.find(document_, key))
+      if (const auto given = value(*property)) member = static_cast<std::decay_t<decltype(member)>>(*given);
+  };
+  const auto flag = [this](const StageProperty& property) { return values_.flag(property); };
+  const auto number = [this](const StageProperty& property) { return values_.number(property); };
+  const auto mark = [this](const StageProperty& property) -> std::optional<std::int64_t> {
+    using Limits = std::numeric_limits<std::int32_t>;
+    const auto given = values_.integer(property);
+    if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
+    values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
+                                                       values_.key(property), *given));
+    return {};
+  };
+  read("obstacle_return", returns.obstacle, flag);
+  read("ranger_return", returns.ranger, number);
+  read("fiducial_return", returns.fiducial, mark);
+  read("fiducial_key", returns.fiducial_key, mark);
+  read("gripper_return", returns.gripper, flag);
+  read("blob_return", returns.blob, flag);
+  return returns;
+}
+
+void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {
+  const bool is_root = part == 0;
   const bool is_position = model.type == "position";
   if (is_position && is_root) draft.type.drive = kinds_.drive(model);
   if (is_position && !is_root)
@@ -508,15 +551,18 @@ void StageWorld::add_behaviour(const StageModel& model, bool is_root, Draft& dra
         "a position model inside another model does not drive on its own yet; it is carried along");
   const StageProperty* ctrl = model.find(document_, "ctrl");
   if (!ctrl) return;
-  std::vector<engine::ControllerSpec> controllers = kinds_.controllers(model);
-  if (!is_root)
-    values_.warning_once(values_.where(*ctrl),
-                         "\"ctrl\" of a model inside another model is not supported yet; it does not run");
-  else if (!is_position)
-    values_.error(values_.where(*ctrl),
-                  fmt::format("\"ctrl\" needs a position model to drive; this one is a {}", model.type));
-  else
-    draft.type.controllers = std::move(controllers);
+  for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
+    const engine::ControllerKind* kind = registry_.controller(controller.kind);
+    if (kind != nullptr && kind->needs_drive && !(is_root && is_position)) {
+      values_.error(values_.where(*ctrl),
+                    fmt::format("controller \"{}\" needs a position model to drive; this "
+                                "one is a {}{}",
+                                controller.kind, model.type, is_root ? "" : " inside another model"));
+      continue;
+    }
+    controller.part = part;
+    draft.type.controllers.push_back(std::move(controller));
+  }
 }
 
 void StageWorld::add_children(const StageModel& model, const Place& place, double height,
@@ -529,7 +575,8 @@ void StageWorld::add_children(const StageModel& model, const Place& place, doubl
     return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
   };
   for (const auto& [child, layer] : children) {
-    Place child_place{.pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
+    Place child_place{
+        .parent = place.parent, .pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
     child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
     if (const StageProperty* property = child.find(document_, "name"))
       if (const auto given = values_.name(*property)) {

@@ -182,7 +182,7 @@ TEST(ControllerCheck, OurOwnControllersAreFunctions) {
           {.pose = {0, 0, 0.1, radians(360.0 / static_cast<double>(beams) * static_cast<double>(i))},
            .fov = beams == 1 ? 2.0 : 0.0,
            .samples = beams == 1 ? 31 : 1});
-    scene[type].sensors.push_back(test::ranger("eye", ring));
+    scene[type].devices.push_back(test::ranger("eye", ring));
     scene[type].controllers.push_back(std::move(controller));
     for (int i = 0; i < 40; ++i)
       scene.body(fmt::format("{}{}", name, i), type,

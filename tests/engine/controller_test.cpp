@@ -69,7 +69,7 @@ struct Counter {
   double step;
 
   static Counter make(const Record& params) { return {params[0].number()}; }
-  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string& fault) const {
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string& fault) const {
     if (step < 0) fault = "cannot count down";
     return {};
   }
@@ -80,7 +80,7 @@ struct Counter {
 };
 struct Forgetful {
   static Forgetful make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string&) const {
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) const {
     return {2, 0};
   }
   void operator()(const Percept& percept, Random&, Actions& actions) const {
@@ -113,7 +113,7 @@ TEST(ControllerKind, KeepsItsMemoryInTheTable) {
                               .ids = ids,
                               .slots = slots,
                               .commands = {&command, 1},
-                              .memories = {table.row(0), table.row_bytes(), table.row_bytes()}});
+                              .memories = {table.row(0), table.row_bytes()}});
   EXPECT_EQ(command.x, 22);
   EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 11u);
   EXPECT_EQ(table.cell<std::uint32_t>(0, 0)[0], 10u) << "a robot's memory is its own";
@@ -130,7 +130,7 @@ TEST(ControllerKind, NeedsNoMemory) {
   std::vector<bool> claimed;
   std::string fault;
   const ControllerKind::Prepared prepared = kind.prepare({}, {}, claimed, fault);
-  EXPECT_EQ(prepared.sensors, (std::vector<std::size_t>{2, 0}));
+  EXPECT_EQ(prepared.devices, (std::vector<std::size_t>{2, 0}));
   Command command;
   const std::vector<Row> rows{Row(0)};
   const std::vector<BodyId> ids{BodyId(9)};

@@ -25,7 +25,7 @@ test::SceneBuilder crowd(double shift_m = 0) {
   test::SceneBuilder scene;
   for (const char* name : {"a", "b"}) {
     const TypeId type = scene.robot(name, {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
-    scene[type].sensors.push_back(test::ranger("eye", {{.pose = {0, 0, 0.1, 0}, .fov = 3, .samples = 5}}));
+    scene[type].devices.push_back(test::ranger("eye", {{.pose = {0, 0, 0.1, 0}, .fov = 3, .samples = 5}}));
     for (int i = 0; i < 3; ++i)
       scene.body(fmt::format("{}{}", name, i), type,
                  {1.0 * i + (std::string(name) == "a" && i == 2 ? shift_m : 0), name[0] - 'a' + 0.0, 0, 0});

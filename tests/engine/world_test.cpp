@@ -16,9 +16,8 @@
 namespace troupe::engine {
 namespace {
 
+using test::box;
 using test::SceneBuilder;
-
-Solid box(double x, double y, double z = 1) { return {{test::box_ring(x, y)}, {0, z}}; }
 
 TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
   SceneBuilder scene;
@@ -72,15 +71,15 @@ TEST(World, TimesRoundUpToTicksWhateverTheirQuotientRoundsTo) {
 TEST(World, SubscribingToOneRobotRunsItsSensorsAlone) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
-  scene[type].sensors = {test::ranger("ir", {{.range_max = 3}})};
-  scene[type].sensors[0].active = false;
+  scene[type].devices = {test::ranger("ir", {{.range_max = 3}})};
+  scene[type].devices[0].active = false;
   const BodyId a = scene.body("a", type);
   const BodyId b = scene.body("b", type, {5, 0, 0, 0});
   World world = scene.world();
   world.subscribe(b);
   world.step();
   EXPECT_EQ(world.beams_cast(), 1u);
-  const BodyType::Sensor& sensor = world.type(world.row(a)).sensors[0];
+  const BodyType::Device& sensor = world.type(world.row(a)).devices[0];
   EXPECT_FALSE(world.senses(world.row(a), sensor));
   EXPECT_TRUE(world.senses(world.row(b), sensor));
   EXPECT_EQ(world.percepts(sensor).cell<float>(world.slot(world.row(a)), 0)[0], 0);
@@ -102,11 +101,11 @@ TEST(World, BoundsTheWrongWayRoundAreAnError) {
 TEST(World, TwoSensorsOfOneNameAreToldApart) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
-  scene[type].sensors = {test::ranger("ir", {{.range_max = 3}}), test::ranger("ir", {{.range_max = 4}})};
+  scene[type].devices = {test::ranger("ir", {{.range_max = 3}}), test::ranger("ir", {{.range_max = 4}})};
   scene.body("r", type);
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-  EXPECT_EQ(world.types()[type.index()].sensors[1].name, "ir#2");
+  EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
   EXPECT_THAT(diagnostics.warnings(),
               testing::ElementsAre("warning: a second sensor \"ir\" of one robot: it is called \"ir#2\""));
 }
@@ -133,7 +132,7 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
 
 struct Thrower {
   static Thrower make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const SensorInfo>, std::vector<bool>&, std::string&) {
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
     return {};
   }
   void operator()(const Percept& percept, Random&, Actions&) const {
@@ -316,7 +315,7 @@ TEST(World, EveryPartOfTheStateReachesTheHash) {
   const auto hashes = [](auto&& change) {
     SceneBuilder scene;
     const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
-    scene[type].sensors = {test::ranger("ir", {{.range_max = 3}})};
+    scene[type].devices = {test::ranger("ir", {{.range_max = 3}})};
     scene[type].controllers = {test::controller("script", {{"law", "wave"}})};
     scene.body("r", type);
     change(scene);

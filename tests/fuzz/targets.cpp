@@ -48,7 +48,7 @@ bool is_small(const engine::WorldSpec& spec) {
     for (const engine::PartSpec& part : type.parts)
       for (const Solid& solid : part.solids)
         for (const Ring& ring : solid.contours) vertices += ring.size();
-    for (const engine::SensorSpec& sensor : type.sensors)
+    for (const engine::DeviceSpec& sensor : type.devices)
       for (const engine::Record& transducer : sensor.params[0].records())
         readings += static_cast<double>(transducer[4].integer());
     if (vertices > 5000 || readings > 5000) return false;

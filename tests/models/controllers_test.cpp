@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace troupe::models {
@@ -12,7 +13,7 @@ using engine::Command;
 
 /// One decision of a controller kind on readings given by hand: a ring of single beams, or one scanner.
 struct Decision {
-  engine::SensorKind::Prepared layout;
+  engine::DeviceKind::Prepared layout;
   engine::ControllerKind kind;
   engine::ControllerKind::Prepared prepared;
   std::vector<std::byte> memory;
@@ -21,8 +22,8 @@ struct Decision {
   std::uint32_t tick = 1;
   double tick_s = 0.1;
 
-  static engine::SensorKind::Prepared ring(const std::vector<double>& headings) {
-    engine::SensorKind::Prepared layout;
+  static engine::DeviceKind::Prepared ring(const std::vector<double>& headings) {
+    engine::DeviceKind::Prepared layout;
     for (const double heading : headings) {
       layout.transducers.push_back(layout.bearings.size());
       layout.transducer_headings.push_back(heading);
@@ -30,17 +31,17 @@ struct Decision {
     }
     return layout;
   }
-  static engine::SensorKind::Prepared scanner(std::size_t samples) {
-    engine::SensorKind::Prepared layout;
+  static engine::DeviceKind::Prepared scanner(std::size_t samples) {
+    engine::DeviceKind::Prepared layout;
     layout.transducers = {0};
     layout.transducer_headings = {0};
     layout.bearings.assign(samples, 0);
     return layout;
   }
 
-  Decision(engine::SensorKind::Prepared sensor, const std::string& name, const engine::Record& params)
+  Decision(engine::DeviceKind::Prepared sensor, const std::string& name, const engine::Record& params)
       : layout(std::move(sensor)), kind(*test::registry().controller(name)) {
-    const engine::SensorInfo info{"sensor", "ranger", layout};
+    const engine::DeviceInfo info{"sensor", "ranger", layout};
     std::vector<bool> claimed(1, false);
     prepared = kind.prepare(params, {&info, 1}, claimed, fault);
     memory.resize(kind.memory_bytes);
@@ -60,9 +61,13 @@ struct Decision {
                               .ids = {&id, 1},
                               .slots = {&slot, 1},
                               .commands = {&command, 1},
-                              .sensors = 1,
-                              .memories = {memory.data(), memory.size(), memory.size()}};
-    batch.ranges[0] = {ranges.data(), ranges.size(), ranges.size()};
+                              .devices = 1,
+                              .memories = {memory.data(), memory.size()}};
+    engine::StateTable readings(
+        "sensor", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
+        {{"ranges", engine::Element::f32, static_cast<std::uint32_t>(ranges.size()), "m", ""}}, {id});
+    std::ranges::copy(ranges, readings.cell<float>(0, 0).begin());
+    batch.percepts[0] = &readings;
     kind.decide(prepared.data, batch);
     ++tick;
     return command;

@@ -4,7 +4,7 @@
 namespace {
 
 struct Straight {
-  static constexpr std::size_t k_least_sensors = 2;
+  static constexpr std::array<std::string_view, 2> k_uses{"ranger", "ranger"};
   void operator()(const troupe::Percept&, troupe::Random&, troupe::Actions& actions) const {
     actions.command.x = 0.3;
   }

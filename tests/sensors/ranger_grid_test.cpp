@@ -20,7 +20,7 @@ constexpr float k_half_cell = 0.01f;  // along an axis; and a quarter of a cell 
 std::span<const float> readings(const World& world, BodyId body, std::size_t sensor = 0,
                                 std::size_t field = 0) {
   const Row row = world.row(body);
-  return world.percepts(world.type(row).sensors[sensor]).cell<float>(world.slot(row), field);
+  return world.percepts(world.type(row).devices[sensor]).cell<float>(world.slot(row), field);
 }
 
 /// A robot of 0.4 m with a ring of four beams and a second robot's place, by the grid engine.
@@ -28,7 +28,7 @@ struct Yard : SceneBuilder {
   explicit Yard(bool intensity = false) {
     spec.ranging = engine::RangingEngine::grid;
     bot = robot("bot", {Solid{{test::box_ring(0.4, 0.4)}, {0, 0.5}}});
-    (*this)[bot].sensors = {test::ranger("eyes",
+    (*this)[bot].devices = {test::ranger("eyes",
                                          {{.pose = {0, 0, 0.3, 0}},
                                           {.pose = {0, 0, 0.3, k_pi / 2}},
                                           {.pose = {0, 0, 0.3, k_pi}, .range_max = 3},

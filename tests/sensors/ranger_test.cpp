@@ -29,7 +29,7 @@ constexpr std::uint32_t k_share = 40;  // of the random worlds in debug builds, 
 std::span<const float> readings(const World& world, BodyId body, std::size_t sensor = 0,
                                 std::size_t field = 0) {
   const Row row = world.row(body);
-  return world.percepts(world.type(row).sensors[sensor]).cell<float>(world.slot(row), field);
+  return world.percepts(world.type(row).devices[sensor]).cell<float>(world.slot(row), field);
 }
 
 // ---- random worlds
@@ -122,8 +122,8 @@ RandomScene random_scene(std::uint32_t seed, const Vec2& place) {
     out.rangers.emplace_back();
     for (std::uint32_t s = 0, m = random.below(3); s < m; ++s) {
       const std::vector<Transducer> transducers = any_ranger(random);
-      scene[type].sensors.push_back(test::ranger(numbered("ranger", s), transducers, random.below(2) == 0));
-      scene[type].sensors.back().pose_body_sensor = {random.uniform(-0.1, 0.1), 0, random.uniform(0, 0.2),
+      scene[type].devices.push_back(test::ranger(numbered("ranger", s), transducers, random.below(2) == 0));
+      scene[type].devices.back().pose_body_sensor = {random.uniform(-0.1, 0.1), 0, random.uniform(0, 0.2),
                                                      random.uniform(-3, 3)};
       out.rangers.back().push_back(transducers);
     }
@@ -249,14 +249,14 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
             world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
               const auto type = world.spec().bodies[world.body(row).index()].type;
               expected.push_back(
-                  formula(row, world.spec().types[type.index()].sensors[s].pose_body_sensor, transducers));
+                  formula(row, world.spec().types[type.index()].devices[s].pose_body_sensor, transducers));
             });
       }
       world.step();
       std::size_t next = 0;
       for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>&) {
         const std::span<const float> ranges = readings(world, world.body(row), s);
-        const auto& sensor = world.type(row).sensors[s];
+        const auto& sensor = world.type(row).devices[s];
         const std::vector<Reading>& want = expected[next++];
         ASSERT_EQ(ranges.size(), want.size());
         for (std::size_t i = 0; i < want.size(); ++i) {
@@ -286,7 +286,7 @@ TEST(Ranger, InACrowdOfThousandsCullsChangeNoBit) {
   const std::vector<Transducer> scanner{{.pose = {0, 0, 0.1, 0}, .range_max = 6, .fov = 6, .samples = 300}};
   const TypeId crowd = scene.robot("crowd", {{{test::box_ring(0.1, 0.06)}, {0, 0.2}}});
   const TypeId watcher = scene.robot("watcher", {{{test::box_ring(0.1, 0.1)}, {0, 0.2}}});
-  scene[watcher].sensors = {test::ranger("ring", ring), test::ranger("scanner", scanner, true)};
+  scene[watcher].devices = {test::ranger("ring", ring), test::ranger("scanner", scanner, true)};
   random.rangers = {{}, {}, {ring, scanner}};
   for (std::uint32_t i = 0; i < 3000;
        ++i)  // nearly all within reach: several blocks of them are worked through
@@ -382,7 +382,7 @@ void expect_true_ranges(const Vec2& place, std::uint32_t first_seed) {
     for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
       const BodyId body = world.body(row);
       const engine::BodySpec& spec = world.spec().bodies[body.index()];
-      const Pose& mount = world.spec().types[spec.type.index()].sensors[s].pose_body_sensor;
+      const Pose& mount = world.spec().types[spec.type.index()].devices[s].pose_body_sensor;
       std::size_t beam = 0;
       for (const Transducer& t : transducers) {
         const double heading = spec.pose_world_body.heading + mount.heading;
@@ -418,7 +418,7 @@ struct RobotScene : SceneBuilder {
   BodyId robot_body;
 
   explicit RobotScene(const std::vector<Transducer>& transducers, bool intensity = true) {
-    (*this)[robot_type].sensors.push_back(test::ranger("ranger", transducers, intensity));
+    (*this)[robot_type].devices.push_back(test::ranger("ranger", transducers, intensity));
     robot_body = body("r", robot_type);
   }
   std::vector<float> ranges() const {
@@ -560,7 +560,7 @@ TEST(Ranger, OneSampleLooksStraightAheadWhateverItsFov) {
 
 TEST(Ranger, SensorAndTransducerPosesAreComposed) {
   RobotScene s({{.pose = {1, 0, 0.2, k_quarter}}});
-  s[s.robot_type].sensors[0].pose_body_sensor = {0.5, 0, 0.3,
+  s[s.robot_type].devices[0].pose_body_sensor = {0.5, 0, 0.3,
                                                  k_quarter};  // transducer at (0.5, 1, 0.5), looking back
   s.spec.bodies[s.robot_body.index()].pose_world_body = {10, 20, 0,
                                                          -k_quarter};  // at (11, 19.5), looking to +y
@@ -570,7 +570,7 @@ TEST(Ranger, SensorAndTransducerPosesAreComposed) {
 
 TEST(Ranger, SeveralSensorsReportApartAndRangesDiffer) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.robot_type].sensors.push_back(test::ranger(
+  s[s.robot_type].devices.push_back(test::ranger(
       "second",
       {{.pose = {0, 0, 0.5, 2 * k_quarter}, .range_max = 2}, {.pose = {0.5, 0, 0.5, 0}, .range_max = 8}}));
   s.wall(6, -1, 6.1, 1);
@@ -616,7 +616,7 @@ TEST(Ranger, ReadingsAreThoseOfTheStateBeforeTheTick) {
 
 TEST(Ranger, ASlowSensorKeepsItsOldReading) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.robot_type].sensors[0].period_s = 0.25;  // runs at 0.3, 0.6, ... s, as in Stage
+  s[s.robot_type].devices[0].period_s = 0.25;  // runs at 0.3, 0.6, ... s, as in Stage
   s.wall(4, -1, 4.1, 1);
   World world = s.world();
   world.set_command(world.row(s.robot_body), {1, 0, 0});
@@ -632,7 +632,7 @@ TEST(Ranger, ASlowSensorKeepsItsOldReading) {
 
 TEST(Ranger, AnInactiveSensorIsNotRunUntilItIsActivated) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
-  s[s.robot_type].sensors[0].active = false;
+  s[s.robot_type].devices[0].active = false;
   World world = s.world();
   world.step();
   EXPECT_EQ(world.beams_cast(), 0u);

@@ -34,8 +34,8 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 /// A part's own name in a body's table: "a.ranger:0" of body "a" is "ranger:0".
-const engine::BodyType::Sensor* find_sensor(const engine::BodyType& type, const std::string& name) {
-  for (const engine::BodyType::Sensor& sensor : type.sensors)
+const engine::BodyType::Device* find_sensor(const engine::BodyType& type, const std::string& name) {
+  for (const engine::BodyType::Device& sensor : type.devices)
     if (sensor.name == name) return &sensor;
   return nullptr;
 }
@@ -84,7 +84,7 @@ void expect_agreement(const std::string& name, engine::RangingEngine ranging,
       ++poses;
 
       const Row row = world.row(body);
-      const engine::BodyType::Sensor* sensor = find_sensor(world.type(row), model.substr(dot + 1));
+      const engine::BodyType::Device* sensor = find_sensor(world.type(row), model.substr(dot + 1));
       ASSERT_NE(sensor, nullptr) << model;
       const std::span<const float> ranges = world.percepts(*sensor).cell<float>(world.slot(row), 0);
       std::size_t beam = 0;

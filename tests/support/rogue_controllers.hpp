@@ -19,7 +19,7 @@
 namespace troupe::test {
 
 struct Parameterless {
-  std::vector<std::size_t> choose(std::span<const engine::SensorInfo>, std::vector<bool>&,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
                                   std::string&) const {
     return {};
   }

@@ -1,14 +1,7 @@
 #pragma once
 
 #include "engine/world.hpp"
-#include "models/coverage.hpp"
-#include "models/drives.hpp"
-#include "models/expand.hpp"
-#include "models/measures.hpp"
-#include "models/nearness.hpp"
-#include "models/script.hpp"
-#include "models/wander.hpp"
-#include "sensors/ranger.hpp"
+#include "troupe/registry.hpp"
 
 #include <initializer_list>
 #include <string>
@@ -19,19 +12,7 @@
 namespace troupe::test {
 
 inline const engine::Registry& registry() {
-  static const engine::Registry kinds = [] {
-    engine::Registry r;
-    r.sensors = {sensors::ranger_kind()};
-    r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
-    r.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
-                  models::neighbours_measure(),  models::stalls_measure(),
-                  models::held_measure(),        models::displacement_measure(),
-                  models::path_length_measure(), models::mean_speed_measure(),
-                  models::order_measure(),       models::spread_measure()};
-    r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
-    return r;
-  }();
+  static const engine::Registry kinds = make_registry();
   return kinds;
 }
 
@@ -41,6 +22,11 @@ inline Ring rectangle(double x0, double y0, double x1, double y1) {
 
 inline Ring box_ring(double size_x, double size_y) {
   return rectangle(-size_x / 2, -size_y / 2, size_x / 2, size_y / 2);
+}
+
+/// A box that stands on the floor about the origin.
+inline Solid box(double size_x, double size_y, double height = 1) {
+  return {{box_ring(size_x, size_y)}, {0, height}};
 }
 
 /// Defaults of a table with some fields set by name.
@@ -58,9 +44,9 @@ struct Transducer {
   int samples = 1;
 };
 
-inline engine::SensorSpec ranger(std::string name, const std::vector<Transducer>& transducers,
+inline engine::DeviceSpec ranger(std::string name, const std::vector<Transducer>& transducers,
                                  bool intensity = false) {
-  const engine::FieldTable& table = registry().sensor("ranger")->params;
+  const engine::FieldTable& table = registry().device("ranger")->params;
   const engine::FieldTable& fields = *table.fields[0].record;
   std::vector<engine::Record> records;
   for (const Transducer& t : transducers) {

@@ -25,11 +25,11 @@ inline engine::Registry json_test_registry() {
       {.name = "samples", .type = FieldType::integer, .fallback = 1, .min = 1, .max = 1000, .text = "beams"},
   }};
   engine::Registry registry;
-  engine::SensorKind ranger{.name = "ranger", .text = "distances"};
+  engine::DeviceKind ranger{.name = "ranger", .text = "distances"};
   ranger.params = {
       {{.name = "transducers", .type = FieldType::records, .text = "fans of beams", .record = &transducer},
        {.name = "intensity", .type = FieldType::boolean, .fallback = false, .text = "brightness too"}}};
-  registry.sensors = {ranger};
+  registry.devices = {ranger};
   for (const std::string_view name : {"diff", "omni", "car"}) {
     engine::DriveKind drive{.name = name, .text = "moves"};
     drive.params = {

@@ -94,12 +94,12 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_EQ(minibot.drive->kind, "diff");
   EXPECT_EQ(minibot.drive->params, engine::Record{0.5});
   EXPECT_EQ(minibot.drive->where.line, 7u);
-  ASSERT_EQ(minibot.sensors.size(), 1u);
-  EXPECT_EQ(minibot.sensors[0].name, "ir");
-  EXPECT_TRUE(minibot.sensors[0].active);
+  ASSERT_EQ(minibot.devices.size(), 1u);
+  EXPECT_EQ(minibot.devices[0].name, "ir");
+  EXPECT_TRUE(minibot.devices[0].active);
   const engine::Record no_pose{0.0, 0.0, 0.0, 0.0};
   const engine::Record transducer{std::vector<engine::Record>{no_pose}, 2.0, 0.1, 1};
-  EXPECT_EQ(minibot.sensors[0].params, (engine::Record{std::vector<engine::Record>{transducer}, false}));
+  EXPECT_EQ(minibot.devices[0].params, (engine::Record{std::vector<engine::Record>{transducer}, false}));
   ASSERT_EQ(minibot.controllers.size(), 1u);
   EXPECT_EQ(minibot.controllers[0].kind, "expand");  // of which expand_swarm is a preset
   EXPECT_EQ(minibot.controllers[0].params[0], engine::Value(2.5));
@@ -147,16 +147,16 @@ TEST(JsonWorld, SettingsAndUnits) {
   EXPECT_EQ(type.parts[0].returns, (engine::Returns{false, -1}));
   EXPECT_EQ(type.drive->period_s, 0.2);
   EXPECT_EQ(type.drive->params, (engine::Record{1.0, 0.5}));
-  EXPECT_EQ(type.sensors[0].name, "ranger:0");
-  EXPECT_EQ(type.sensors[1].name, "ranger:1");
-  EXPECT_EQ(type.sensors[0].period_s, 0.5);
-  EXPECT_FALSE(type.sensors[0].active);
-  EXPECT_EQ(type.sensors[0].pose_body_sensor, (Pose{0, 0, 0.1, 0}));
-  const engine::Record& transducer = type.sensors[0].params[0].records()[0];
+  EXPECT_EQ(type.devices[0].name, "ranger:0");
+  EXPECT_EQ(type.devices[1].name, "ranger:1");
+  EXPECT_EQ(type.devices[0].period_s, 0.5);
+  EXPECT_FALSE(type.devices[0].active);
+  EXPECT_EQ(type.devices[0].pose_body_sensor, (Pose{0, 0, 0.1, 0}));
+  const engine::Record& transducer = type.devices[0].params[0].records()[0];
   EXPECT_EQ(transducer[2].number(), 2 * k_pi);  // the limit itself, in degrees
   EXPECT_EQ(transducer[0].records()[0][0].number(), 0.01);
   EXPECT_EQ(transducer[0].records()[0][3].number(), radians(90));
-  EXPECT_TRUE(type.sensors[0].params[1].boolean());
+  EXPECT_TRUE(type.devices[0].params[1].boolean());
   ASSERT_EQ(type.controllers.size(), 2u);
   EXPECT_EQ(type.controllers[0].params, (engine::Record{1.0, std::vector<double>{0.5, 0.25}, "far"}));
   EXPECT_DOUBLE_EQ(spec.bodies[1].pose_world_body.heading, radians(90));

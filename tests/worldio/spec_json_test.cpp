@@ -138,7 +138,7 @@ class Comparison {
     same(period_s, b.period_s);
     same(where, b.where);
   }
-  void same(const engine::SensorSpec& a, const engine::SensorSpec& b) {
+  void same(const engine::DeviceSpec& a, const engine::DeviceSpec& b) {
     const auto& [name, kind, params, pose, period_s, active, where] = a;
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(kind, b.kind);
@@ -161,8 +161,8 @@ class Comparison {
     for (std::size_t i = 0; i < parts.size(); ++i) same(parts[i], b.parts[i]);
     ASSERT_EQ(drive.has_value(), b.drive.has_value());
     if (drive) same(*drive, *b.drive);
-    ASSERT_EQ(sensors.size(), b.sensors.size());
-    for (std::size_t i = 0; i < sensors.size(); ++i) same(sensors[i], b.sensors[i]);
+    ASSERT_EQ(sensors.size(), b.devices.size());
+    for (std::size_t i = 0; i < sensors.size(); ++i) same(sensors[i], b.devices[i]);
     ASSERT_EQ(controllers.size(), b.controllers.size());
     for (std::size_t i = 0; i < controllers.size(); ++i) same(controllers[i], b.controllers[i]);
   }
@@ -226,15 +226,15 @@ WorldSpec full_spec() {
   type.parts = {part, part};
   type.drive = engine::DriveSpec{"omni", registry.drive("omni")->params.defaults(), 0.25, {file, 8}};
   type.drive->params[0] = -1.0 / 3;
-  engine::SensorSpec sensor{
-      .name = "eye", .kind = "ranger", .params = registry.sensor("ranger")->params.defaults()};
-  const engine::FieldTable& fans = *registry.sensor("ranger")->params.fields[0].record;
+  engine::DeviceSpec sensor{
+      .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
+  const engine::FieldTable& fans = *registry.device("ranger")->params.fields[0].record;
   sensor.params[0] = std::vector<engine::Record>{fans.defaults(), fans.defaults()};
   sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
   sensor.active = false;
   sensor.where = {file, 9};
-  type.sensors = {sensor};
+  type.devices = {sensor};
   type.controllers = {{"script", registry.controller("script")->params.defaults(), {file, 10}},
                       {"expand", registry.controller("expand")->params.defaults(), {file, 11}}};
   type.controllers[0].params[1] = std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}};
@@ -312,7 +312,7 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
   EXPECT_EQ(spec.bounds->max.y(), 4);
   EXPECT_EQ(spec.types[1].drive->period_s, 0.5);
   EXPECT_EQ(spec.types[1].drive->params[1].number(), 0.125);
-  EXPECT_TRUE(spec.types[1].sensors[0].active);
+  EXPECT_TRUE(spec.types[1].devices[0].active);
   EXPECT_EQ(spec.types[1].controllers[1].params[0].number(), 0.75);
 }
 

@@ -25,7 +25,7 @@ inline const engine::Registry& test_registry() {
   static const engine::Registry registry = [] {
     engine::Registry r;
     r.models = models::model_kinds();
-    r.sensors = {sensors::ranger_kind()};
+    r.devices = {sensors::ranger_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
     r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
     r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};

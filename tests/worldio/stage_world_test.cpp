@@ -20,16 +20,16 @@ constexpr double k_degree = k_pi / 180;
 
 class StageWorld : public StageTest {};
 
-const engine::FieldTable& ranger_table() { return test_registry().sensor("ranger")->params; }
+const engine::FieldTable& ranger_table() { return test_registry().device("ranger")->params; }
 
 /// One field of one transducer of a ranger.
-const engine::Value& transducer(const engine::SensorSpec& sensor, std::size_t number,
+const engine::Value& transducer(const engine::DeviceSpec& sensor, std::size_t number,
                                 std::string_view field) {
   const engine::FieldTable& table = *ranger_table().fields[ranger_table().find("transducers")].record;
   return get(table, get(ranger_table(), sensor.params, "transducers").records()[number], field);
 }
 
-double transducer_pose(const engine::SensorSpec& sensor, std::size_t number, std::string_view field) {
+double transducer_pose(const engine::DeviceSpec& sensor, std::size_t number, std::string_view field) {
   return get(engine::pose_fields(), transducer(sensor, number, "pose").records()[0], field).number();
 }
 
@@ -434,8 +434,8 @@ TEST_F(StageWorld, RangersBecomeSensors) {
       "  sensor( pose [0.01 0 0.1 -30] size [0.1 0.1 0.01] range [0.5 8] fov 180 samples 180 )\n"
       "  sensor() ) )\n");
   const engine::TypeSpec& type = type_of(spec, 1);
-  ASSERT_THAT(type.sensors, SizeIs(1));
-  const engine::SensorSpec& eyes = type.sensors[0];
+  ASSERT_THAT(type.devices, SizeIs(1));
+  const engine::DeviceSpec& eyes = type.devices[0];
   EXPECT_EQ(eyes.name, "eyes");
   EXPECT_EQ(eyes.kind, "ranger");
   EXPECT_TRUE(eyes.active);
@@ -461,8 +461,8 @@ TEST_F(StageWorld, RangersBecomeSensors) {
 
 TEST_F(StageWorld, RangersRunAtStagesPaceUnlessTold) {
   const auto spec = load("position( ranger( sensor() ) )");
-  EXPECT_FALSE(type_of(spec, 1).sensors[0].active);
-  EXPECT_EQ(type_of(spec, 1).sensors[0].period_s, 0.1);
+  EXPECT_FALSE(type_of(spec, 1).devices[0].active);
+  EXPECT_EQ(type_of(spec, 1).devices[0].period_s, 0.1);
   EXPECT_EQ(type_of(spec, 1).drive->period_s, 0.1);
 }
 
@@ -702,10 +702,10 @@ TEST_F(StageOwnWorld, Simple) {
   // The octagon's corners after normalisation, moved by the origin.
   expect_box(bounds_of(robot.parts[0].solids), -0.26, 0.18, -0.19, 0.19);
   EXPECT_EQ(robot.parts[0].solids[0].z, (ZInterval{0, 0.22}));
-  ASSERT_THAT(robot.sensors, SizeIs(2));
-  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 3, "z"), 0.195, 1e-12);
-  EXPECT_NEAR(robot.sensors[1].pose_body_sensor.z + transducer_pose(robot.sensors[1], 0, "z"), 0.33, 1e-12);
-  EXPECT_EQ(transducer(robot.sensors[1], 0, "samples").integer(), 180);
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 3, "z"), 0.195, 1e-12);
+  EXPECT_NEAR(robot.devices[1].pose_body_sensor.z + transducer_pose(robot.devices[1], 0, "z"), 0.33, 1e-12);
+  EXPECT_EQ(transducer(robot.devices[1], 0, "samples").integer(), 180);
   EXPECT_NEAR(robot.parts[2].solids[0].z.max, 0.41, 1e-12);
   ASSERT_THAT(robot.controllers, SizeIs(1));
   EXPECT_EQ(robot.controllers[0].kind, "wander");
@@ -770,8 +770,8 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
-  EXPECT_FALSE(robot.sensors[0].active);
-  EXPECT_TRUE(robot.sensors[1].active);
+  EXPECT_FALSE(robot.devices[0].active);
+  EXPECT_TRUE(robot.devices[1].active);
   EXPECT_THAT(robot.controllers, IsEmpty());
 }
 
@@ -799,8 +799,8 @@ TEST_F(StageOwnWorld, Cave) {
   EXPECT_NE(spec.bodies[2].color, spec.bodies[12].color);
   const engine::TypeSpec& robot = spec.types[2];
   EXPECT_THAT(robot.parts[0].solids, SizeIs(7));
-  ASSERT_THAT(robot.sensors, SizeIs(2));
-  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(16));
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(16));
   EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(8));
   EXPECT_EQ(robot.controllers[0].kind, "expand");
 }
@@ -827,8 +827,8 @@ TEST_F(StageOwnWorld, Hospital) {
   }
   const engine::TypeSpec& robot = spec.types[2];
   EXPECT_EQ(robot.name, "swarmbot");
-  EXPECT_THAT(get(ranger_table(), robot.sensors[0].params, "transducers").records(), SizeIs(12));
-  EXPECT_NEAR(robot.sensors[0].pose_body_sensor.z + transducer_pose(robot.sensors[0], 0, "z"), 0.06, 1e-12);
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(12));
+  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.06, 1e-12);
   expect_box(bounds_of(spec.types[1].parts[0].solids), -70, 70, -30, 30);
   EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(979));
 }

@@ -2,6 +2,7 @@
 #include <troupe/plugin.hpp>
 
 #include <algorithm>
+#include <array>
 
 namespace {
 
@@ -9,7 +10,7 @@ struct FollowWall {
   double speed, distance;
 
   static constexpr std::string_view text = "keep a wall at the left";
-  static constexpr std::size_t k_least_sensors = 1;  // a ranger that looks ahead and to the left
+  static constexpr std::array k_uses{std::string_view("ranger")};  // one that looks ahead and to the left
   static troupe::FieldTable parameters() {
     using enum troupe::Unit;
     return {
@@ -26,8 +27,8 @@ struct FollowWall {
 
   void operator()(Memory& memory, const troupe::Percept& percept, troupe::Random&,
                   troupe::Actions& actions) const {
-    const std::span<const float> ranges =
-        percept.ranges[0];  // m, counter-clockwise: the last beam looks left
+    const std::span<const float> ranges = percept.ranges(0);  // m, from ahead to the left
+    if (ranges.empty()) return;
     const float ahead = *std::ranges::min_element(ranges.first(ranges.size() / 2 + 1));
     const bool is_blocked = ahead < 1.2 * distance;
     memory.corners += is_blocked && !memory.turning;

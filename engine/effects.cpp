@@ -1,0 +1,27 @@
+#include "engine/effects.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+
+namespace troupe::engine {
+
+void Effects::reserve(std::size_t most) {
+  effects_ = std::make_unique<Effect[]>(most);
+  most_ = most;
+  count_ = 0;
+}
+
+void Effects::emit(const Effect& effect) {
+  const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
+  if (at >= most_) throw std::length_error("a device emits more effects in a tick than its kind declared");
+  effects_[at] = effect;
+}
+
+std::span<const Effect> Effects::sorted() {
+  const std::span<Effect> all(effects_.get(), count_);
+  std::ranges::sort(all, {}, [](const Effect& e) { return std::tuple(e.source, e.device, e.sequence); });
+  return all;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "base/ids.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace troupe::engine {
+
+/// What one body does to another in a tick: grips it, feeds it, drops it. A record, because nobody writes
+/// into another's rows: it is emitted while all decide, in any order and on any thread, and applied when all
+/// have moved, one by one, in an order that is a property of the world.
+struct Effect {
+  BodyId source;
+  std::uint32_t device = 0;    ///< that does it: index within the source's type
+  std::uint32_t sequence = 0;  ///< among those of one device in one tick
+  std::uint32_t verb = 0;      ///< what: a matter of the device's kind
+  BodyId target;               ///< not valid where there is none
+  std::array<double, 4> payload{};
+};
+
+/// The effects of one tick.
+class Effects {
+ public:
+  /// Makes room for so many in a tick.
+  void reserve(std::size_t most);
+  /// From any worker. Throws std::length_error where a device emits more than its kind declared.
+  void emit(const Effect& effect);
+  /// Those emitted since the last clear(), by (source, device, sequence).
+  std::span<const Effect> sorted();
+  void clear() { count_ = 0; }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  std::unique_ptr<Effect[]> effects_;
+  std::size_t most_ = 0;
+  std::atomic<std::size_t> count_ = 0;
+};
+
+}  // namespace troupe::engine

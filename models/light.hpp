@@ -1,0 +1,32 @@
+#pragma once
+
+#include "engine/controller.hpp"
+#include "engine/kinds.hpp"
+
+namespace troupe::models {
+
+/// What controllers ask of a light; it stays so until they ask otherwise.
+struct LightCommand {
+  enum Switch : std::uint8_t { as_world_says, on, off };
+  std::uint8_t state = as_world_says;
+  TROUPE_FIELDS(state)
+};
+
+/// What a light shows.
+struct LightState {
+  std::uint8_t lit = 0;  ///< 1: it shines in this tick
+  TROUPE_FIELDS(lit)
+};
+
+/// A light that blinks: lit for the first `dutycycle` of each `period`, from tick 0 on.
+///
+/// parameters  period (s), dutycycle (0 to 1), enabled
+/// state       LightState; commands: LightCommand, of which `on` and `off` end the blinking
+/// edges       a period of 0 shines for ever, as a dutycycle of 1 does; the moment at which the dutycycle
+///             ends is dark
+engine::DeviceKind blinkenlight_kind();
+
+/// A light that is off until a controller switches it on.
+engine::DeviceKind lightindicator_kind();
+
+}  // namespace troupe::models

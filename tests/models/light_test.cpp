@@ -1,0 +1,85 @@
+#include "models/light.hpp"
+
+#include "engine/world.hpp"
+#include "tests/support/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using test::box;
+using test::SceneBuilder;
+
+engine::DeviceSpec light(double period_s, double dutycycle, bool enabled) {
+  return {.name = "lamp", .kind = "blinkenlight", .params = {period_s, dutycycle, enabled}, .where = {}};
+}
+
+/// Whether the light was lit in each of the first ticks, of 0.1 s.
+std::vector<int> lit(engine::World& world, std::size_t ticks) {
+  std::vector<int> out;
+  for (std::size_t t = 0; t < ticks; ++t) {
+    world.step();
+    const Row row = world.row(BodyId(1));
+    out.push_back(world.percepts(world.type(row).devices.front()).as<LightState>(world.slot(row)).lit);
+  }
+  return out;
+}
+
+engine::World world_of(const engine::DeviceSpec& device, const std::vector<engine::ControllerSpec>& ctrl = {},
+                       const engine::Registry& registry = test::registry()) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {device};
+  scene[type].controllers = ctrl;
+  scene.body("r", type, {});
+  Diagnostics diagnostics;
+  return {scene.spec, registry, {.threads = 1}, diagnostics};
+}
+
+TEST(Light, BlinksByPeriodAndDutycycle) {
+  engine::World quarter = world_of(light(0.8, 0.5, true));
+  EXPECT_EQ(lit(quarter, 9), (std::vector{1, 1, 1, 0, 0, 0, 0, 1, 1}));
+  engine::World always = world_of(light(0, 1, true));
+  EXPECT_EQ(lit(always, 3), (std::vector{1, 1, 1}));
+  engine::World never = world_of(light(0.8, 1, false));
+  EXPECT_EQ(lit(never, 3), (std::vector{0, 0, 0}));
+}
+
+/// Switches the light on at tick 2 and leaves it to itself from tick 5 on.
+struct Switcher {
+  static Switcher make(const engine::Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&, std::string&) {
+    return {0};
+  }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    seen_lit = percept.devices[0].as<LightState>().lit;
+    auto& command = actions.device<LightCommand>(0);
+    if (percept.tick == 2) command.state = LightCommand::on;
+    if (percept.tick == 5) command.state = LightCommand::as_world_says;
+  }
+  static inline int seen_lit = -1;
+};
+
+TEST(Light, IsSwitchedByControllersATickLater) {
+  engine::Registry registry = test::registry();
+  registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", "", {}));
+  engine::World world = world_of({.name = "lamp", .kind = "lightindicator", .params = {}, .where = {}},
+                                 {{.kind = "switcher", .params = {}, .where = {}}}, registry);
+  EXPECT_EQ(lit(world, 7), (std::vector{0, 0, 1, 1, 1, 0, 0}));
+  EXPECT_EQ(Switcher::seen_lit, 0);
+}
+
+TEST(Light, IsStateThatIsHashed) {
+  engine::World dark = world_of(light(0, 1, false));
+  engine::World bright = world_of(light(0, 1, true));
+  EXPECT_EQ(dark.hashes().state, bright.hashes().state);
+  dark.step();
+  bright.step();
+  EXPECT_NE(dark.hashes().state, bright.hashes().state);
+}
+
+}  // namespace
+}  // namespace troupe::models
