@@ -58,10 +58,22 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
   return sum;
 }
 
-/// The controller is shown the sensors below its part only, and chooses among them.
-ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpec& controller,
-                                 const TypeSpec& spec, const BodyType& type, std::vector<bool>& claimed,
-                                 std::string& fault) {
+}  // namespace
+
+double BodyType::row_bytes() const {
+  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
+  for (const Device& device : devices) {
+    for (const StateField& field : device.prepared.percepts)
+      sum += static_cast<double>(element_size(field.element)) * field.columns;
+    sum += static_cast<double>(device.prepared.command_bytes);
+  }
+  for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
+  return sum;
+}
+
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const TypeSpec& spec, const BodyType& type,
+                                            std::vector<bool>& claimed, std::string& fault) {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
     if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
@@ -74,21 +86,13 @@ ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpe
   }
   ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
   for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
-  for (std::size_t& s : prepared.devices) s = shown[s];
-  return prepared;
-}
-
-}  // namespace
-
-double BodyType::row_bytes() const {
-  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
-  for (const Device& device : devices) {
-    for (const StateField& field : device.prepared.percepts)
-      sum += static_cast<double>(element_size(field.element)) * field.columns;
-    sum += static_cast<double>(device.prepared.command_bytes);
+  for (std::size_t& s : prepared.devices) {
+    if (s < shown.size())
+      s = shown[s];
+    else
+      fault = fmt::format("chose sensor {} of {}", s, shown.size());  // a slip of its author's
   }
-  for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
-  return sum;
+  return prepared;
 }
 
 BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
@@ -158,7 +162,7 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       continue;
     }
     std::string fault;
-    ControllerKind::Prepared prepared = prepare(*kind, controller, spec, type, claimed, fault);
+    ControllerKind::Prepared prepared = prepare_controller(*kind, controller, spec, type, claimed, fault);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;

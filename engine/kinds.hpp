@@ -299,10 +299,19 @@ struct Registry {
   };
   std::vector<Preset> presets;
 
+  /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
+  /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
+  /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
+  std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
+
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
+  /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.
+  const ControllerKind* controller(std::string_view name, std::string& fault) const;
+  /// Names of the controllers and presets that stand in the lists, sorted.
+  std::vector<std::string_view> controller_names() const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
 
