@@ -78,6 +78,30 @@ ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpe
   return prepared;
 }
 
+/// What runs on which supply: that of its own part, or else of the nearest one below.
+void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
+  std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
+  for (std::size_t d = 0; d < type.devices.size(); ++d) {
+    const BodyType::Device& device = type.devices[d];
+    if (!device.kind->is_spent) continue;
+    if (supplies[device.part])
+      diagnostics.error(spec.parts[device.part].where,
+                        fmt::format("\"{}\" and \"{}\" both supply one part: give it one of them",
+                                    type.devices[*supplies[device.part]].name, device.name));
+    supplies[device.part] = d;
+  }
+  for (std::size_t p = 1; p < spec.parts.size(); ++p)  // a part stands on an earlier one
+    if (!supplies[p]) supplies[p] = supplies[spec.parts[p].parent];
+  for (BodyType::Device& device : type.devices) {
+    if (!device.kind->is_spent) device.supply = supplies[device.part];
+    if (device.kind->needs_supply && !device.supply)
+      diagnostics.error(spec.parts[device.part].where,
+                        fmt::format("\"{}\" ({}) needs a power_pack on its part, or on one below it",
+                                    device.name, device.kind->name));
+  }
+  if (type.drive) type.drive->supply = supplies.front();
+}
+
 }  // namespace
 
 double BodyType::row_bytes() const {
@@ -109,7 +133,8 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
       if (const std::string fault = kind->fault(spec.drive->params); !fault.empty())
         diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
-      type.drive = {kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s)};
+      type.drive = {
+          kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s), {}};
     } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }
@@ -137,9 +162,16 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
           fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
-    type.devices.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
-                            period_ticks(sensor.period_s, tick_s), sensor.active, sensor.part, stream});
+    DeviceKind::Prepared prepared = kind->prepare(sensor.params, sensor.pose_body_sensor);
+    if (kind->mount)
+      if (const std::string fault = kind->mount(prepared.data, spec, sensor.part); !fault.empty()) {
+        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+        continue;
+      }
+    type.devices.push_back({name, kind, std::move(prepared), period_ticks(sensor.period_s, tick_s),
+                            sensor.active, sensor.part, stream, {}});
   }
+  connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);
   for (std::size_t c = 0; c < spec.controllers.size(); ++c) {

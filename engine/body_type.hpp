@@ -31,7 +31,8 @@ struct BodyType {
   struct Drive {
     const DriveKind* kind;
     std::any data;
-    std::uint64_t period;  ///< ticks
+    std::uint64_t period;               ///< ticks
+    std::optional<std::size_t> supply;  ///< what it runs on: index into `devices`
   };
   std::optional<Drive> drive;
 
@@ -43,6 +44,7 @@ struct BodyType {
     bool active;                               ///< runs: always on, or a controller reads it
     std::uint32_t part;                        ///< that carries it
     std::uint32_t stream;                      ///< of its random numbers
+    std::optional<std::size_t> supply;         ///< what it runs on: index into `devices`
     std::size_t table = 0;                     ///< its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };

@@ -7,6 +7,7 @@
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
 #include "models/nearness.hpp"
+#include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "sensors/ranger.hpp"
@@ -16,7 +17,8 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind()};
+  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind(),
+                      models::power_pack_kind(), models::power_contact_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller()};

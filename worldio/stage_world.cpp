@@ -5,6 +5,7 @@
 #include "worldio/stage_lint.hpp"
 #include "worldio/stage_models.hpp"
 #include "worldio/stage_parser.hpp"
+#include "worldio/stage_power.hpp"
 #include "worldio/stage_properties.hpp"
 #include "worldio/stage_values.hpp"
 
@@ -137,7 +138,8 @@ class StageWorld {
         macros_(document, registry, values_),
         lint_(document, macros_, values_),
         bodies_(document, file_.parent_path(), values_, diagnostics),
-        kinds_(document, registry, values_) {}
+        kinds_(document, registry, values_),
+        power_(document, registry, values_) {}
 
   void read(WorldSpec& spec) {
     spec_ = &spec;
@@ -222,6 +224,7 @@ class StageWorld {
   StageLint lint_;
   StageBodies bodies_;
   StageKinds kinds_;
+  StagePower power_;
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
@@ -383,6 +386,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   Draft draft{.where = model->where};
   add_part(*model, Place{}, draft);
   if (draft.broken) return prototype;
+  power_.finish(draft.type);
   prototype.global_parts = std::move(draft.global_parts);
   prototype.type = share_type(std::move(draft.type), model->names);
   prototype.usable = true;
@@ -509,6 +513,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       draft.type.devices.push_back(std::move(*device));
     }
   }
+  power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
   Place below = place;
   below.parent = index;
