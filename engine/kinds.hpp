@@ -107,8 +107,8 @@ struct DeviceKind {
 
   bool needs_supply = false;  ///< it is of no use where nothing supplies it
 
-  /// True where it looks at the world and takes no commands: what people call a sensor.
-  bool is_sensor() const { return sense != nullptr && act == nullptr; }
+  /// True where it does nothing but look: what people call a sensor.
+  bool is_sensor() const { return act == nullptr && apply == nullptr; }
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
