@@ -131,10 +131,12 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
   }
   if (spec.drive) {
     if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
-      if (const std::string fault = kind->fault(spec.drive->params); !fault.empty())
-        diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
-      type.drive = {
-          kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s), {}};
+      const Record& params = spec.drive->params;
+      for (const std::string& fault : {kind->fault(params), localization_fault(kind->params, params)})
+        if (!fault.empty())
+          diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
+      type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s),
+                    read_localization(kind->params, params)};
     } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }

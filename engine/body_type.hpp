@@ -31,8 +31,10 @@ struct BodyType {
   struct Drive {
     const DriveKind* kind;
     std::any data;
-    std::uint64_t period;               ///< ticks
-    std::optional<std::size_t> supply;  ///< what it runs on: index into `devices`
+    std::uint64_t period;  ///< ticks
+    Localization localization;
+    std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
+    std::optional<std::size_t> supply = std::nullopt;          ///< what it runs on: index into `devices`
   };
   std::optional<Drive> drive;
 

@@ -161,6 +161,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
     }
   };
   note(here.commands_before, here.written_before);
+  for (std::size_t i = 0; i < batch.size(); ++i) here.estimates.push_back(batch.estimate(i));
   for (std::size_t k = 0; k < kept; ++k) {
     const StateTable& table = *batch.percepts[watched.kept[k]];
     for (std::size_t i = 0; i < batch.size(); ++i)
@@ -174,6 +175,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
   Decisions& taken = watched.taken;
   taken.given = batch;
   append(taken.rows, here.rows);
+  append(taken.estimates, here.estimates);
   append(taken.commands_before, here.commands_before);
   append(taken.commands_after, here.commands_after);
   for (std::size_t w = 0; w < written; ++w) {
@@ -194,6 +196,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // of a thread that we have not seen before
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  estimates_.assign(world_.rows(), Pose{k_nan, k_nan, k_nan, k_nan});
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < watched_.size(); ++t) {
     for (std::size_t c = 0; c < watched_[t].size(); ++c) {
@@ -217,9 +220,13 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   DecideBatch batch = taken.given;
   std::size_t slots = 0;
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
+  static const Localization k_as_noted;
   batch.commands = commands_;
-  for (std::size_t i = 0; i < taken.rows.size(); ++i)
+  batch.estimates = {&k_as_noted, estimates_, {}};
+  for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     commands_[taken.rows[i].index()] = taken.commands_before[i];
+    estimates_[taken.rows[i].index()] = taken.estimates[i];
+  }
   written_.resize(watched.written.size());
   for (std::size_t w = 0; w < written_.size(); ++w) {
     const Written& written = watched.written[w];

@@ -51,6 +51,8 @@ enum class Unit {
   seconds,
   meters_per_second,
   radians_per_second,
+  meters_per_second_squared,
+  radians_per_second_squared,
   per_second,
   kilograms,
   joules,

@@ -5,6 +5,7 @@
 #include "base/random.hpp"
 #include "engine/effects.hpp"
 #include "engine/fields.hpp"
+#include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
 #include "engine/state_table.hpp"
 
@@ -111,17 +112,35 @@ struct DeviceKind {
   bool is_sensor() const { return act == nullptr && apply == nullptr; }
 };
 
-/// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
+/// What the numbers of a command are.
+enum class ControlMode : std::uint8_t {
+  velocity,      ///< speeds, m/s and rad/s; for a `car` turn is the steering angle, rad
+  acceleration,  ///< m/s^2 and rad/s^2; for a `car` turn is the steering angle, rad
+  position,      ///< a goal in the frame of the estimate, m and rad
+};
+inline constexpr std::size_t k_control_modes = 3;
+
+/// What a controller asks of its drive, in the body's frame (a goal: in the estimate's): forward, left,
+/// counter-clockwise. To assign `{x, y, turn}` commands a speed; to change one number keeps the mode.
 struct Command {
   double x = 0;
   double y = 0;
   double turn = 0;
+  ControlMode mode = ControlMode::velocity;
 };
 
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
   double y = 0;     ///< m/s, body frame, left
   double turn = 0;  ///< rad/s
+};
+
+/// Drives of robots of one type that are due in a tick; sizes are equal.
+struct DriveBatch {
+  std::span<const Command> commands;
+  std::span<Velocity> velocities;   ///< in: of the last tick, where `estimates` are given; out: of this one
+  std::span<const Pose> estimates;  ///< empty where all commands are speeds
+  double elapsed_s = 0;             ///< since they were due before
 };
 
 struct DriveKind {
@@ -131,8 +150,10 @@ struct DriveKind {
   std::any (*prepare)(const Record& params);
   /// What is wrong with the parameters taken together; empty when nothing is.
   std::string (*fault)(const Record& params);
-  /// Velocities of a batch from their commands, bounds applied. Sizes are equal.
-  void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
+  /// Velocities of a batch from their commands, bounds applied.
+  void (*drive)(const std::any& data, const DriveBatch& batch);
+  /// With which a robot moves until its drive is due for the first time. Null: it stands.
+  Velocity (*start)(const std::any& data) = nullptr;
 };
 
 /// Sensors and other devices that one controller can use.
@@ -167,6 +188,8 @@ struct Percept {
   std::uint32_t body = 0;
   /// The sensors and other devices it asked for in `prepare`, in that order.
   std::span<const Readings> devices;
+  /// Where it believes to be: engine/localization.hpp.
+  Pose estimate;
 
   /// Of a ranger, m.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
@@ -178,6 +201,18 @@ struct Actions {
   /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
   /// commands.
   std::span<std::byte* const> devices;
+
+  /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
+  void set_speed(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::velocity};
+  }
+  /// m/s^2 and rad/s^2: speeds change by as much a second until replaced; of a car `turn` is the steering
+  /// angle.
+  void accelerate(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::acceleration};
+  }
+  /// To a pose in the frame of Percept::estimate, m and rad; it stays there until it is told otherwise.
+  void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
   /// Of a device whose kind takes commands of this struct.
   template <class DeviceCommand>
@@ -197,6 +232,7 @@ struct DecideBatch {
   std::span<const BodyId> ids;  ///< a row each, as are:
   std::span<const std::uint32_t> slots;
   std::span<Command> commands;
+  Estimates estimates;
 
   /// A row of a table each slot.
   struct Rows {
@@ -214,6 +250,7 @@ struct DecideBatch {
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
   Command& command(std::size_t i) const { return commands[rows[i].index()]; }
+  Pose estimate(std::size_t i) const { return estimates.of(rows[i], slots[rows[i].index()]); }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }

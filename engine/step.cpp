@@ -10,9 +10,17 @@ namespace troupe::engine {
 namespace {
 
 // Rows a task: a crowded tile is split, small ones are joined, and a task is worth waking a thread for.
-constexpr std::size_t k_batch = 64;      // that look about them
-constexpr std::size_t k_block = 256;     // that look at themselves
-constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
+constexpr std::size_t k_batch = 64;   // that look about them
+constexpr std::size_t k_block = 256;  // that look at themselves
+
+std::string_view asked_for(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::velocity: break;
+    case ControlMode::acceleration: return "an acceleration";
+    case ControlMode::position: return "to a goal";
+  }
+  return "a speed";
+}
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -130,8 +138,8 @@ void World::decide() {
       if (due(tick_, controller.period)) decide(rows, type, controller);
   });
   if (const BodyId id(faulty.load()); id.valid()) {
-    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
-                                tick_, spec_.name(id)));
+    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
+                                spec_.name(id), asked_for(commands()[row(id).index()].mode)));
   }
 }
 
@@ -158,8 +166,24 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
                   std::atomic<std::uint32_t>& faulty) {
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
-  for (std::size_t i = 0; i < rows.size(); ++i) commands[i] = as<Command>(k_command)[rows[i].index()];
-  drive.kind->drive(drive.data, {commands.data(), rows.size()}, {velocities.data(), rows.size()});
+  std::array<Pose, k_block> estimates;
+  bool speeds_only = true;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    commands[i] = as<Command>(k_command)[rows[i].index()];
+    speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
+  }
+  DriveBatch batch{{commands.data(), rows.size()},
+                   {velocities.data(), rows.size()},
+                   {},
+                   static_cast<double>(drive.period) * spec_.tick_s};
+  if (!speeds_only) {
+    batch.estimates = {estimates.data(), rows.size()};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
+      estimates[i] = estimate(rows[i]);
+    }
+  }
+  drive.kind->drive(drive.data, batch);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity& v = velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
@@ -189,7 +213,8 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
                     .rows = rows,
                     .ids = row_bodies_,
                     .slots = row_slots_,
-                    .commands = as<Command>(k_command)};
+                    .commands = as<Command>(k_command),
+                    .estimates = estimates(type)};
   const auto rows_of = [this](std::size_t table) {
     return DecideBatch::Rows{tables_[table].row(0), tables_[table].row_bytes()};
   };
@@ -208,9 +233,8 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
   conflicts_.settle(
-      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds},
+      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds()},
       scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
@@ -259,12 +283,14 @@ void World::commit() {
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     std::size_t refused_here = 0;
     std::size_t held_here = 0;
+    const bool has_odometry = type.drive && type.drive->odometry_table;
     for (const Row row : rows) {
       const Conflicts::Outcome outcome = conflicts_.outcome(row.index());
       if (outcome == Conflicts::Outcome::moved) {
         const Motion& motion = motions_[row.index()];
         as<Pose>(k_pose)[row.index()] = motion.to;
         put(row, type, motion.there());
+        if (has_odometry) count_way(row, *type.drive);
       }
       const bool is_refused = outcome == Conflicts::Outcome::refused;
       const bool is_held = outcome == Conflicts::Outcome::held;
@@ -277,6 +303,13 @@ void World::commit() {
   });
   stalled_ = stalled;
   held_ = held;
+}
+
+void World::count_way(Row row, const BodyType::Drive& drive) {
+  const Velocity& v = velocities()[row.index()];
+  const double dt = spec_.tick_s;
+  as<Odometry>(*drive.odometry_table)[slot(row)].advance(
+      drive.localization, row_odometry_errors_[row.index()], v.x * dt, v.y * dt, v.turn * dt);
 }
 
 void World::put(Row row, const BodyType& type, const Transform& transform) {

@@ -10,6 +10,7 @@
 #include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "models/waypoints.hpp"
 #include "sensors/ranger.hpp"
 
 namespace troupe {
@@ -21,7 +22,7 @@ engine::Registry make_registry() {
                       models::power_pack_kind(), models::power_contact_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
-                          models::script_controller()};
+                          models::script_controller(), models::waypoints_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

@@ -75,6 +75,13 @@ struct Model::Place {
     if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
     return row;
   }
+  /// The row of a model that is moved as a whole.
+  Row whole() const {
+    if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a model: move that", name));
+    const Row row = world->row(body);
+    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" never moves", name));
+    return row;
+  }
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
@@ -119,9 +126,21 @@ Eigen::Vector3d Model::size() const {
   return spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part].size;
 }
 
-void Model::set_speed(double forward, double left, double turn) {
+void Model::command(engine::ControlMode mode, double x, double y, double turn) {
   if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
-  place_->world->set_command(place_->row(), {forward, left, turn});
+  place_->world->set_command(place_->row(), {x, y, turn, mode});
+}
+
+void Model::set_speed(double forward, double left, double turn) {
+  command(engine::ControlMode::velocity, forward, left, turn);
+}
+
+void Model::accelerate(double forward, double left, double turn) {
+  command(engine::ControlMode::acceleration, forward, left, turn);
+}
+
+void Model::go_to(double x, double y, double heading) {
+  command(engine::ControlMode::position, x, y, heading);
 }
 
 Model::Speed Model::speed() const {
@@ -130,6 +149,17 @@ Model::Speed Model::speed() const {
 }
 
 bool Model::stalled() const { return place_->world->stalled(place_->row()); }
+
+Pose Model::estimate() const { return place_->world->estimate(place_->row()); }
+
+void Model::set_estimate(const Pose& pose) { place_->world->set_estimate(place_->row(), pose); }
+
+void Model::set_pose(const Pose& pose) {
+  const engine::World::Placed placed{place_->whole(), pose};
+  place_->world->set_poses({&placed, 1});
+}
+
+bool Model::is_free(const Pose& pose) const { return place_->world->is_free(place_->whole(), pose); }
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
@@ -304,6 +334,17 @@ Model Simulation::find(std::string_view name) {
   const std::vector<std::string_view> names(known.begin(), known.end());
   throw std::out_of_range(
       fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
+}
+
+void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
+  std::vector<engine::World::Placed> placed;
+  placed.reserve(poses.size());
+  for (const auto& [model, pose] : poses) {
+    if (model.place_->world != impl_->world.get())
+      throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+    placed.push_back({model.place_->whole(), pose});
+  }
+  impl_->world->set_poses(placed);
 }
 
 std::vector<std::string> Simulation::robot_names() const {

@@ -135,12 +135,25 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "velocity_bounds", fixed,
      "[xmin xmax ymin ymax zmin zmax amin amax]; turn rates do not wrap at 180 degrees"},
     {"position", "wheelbase", honoured, "of a car; above 0"},
-    {"position", "velocity", no_effect, "the first command replaces it before it acts, as in Stage"},
-    {"position", "acceleration_bounds", no_effect,
-     "bounds commanded accelerations only; speeds are commanded here"},
-    {"position", "localization", unsupported, "no controller reads an estimated pose"},
-    {"position", "localization_origin", unsupported, ""},
-    {"position", "odom_error", unsupported, ""},
+    {"position", "velocity", fixed,
+     "[x y z a]: with which it moves until its first update, which with the default `update_interval` comes "
+     "before the first motion; turn rates do not wrap at 180 degrees"},
+    {"position", "acceleration_bounds", fixed,
+     "[xmin xmax ymin ymax zmin zmax amin amax]: bounds commanded accelerations, not speeds, as in Stage; "
+     "also "
+     "those of a `car`, and for the time since the last update"},
+    {"position", "localization", fixed,
+     "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
+     "robot that is stalled, misses no tick between updates, and a way to the left counts as one"},
+    {"position", "localization_origin", honoured,
+     "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1"},
+    {"position", "gps_origin", honoured, "an addition: 1 gives \"gps\" poses in the frame of the origin"},
+    {"position", "odom_error", fixed,
+     "[x y z a], the last in `unit_angle`, as in Stage; unless given, drawn for each robot from the world's "
+     "seed, not from the clock"},
+    {"position", "odom_heading", honoured,
+     "an addition: \"new\", as in Stage, lays a tick's way along the heading after its turn; \"old\" along "
+     "the one before, as robots move, so that without error the estimate is the truth"},
     {"position", "odom", obsolete, ""},
 
     {"sensor", "pose", honoured, "[x y z heading] in the ranger's frame, its origin included"},

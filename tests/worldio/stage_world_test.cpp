@@ -111,16 +111,13 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n"
-      "position( localization \"odom\" )");
+  load("define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
                           "w.world:4: warning: not supported yet: fiducial_return",
                           "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
-                          "w.world:5: warning: not supported yet: fov of a fiducial",
-                          "w.world:6: warning: not supported yet: localization of a position"));
+                          "w.world:5: warning: not supported yet: fov of a fiducial"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -524,6 +521,64 @@ TEST_F(StageWorld, PositionsDrive) {
   EXPECT_FALSE(type_of(spec, 4).drive);
 }
 
+TEST_F(StageWorld, DrivesHaveAccelerationsAndAStart) {
+  const auto spec = load(
+      "unit_length \"cm\"\nposition( acceleration_bounds [-50 60 -10 20 0 0 -360 270] velocity [30 -20 0 "
+      "450] )\n"
+      "position()");
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_min_x"), -0.5);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_max_x"), 0.6);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_min_y"), -0.1);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_max_y"), 0.2);
+  EXPECT_NEAR(drive_param(spec, 1, "turn_acceleration_min"), -2 * k_pi, 1e-15);
+  EXPECT_NEAR(drive_param(spec, 1, "turn_acceleration_max"), 1.5 * k_pi, 1e-15);
+  EXPECT_EQ(drive_param(spec, 1, "start_x"), 0.3);
+  EXPECT_EQ(drive_param(spec, 1, "start_y"), -0.2);
+  EXPECT_NEAR(drive_param(spec, 1, "start_turn"), 2.5 * k_pi, 1e-15);
+  EXPECT_EQ(drive_param(spec, 2, "acceleration_max_x"), 1);
+  EXPECT_EQ(drive_param(spec, 2, "turn_acceleration_max"), radians(90));
+  EXPECT_EQ(drive_param(spec, 2, "start_x"), 0);
+}
+
+TEST_F(StageWorld, DrivesKnowWhereTheyAre) {
+  const auto spec = load(
+      "position( localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n"
+      "position( localization \"odom\" localization_origin [1 2 0 90] odom_heading \"old\" )\n"
+      "position( localization_origin [1 2 0 90] gps_origin 1 )\n"
+      "position( localization \"gps\" localization_origin [0 0 0 0] )\n"
+      "position( localization_origin [1 2 0 90] )");
+  const auto value = [&](std::size_t body, std::string_view name) {
+    return engine::get(test_registry().drive("diff")->params, type_of(spec, body).drive->params, name);
+  };
+  using Numbers = std::vector<double>;
+  EXPECT_EQ(value(1, "localization").text(), "odom");
+  EXPECT_EQ(value(1, "odom_error").numbers(), (Numbers{0.1, 0.2, radians(0.3)}));  // an angle, as in Stage
+  EXPECT_EQ(value(1, "localization_origin").numbers(), Numbers());
+  EXPECT_EQ(value(1, "odom_heading").text(), "new");
+  EXPECT_EQ(value(2, "localization_origin").numbers(), (Numbers{1, 2}));
+  EXPECT_NEAR(value(2, "localization_origin_heading").number(), k_pi / 2, 1e-15);
+  EXPECT_EQ(value(2, "odom_heading").text(), "old");
+  EXPECT_EQ(value(3, "localization").text(), "gps");
+  EXPECT_EQ(value(3, "localization_origin").numbers(), (Numbers{1, 2}));
+  EXPECT_EQ(value(5, "localization_origin").numbers(), Numbers());
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: with localization \"gps\" poses are the world's, whatever the "
+                          "origin, as in Stage; \"gps_origin 1\" honours it"));
+}
+
+TEST_F(StageWorld, RefusesWrongLocalisation) {
+  load(
+      "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
+      "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
+      "position( velocity [1 0 0] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\"; here is \"gsp\"",
+                          "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
+                          "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\"; here is \"newer\"",
+                          "w.world:4: error: \"acceleration_bounds\" needs each minimum at most its maximum",
+                          "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
+}
+
 TEST_F(StageWorld, RefusesWrongDrives) {
   load("position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( wheelbase 0 )");
   EXPECT_THAT(
@@ -678,11 +733,9 @@ TEST_F(StageOwnWorld, Simple) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "blob_return, acceleration_bounds of a position",
+          "blob_return",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
@@ -719,11 +772,8 @@ TEST_F(StageOwnWorld, PioneerWalle) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
@@ -744,8 +794,6 @@ TEST_F(StageOwnWorld, Roomba) {
                   "irobot.inc:30: warning: not supported yet: bcount of a bumper",
                   "irobot.inc:31: warning: not supported yet: blength of a bumper",
                   "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
-                  "roomba.world:43: warning: not supported yet: localization of a position",
-                  "roomba.world:44: warning: not supported yet: localization_origin of a position",
                   "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
                   "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
                   "gui_nose, gui_grid, gui_move, gui_outline"));
@@ -761,12 +809,9 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
@@ -784,11 +829,9 @@ TEST_F(StageOwnWorld, Cave) {
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
           "definition holds",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return",
           "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
@@ -840,16 +883,13 @@ TEST_F(StageOwnWorld, LspTest) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
           "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
           "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
-          "acceleration_bounds of a position",
+          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
@@ -873,13 +913,11 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
+          "threads, blob_return",
           "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
