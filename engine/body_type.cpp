@@ -115,8 +115,9 @@ double BodyType::row_bytes() const {
   return sum;
 }
 
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics) {
+  const double tick_s = world.tick_s;
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type, diagnostics);
@@ -190,6 +191,7 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     }
     std::string fault;
     ControllerKind::Prepared prepared = prepare(*kind, controller, spec, type, claimed, fault);
+    if (fault.empty() && kind->look) fault = kind->look(prepared.data, world);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;

@@ -68,7 +68,7 @@ struct BodyType {
 };
 
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 
 }  // namespace troupe::engine

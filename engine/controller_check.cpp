@@ -78,7 +78,7 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
   Diagnostics diagnostics;
   for (const TypeSpec& type : world.spec().types) {
     spoil_stack();
-    fresh_types_.push_back(make_body_type(type, registry, world.tick_s(), diagnostics));
+    fresh_types_.push_back(make_body_type(type, world.spec(), registry, diagnostics));
   }
   diagnostics.throw_if_errors();
   for (const BodyType& type : world.types()) {

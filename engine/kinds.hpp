@@ -23,6 +23,7 @@ namespace troupe::engine {
 
 class World;
 struct TypeSpec;
+struct WorldSpec;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
 /// A kind turns its parameters once, when the world is built, into whatever it likes to run with
@@ -290,6 +291,11 @@ struct ControllerKind {
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
+  /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is.
+  /// Completes the data; what is wrong, empty when nothing is. Null: it need not know.
+  std::string (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
+  std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };

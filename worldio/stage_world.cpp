@@ -209,6 +209,8 @@ class StageWorld {
   void add_part(const StageModel& model, const Place& place, Draft& draft);
   engine::Returns returns(const StageModel& model);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
+  void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                     TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
@@ -566,7 +568,27 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
       continue;
     }
     controller.part = part;
+    if (kind != nullptr) bring_devices(*kind, controller, draft.type);
     draft.type.controllers.push_back(std::move(controller));
+  }
+}
+
+/// What a controller works with that Stage gives to every model.
+void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                               TypeSpec& type) {
+  for (const std::string_view name : kind.brings) {
+    const engine::DeviceKind* device = registry_.device(name);
+    const bool is_there = std::ranges::any_of(type.devices, [&](const engine::DeviceSpec& spec) {
+      return spec.kind == name && spec.part == controller.part;
+    });
+    if (device == nullptr || is_there) continue;
+    const std::string& below = type.parts[controller.part].name;
+    type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
+                            .kind = std::string(name),
+                            .part = controller.part,
+                            .params = device->params.defaults(),
+                            .period_s = controller.period_s,
+                            .where = controller.where});
   }
 }
 
