@@ -191,7 +191,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     }
     std::string fault;
     ControllerKind::Prepared prepared = prepare(*kind, controller, spec, type, claimed, fault);
-    if (fault.empty() && kind->look) fault = kind->look(prepared.data, world);
+    if (fault.empty() && kind->look) fault = kind->look(prepared.data, world, spec, controller.part);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;

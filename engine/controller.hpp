@@ -145,7 +145,7 @@ std::vector<StateField> memory_fields() {
 ///   static C make(const Record& params);
 ///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
 ///   fault);
-///   std::string look(const WorldSpec&);             (optional: what it must know of the world)
+///   std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);    (optional: what it must know)
 ///   static constexpr std::array<std::string_view, N> brings;   (optional: ControllerKind::brings)
 ///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
 ///   void operator()(const DecideBatch&) const;                               for many at once
@@ -164,8 +164,10 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
   if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
-  if constexpr (requires(C & c, const WorldSpec& world) { c.look(world); })
-    kind.look = [](std::any& data, const WorldSpec& world) { return std::any_cast<C>(&data)->look(world); };
+  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) { c.look(world, type, 0u); })
+    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type, std::uint32_t part) {
+      return std::any_cast<C>(&data)->look(world, type, part);
+    };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);
     if constexpr (requires { controller(batch); })

@@ -291,9 +291,12 @@ struct ControllerKind {
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
-  /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is.
-  /// Completes the data; what is wrong, empty when nothing is. Null: it need not know.
-  std::string (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is, what
+  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not know.
+  std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                      std::uint32_t part) = nullptr;
+  /// What it adds to a Stage model that has it, before the world is built. Null: nothing.
+  void (*furnish)(const Record& params, std::uint64_t seed, TypeSpec& type, std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
   std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.

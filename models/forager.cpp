@@ -98,7 +98,7 @@ struct Forager {
 
   std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault);
-  std::string look(const WorldSpec& world);
+  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -141,7 +141,7 @@ std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, st
   return chosen;
 }
 
-std::string Forager::look(const WorldSpec& world) {
+std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   const BodyId floor = find_body(world, map);
   if (!floor.valid()) return fmt::format("needs a model \"{}\", the floor plan", map);
   const FloorPlan plan = FloorPlan::of_body(world, floor);

@@ -111,9 +111,9 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n");
+  load("define a model( gripper_return 1 )\na()\na()\nmodel( gripper_return 1 fiducial_return 1 )\nfiducial( fov 3 )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
+              ElementsAre("w.world:1: warning: not supported yet: gripper_return (and 1 more)",
                           "w.world:4: warning: not supported yet: fiducial_return",
                           "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
@@ -672,7 +672,7 @@ TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
       "define blue rob( color \"blue\" )\n"
       "red( pose [1 0 0 0] )\nblue( name \"x\" )\nposition( ranger( sensor( samples 4 ) ) color_rgba [0 0 0 "
       "1] )\n"
-      "red( mass 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
+      "red( friction 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
   EXPECT_THAT(messages(), SizeIs(1));
   ASSERT_THAT(spec.bodies, SizeIs(8));
   for (const std::size_t b : {2u, 3u, 4u, 7u}) EXPECT_EQ(spec.bodies[b].type, spec.bodies[1].type) << b;
@@ -733,7 +733,6 @@ TEST_F(StageOwnWorld, Simple) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
           "blob_return",
           "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
@@ -772,7 +771,6 @@ TEST_F(StageOwnWorld, PioneerWalle) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -809,7 +807,6 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
           "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
@@ -829,7 +826,6 @@ TEST_F(StageOwnWorld, Cave) {
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
           "definition holds",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
           "threads, blob_return",
           "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
@@ -883,7 +879,6 @@ TEST_F(StageOwnWorld, LspTest) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
           "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
@@ -913,7 +908,6 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
       messages(),
       ElementsAre(
           k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
