@@ -65,6 +65,17 @@ FloorPlan FloorPlan::of_body(const engine::WorldSpec& world, BodyId body) {
   return plan;
 }
 
+FloorPlan FloorPlan::of_world(const engine::WorldSpec& world, std::string_view name) {
+  if (const BodyId body = find_body(world, name); body.valid()) return of_body(world, body);
+  const auto is_plan = [&world](const engine::BodySpec& body) {
+    return world.types[body.type.index()].parts.front().floor_plan;
+  };
+  const auto first = std::ranges::find_if(world.bodies, is_plan);
+  if (first != world.bodies.end())
+    return of_body(world, BodyId(static_cast<std::size_t>(first - world.bodies.begin())));
+  return FloorPlan(Box::around(Vec2::Zero(), 8));
+}
+
 int FloorPlan::cell(const Vec2& point) const {
   const auto index = [&](int axis) {
     const double at = (point[axis] - box_.min[axis]) / box_.size()[axis] * k_cells;

@@ -142,9 +142,7 @@ std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, st
 }
 
 std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
-  const BodyId floor = find_body(world, map);
-  if (!floor.valid()) return fmt::format("needs a model \"{}\", the floor plan", map);
-  const FloorPlan plan = FloorPlan::of_body(world, floor);
+  const FloorPlan plan = FloorPlan::of_world(world, map);
   const auto goal = [&](BodyId body) {
     const Vec2 at = world.bodies[body.index()].pose_world_body.position();
     const std::array<int, 1> cells{plan.cell(at)};
@@ -298,7 +296,8 @@ FieldTable with_plan(std::vector<engine::Field> fields) {
   fields.push_back({.name = "map",
                     .type = FieldType::text,
                     .fallback = "cave",
-                    .text = "the model that is the floor plan"});
+                    .text = "the model that is the floor plan; where there is none of this name, the first "
+                            "image"});
   return {std::move(fields)};
 }
 
