@@ -182,8 +182,10 @@ std::vector<StateField> memory_fields() {
 ///   static constexpr std::array k_uses{std::string_view("ranger")};
 ///                                                   (optional, without choose: kinds of the devices it
 ///                                                   uses, in this order)
-///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
-///   void operator()(const DecideBatch&) const;                               for many at once
+///   std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);    (optional: what it must
+///   know) static constexpr std::array<std::string_view, N> brings;   (optional: ControllerKind::brings) void
+///   operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else void
+///   operator()(const DecideBatch&) const;                               for many at once
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
@@ -198,6 +200,11 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
     std::vector<std::size_t> chosen = detail::choose(controller, devices, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
+  if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
+  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) { c.look(world, type, 0u); })
+    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type, std::uint32_t part) {
+      return std::any_cast<C>(&data)->look(world, type, part);
+    };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);
     if constexpr (requires { controller(batch); })

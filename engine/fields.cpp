@@ -36,6 +36,9 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   static constexpr std::array<UnitSuffix, 2> turn_acceleration{
       {{"_radps2", "rad/s^2", 1}, {"_degps2", "deg/s^2", k_deg}}};
   static constexpr std::array<UnitSuffix, 1> rate{{{"_per_s", "1/s", 1}}};
+  static constexpr std::array<UnitSuffix, 2> mass{{{"_kg", "kg", 1}, {"_g", "g", 0.001}}};
+  static constexpr std::array<UnitSuffix, 2> energy{{{"_J", "J", 1}, {"_kJ", "kJ", 1000}}};
+  static constexpr std::array<UnitSuffix, 1> power{{{"_W", "W", 1}}};
   static constexpr std::array<UnitSuffix, 1> bare{{{"", "", 1}}};
   switch (unit) {
     case Unit::meters: return meters;
@@ -46,6 +49,9 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
     case Unit::meters_per_second_squared: return acceleration;
     case Unit::radians_per_second_squared: return turn_acceleration;
     case Unit::per_second: return rate;
+    case Unit::kilograms: return mass;
+    case Unit::joules: return energy;
+    case Unit::watts: return power;
     case Unit::none: break;
   }
   return bare;

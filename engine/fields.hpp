@@ -53,7 +53,10 @@ enum class Unit {
   radians_per_second,
   meters_per_second_squared,
   radians_per_second_squared,
-  per_second
+  per_second,
+  kilograms,
+  joules,
+  watts
 };
 
 enum class FieldType {

@@ -22,6 +22,8 @@
 namespace troupe::engine {
 
 class World;
+struct TypeSpec;
+struct WorldSpec;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
 /// A kind turns its parameters once, when the world is built, into whatever it likes to run with
@@ -77,6 +79,7 @@ struct DeviceKind {
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
+    double watts = 0;                  ///< drawn from its supply while it runs
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -84,6 +87,9 @@ struct DeviceKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
+  /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
+  /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
+  std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
@@ -95,6 +101,13 @@ struct DeviceKind {
   /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
+
+  /// Of a kind that supplies others, as a power pack does: whether a row has nothing left, so that what runs
+  /// on it stops. The part that carries it runs on it and what stands on that, down to parts with a supply of
+  /// their own; so does the drive, where the root carries it. Null: it supplies nobody.
+  bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
+
+  bool needs_supply = false;  ///< it is of no use where nothing supplies it
 
   /// True where it does nothing but look: what people call a sensor.
   bool is_sensor() const { return act == nullptr && apply == nullptr; }
@@ -278,6 +291,15 @@ struct ControllerKind {
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
+  /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is, what
+  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not
+  /// know.
+  std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                      std::uint32_t part) = nullptr;
+  /// What it adds to a Stage model that has it, before the world is built. Null: nothing.
+  void (*furnish)(const Record& params, std::uint64_t seed, TypeSpec& type, std::uint32_t part) = nullptr;
+  /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
+  std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };

@@ -97,13 +97,18 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
-/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones.
+/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones; but
+/// not those that have nothing left to run on.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   if (!due(tick_, device.period)) return;
-  if (device.active) return work(rows);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (row_subscribed_[rows[i].index()]) work(rows.subspan(i, 1));
+  if (device.active && !device.supply) return work(rows);
+  for (std::size_t i = 0; i < rows.size();) {  // those that follow one another go together
+    std::size_t end = i;
+    while (end < rows.size() && runs(rows[end], device)) ++end;
+    if (end > i) work(rows.subspan(i, end - i));
+    i = end + 1;
+  }
 }
 
 void World::sense() {
@@ -124,6 +129,7 @@ void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
+    if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
         for_running(rows, device,
@@ -192,6 +198,12 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     // + 0.0 turns -0 into 0: equal velocities have equal bits.
     as<Velocity>(k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
   }
+}
+
+/// Whose pack is empty stands still, whatever it is asked.
+void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
+  for (const Row row : rows)
+    if (!is_supplied(row, drive.supply)) as<Velocity>(k_velocity)[row.index()] = {};
 }
 
 void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {

@@ -56,7 +56,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     : spec_(std::move(spec)), parallel_(options.threads) {
   double beams = 0;
   for (const TypeSpec& type : spec_.types) {
-    types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
+    types_.push_back(make_body_type(type, spec_, registry, diagnostics));
     for (const BodyType::Device& sensor : types_.back().devices)
       beams += static_cast<double>(sensor.prepared.beams);
     if (beams <= k_most_beams) continue;

@@ -147,6 +147,17 @@ class World {
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
+  /// Whether what the row's device, or drive, runs on has something left; true where it runs on nothing.
+  bool is_supplied(Row row, std::optional<std::size_t> supply) const {
+    if (!supply) return true;
+    const BodyType::Device& device = type(row).devices[*supply];
+    return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
+  }
+  bool runs(Row row, const BodyType::Device& device) const {
+    return senses(row, device) && is_supplied(row, device.supply);
+  }
+  /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
+  StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
@@ -203,6 +214,7 @@ class World {
   void decide();
   DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
+  void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
   void propose();

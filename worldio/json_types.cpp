@@ -220,7 +220,12 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
   if (one && many) at.error_at(many->where, "give \"controller\" or \"controllers\", not both");
   each_of("controllers",
           [&](const JsonCursor& cursor) { read_controller(cursor, registry, type.spec.controllers); });
-  if (const JsonNode* moved = one ? one : many; moved && object.is_object() && !object.find("drive"))
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {
+    const engine::ControllerKind* kind = registry.controller(controller.kind);
+    return kind == nullptr || kind->needs_drive;
+  };
+  if (const JsonNode* moved = one ? one : many; moved && object.is_object() && !object.find("drive") &&
+                                                std::ranges::any_of(type.spec.controllers, needs_drive))
     at.error_at(moved->where, "a controller needs a \"drive\" to command");
   object.finish();
 

@@ -167,11 +167,9 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\nfiducial( fov 3 )\n");
+  load("\n\n\n\nfiducial( fov 3 )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
-                          "w.world:4: warning: not supported yet: watts",
-                          "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
+              ElementsAre("w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
                           "w.world:5: warning: not supported yet: fov of a fiducial"));
 }
@@ -838,7 +836,7 @@ TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
       "define blue rob( color \"blue\" )\n"
       "red( pose [1 0 0 0] )\nblue( name \"x\" )\nposition( ranger( sensor( samples 4 ) ) color_rgba [0 0 0 "
       "1] )\n"
-      "red( mass 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
+      "red( friction 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
   EXPECT_THAT(messages(), SizeIs(1));
   ASSERT_THAT(spec.bodies, SizeIs(8));
   for (const std::size_t b : {2u, 3u, 4u, 7u}) EXPECT_EQ(spec.bodies[b].type, spec.bodies[1].type) << b;
@@ -895,8 +893,7 @@ TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("pioneer.inc:144: warning: not supported yet: mass",
-                  "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
+      ElementsAre("simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
                   "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
@@ -930,8 +927,7 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("pioneer.inc:144: warning: not supported yet: mass",
-                  "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
+      ElementsAre("pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
                   "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
                   "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
@@ -964,7 +960,6 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
@@ -981,8 +976,6 @@ TEST_F(StageOwnWorld, Cave) {
       messages(),
       ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
                   "definition holds",
-
-                  "pioneer.inc:144: warning: not supported yet: mass",
                   "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
                   "threads",
                   "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
@@ -1034,7 +1027,6 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:144: warning: not supported yet: mass",
           "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
           "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
@@ -1062,7 +1054,6 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
