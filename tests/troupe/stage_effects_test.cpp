@@ -84,7 +84,8 @@ constexpr Effect k_effects[] = {
     {"model", "kjoules_capacity", "mover( joules 100 @ )", "kjoules_capacity 1"},
     {"model", "when_empty", "mover( joules 0.3 @ )", "when_empty \"nothing\""},
     {"model", "give_watts",
-     "model( joules -1 alwayson 1 @ ) model( pose [1 0 0 0] size [2 1 1] joules 5 joules_capacity 9 take_watts 3 )",
+     "model( joules -1 alwayson 1 @ ) model( pose [1 0 0 0] size [2 1 1] joules 5 joules_capacity 9 "
+     "take_watts 3 )",
      "give_watts 5"},
     {"model", "take_watts",
      "model( joules -1 alwayson 1 give_watts 5 ) model( pose [1 0 0 0] size [2 1 1] joules_capacity 9 @ )",
