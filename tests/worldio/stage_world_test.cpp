@@ -800,8 +800,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
       messages(),
       ElementsAre(
           "w.world:1: error: \"ctrl\" names no controller; known: expand, expand_pioneer, expand_swarm, "
-          "script, "
-          "wander",
+          "script, source, wander",
           "w.world:2: error: controller \"wander\" takes no more than 5 arguments",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
@@ -1046,7 +1045,7 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   open("pioneer_flocking.world");
   EXPECT_THAT(messages(),
               testing::Contains("pioneer_flocking.world:40: error: unknown controller \"pioneer_flocking\"; "
-                                "known: expand, expand_pioneer, expand_swarm, script, wander"));
+                                "known: expand, expand_pioneer, expand_swarm, script, source, wander"));
 
   engine::Registry registry = test_registry();
   registry.presets.push_back({.name = "pioneer_flocking", .kind = "expand"});
