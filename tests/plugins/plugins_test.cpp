@@ -145,13 +145,14 @@ TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
 
 TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   const std::string world = stage_world("wonder").string();
-  const std::string known = world + ":3: error: unknown controller \"wonder\"; known: expand, ";
+  const std::string known = world + ":3: error: unknown controller \"wonder\"; known: ";
   EXPECT_THAT(fault_of(world, options({"/nowhere", folder_of("other")})),
               AllOf(testing::StartsWith(known),
                     EndsWith("; there is no wonder.so in /nowhere, " + folder_of("other").string())));
-  EXPECT_EQ(fault_of(stage_world("walker"), {}).substr(world.size()),
-            ":3: error: unknown controller \"walker\"; known: expand, expand_pioneer, expand_swarm, script, "
-            "wander (did you mean \"wander\"?); no --plugin-path says where to look for walker.so");
+  EXPECT_THAT(
+      fault_of(stage_world("walker"), {}).substr(world.size()),
+      AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
+            EndsWith(" (did you mean \"wander\"?); no --plugin-path says where to look for walker.so")));
   EXPECT_THAT(fault_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
