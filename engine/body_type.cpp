@@ -58,26 +58,6 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
   return sum;
 }
 
-/// The controller is shown the sensors below its part only, and chooses among them.
-ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpec& controller,
-                                 const TypeSpec& spec, const BodyType& type, std::vector<bool>& claimed,
-                                 std::string& fault) {
-  std::vector<std::size_t> shown;
-  for (std::size_t s = 0; s < type.devices.size(); ++s)
-    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
-  std::vector<DeviceInfo> infos;
-  std::vector<bool> claimed_shown;
-  for (const std::size_t s : shown) {
-    const BodyType::Device& sensor = type.devices[s];
-    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
-    claimed_shown.push_back(claimed[s]);
-  }
-  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
-  for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
-  for (std::size_t& s : prepared.devices) s = shown[s];
-  return prepared;
-}
-
 /// What runs on which supply: that of its own part, or else of the nearest one below.
 void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -113,6 +93,32 @@ double BodyType::row_bytes() const {
   }
   for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
   return sum;
+}
+
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const WorldSpec& world, const TypeSpec& spec,
+                                            const BodyType& type, std::vector<bool>& claimed,
+                                            std::string& fault) {
+  std::vector<std::size_t> shown;
+  for (std::size_t s = 0; s < type.devices.size(); ++s)
+    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+  std::vector<DeviceInfo> infos;
+  std::vector<bool> claimed_shown;
+  for (const std::size_t s : shown) {
+    const BodyType::Device& sensor = type.devices[s];
+    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
+    claimed_shown.push_back(claimed[s]);
+  }
+  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
+  for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
+  for (std::size_t& s : prepared.devices) {
+    if (s < shown.size())
+      s = shown[s];
+    else
+      fault = fmt::format("chose sensor {} of {}", s, shown.size());  // a slip of its author's
+  }
+  if (fault.empty() && kind.look) fault = kind.look(prepared.data, world, spec, controller.part);
+  return prepared;
 }
 
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
@@ -171,8 +177,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
         diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
         continue;
       }
-    type.devices.push_back({name, kind, std::move(prepared), period_ticks(sensor.period_s, tick_s),
-                            sensor.active, sensor.part, stream, {}});
+    type.devices.push_back({name,
+                            kind,
+                            std::move(prepared),
+                            period_ticks(sensor.period_s, tick_s),
+                            sensor.active,
+                            sensor.part,
+                            stream,
+                            {}});
   }
   connect_supplies(spec, type, diagnostics);
 
@@ -190,8 +202,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       continue;
     }
     std::string fault;
-    ControllerKind::Prepared prepared = prepare(*kind, controller, spec, type, claimed, fault);
-    if (fault.empty() && kind->look) fault = kind->look(prepared.data, world, spec, controller.part);
+    ControllerKind::Prepared prepared =
+        prepare_controller(*kind, controller, world, spec, type, claimed, fault);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;

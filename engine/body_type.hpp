@@ -67,6 +67,13 @@ struct BodyType {
   bool runs() const { return drive || !devices.empty() || !controllers.empty(); }
 };
 
+/// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
+/// among them. Why it cannot have what it needs stands in `fault`.
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const WorldSpec& world, const TypeSpec& spec,
+                                            const BodyType& type, std::vector<bool>& claimed,
+                                            std::string& fault);
+
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);

@@ -48,6 +48,19 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
+/// The controllers of a type once more, each on a stack of junk: a type is made on what the making of its
+/// other parts has left there, which may be the same each time.
+void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type) {
+  std::vector<bool> claimed(type.devices.size(), false);
+  for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+    std::string fault;
+    spoil_stack();
+    type.controllers[c].data =
+        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed, fault)
+            .data;
+  }
+}
+
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -77,10 +90,11 @@ std::string finding_text(const World& world, const ControllerFinding& finding) {
 ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world_(world) {
   Diagnostics diagnostics;
   for (const TypeSpec& type : world.spec().types) {
-    spoil_stack();
     fresh_types_.push_back(make_body_type(type, world.spec(), registry, diagnostics));
   }
   diagnostics.throw_if_errors();
+  for (std::size_t t = 0; t < fresh_types_.size(); ++t)
+    make_afresh(world.spec(), world.spec().types[t], fresh_types_[t]);
   for (const BodyType& type : world.types()) {
     watched_.emplace_back();
     for (const BodyType::Controller& controller : type.controllers)

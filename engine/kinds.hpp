@@ -87,8 +87,8 @@ struct DeviceKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
-  /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type and
-  /// its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
+  /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
+  /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
@@ -292,7 +292,8 @@ struct ControllerKind {
   Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
   /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is, what
-  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not know.
+  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not
+  /// know.
   std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                       std::uint32_t part) = nullptr;
   /// What it adds to a Stage model that has it, before the world is built. Null: nothing.
@@ -320,10 +321,19 @@ struct Registry {
   };
   std::vector<Preset> presets;
 
+  /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
+  /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
+  /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
+  std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
+
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
+  /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.
+  const ControllerKind* controller(std::string_view name, std::string& fault) const;
+  /// Names of the controllers and presets that stand in the lists, sorted.
+  std::vector<std::string_view> controller_names() const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
 

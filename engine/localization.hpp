@@ -45,7 +45,7 @@ struct Odometry {
   double y = 0;        ///< m, frame of the origin
   double heading = 0;  ///< rad
 
-  /// A motion of one tick: m forward and left, rad; source: stage-worlds.md, "Localisation".
+  /// A motion of one tick: m forward and left, rad; docs/driving.md has the formula.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 

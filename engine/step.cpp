@@ -166,24 +166,26 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
                   std::atomic<std::uint32_t>& faulty) {
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
-  std::array<Pose, k_block> estimates;
   bool speeds_only = true;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     commands[i] = as<Command>(k_command)[rows[i].index()];
     speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
   }
-  DriveBatch batch{{commands.data(), rows.size()},
-                   {velocities.data(), rows.size()},
-                   {},
-                   static_cast<double>(drive.period) * spec_.tick_s};
-  if (!speeds_only) {
+  DriveBatch batch{.commands = {commands.data(), rows.size()},
+                   .velocities = {velocities.data(), rows.size()},
+                   .estimates = {},
+                   .elapsed_s = static_cast<double>(drive.period) * spec_.tick_s};
+  if (speeds_only) {
+    drive.kind->drive(drive.data, batch);
+  } else {
+    std::array<Pose, k_block> estimates;
     batch.estimates = {estimates.data(), rows.size()};
     for (std::size_t i = 0; i < rows.size(); ++i) {
       velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
       estimates[i] = estimate(rows[i]);
     }
+    drive.kind->drive(drive.data, batch);
   }
-  drive.kind->drive(drive.data, batch);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity& v = velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {

@@ -24,7 +24,9 @@ constexpr double k_child_m = 0.1;
 struct Dynamic {
   static constexpr bool needs_drive = false;
   static Dynamic make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
+    return {};
+  }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
@@ -59,7 +61,9 @@ struct Rasterize {
   Memory raster;
 
   static Rasterize make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
+    return {};
+  }
 
   std::string look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
     const PartSpec& part = type.parts[p];
@@ -95,20 +99,20 @@ struct Rasterize {
 }  // namespace
 
 engine::ControllerKind dynamic_controller() {
-  engine::ControllerKind kind = engine::make_controller_kind<Dynamic>(
-      "dynamic", "add small boxes to the model when the world is read",
-      {{{.name = "count",
-         .type = FieldType::integer,
-         .fallback = 100,
-         .min = 0,
-         .max = 10000,
-         .text = "children to add"},
-        {.name = "reach",
-         .unit = Unit::meters,
-         .fallback = 1.0,
-         .min = 0,
-         .max = 1000,
-         .text = "how far from the model's origin, in x and in y"}}});
+  engine::ControllerKind kind =
+      engine::make_controller_kind<Dynamic>("dynamic", "add small boxes to the model when the world is read",
+                                            {{{.name = "count",
+                                               .type = FieldType::integer,
+                                               .fallback = 100,
+                                               .min = 0,
+                                               .max = 10000,
+                                               .text = "children to add"},
+                                              {.name = "reach",
+                                               .unit = Unit::meters,
+                                               .fallback = 1.0,
+                                               .min = 0,
+                                               .max = 1000,
+                                               .text = "how far from the model's origin, in x and in y"}}});
   kind.furnish = add_children;
   return kind;
 }

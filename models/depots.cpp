@@ -34,7 +34,8 @@ struct Source {
                                   std::string& fault) {
     std::vector<std::size_t> chosen = choose_flags(devices, claimed, fault);
     // Of what a list can hold a source fills no more than there is.
-    if (!chosen.empty()) capacity = std::min(capacity, devices[chosen[0]].prepared.percepts[k_flag_colors].columns);
+    if (!chosen.empty())
+      capacity = std::min(capacity, devices[chosen[0]].prepared.percepts[k_flag_colors].columns);
     return chosen;
   }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {

@@ -10,12 +10,12 @@ namespace {
 
 using engine::DeviceInfo;
 
-constexpr double k_gain = 0.3;       // 1/s: to where there is room
+constexpr double k_gain = 0.3;        // 1/s: to where there is room
 constexpr double k_flock_gain = 0.3;  // 1/s: to the heading of another
-constexpr double k_speed = 0.4;      // m/s
-constexpr double k_cone = 0.5;       // rad
-constexpr double k_front = 1.0;      // m
-constexpr double k_side = 0.5;       // m
+constexpr double k_speed = 0.4;       // m/s
+constexpr double k_cone = 0.5;        // rad
+constexpr double k_front = 1.0;       // m
+constexpr double k_side = 0.5;        // m
 constexpr double k_least_turn = 0.1;  // rad/s, of one that stands
 
 struct Flocking {
@@ -37,9 +37,12 @@ struct Flocking {
         }
       return false;
     };
-    const bool has_ring = take([](const DeviceInfo& d) { return d.prepared.transducers.size() >= k_front_ring; });
-    if (!has_ring) fault = "needs a ranger of 8 or more transducers";
-    else if (!take([](const DeviceInfo& d) { return d.kind == "fiducial"; })) fault = "needs a fiducial finder";
+    const bool has_ring =
+        take([](const DeviceInfo& d) { return d.prepared.transducers.size() >= k_front_ring; });
+    if (!has_ring)
+      fault = "needs a ranger of 8 or more transducers";
+    else if (!take([](const DeviceInfo& d) { return d.kind == "fiducial"; }))
+      fault = "needs a fiducial finder";
     if (!fault.empty()) return {};
     const auto& layout = devices[chosen[0]].prepared;
     for (std::size_t i = 0; i < k_front_ring; ++i) {

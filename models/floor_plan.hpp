@@ -19,8 +19,8 @@ class FloorPlan {
   explicit FloorPlan(const Box& box) : box_(box), blocked_(k_cells * k_cells, 0) {}
   /// The raster of a model, over its bounding box, in the world's frame.
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
-  /// Of the model of this name; where there is none, of the first that is outlined by an image; where there is
-  /// none either, free ground of 16 m about the origin.
+  /// Of the model of this name; where there is none, of the first that is outlined by an image; where there
+  /// is none either, free ground of 16 m about the origin.
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// The cell below a point: those outside are those at the border. Row by row from below, x first.

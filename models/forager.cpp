@@ -49,11 +49,11 @@ constexpr std::int32_t k_charger_mark = 2;
 constexpr int k_steps_ahead = 2;        // cells
 constexpr double k_turn_gain = 1;       // 1/s
 constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on the spot
-constexpr double k_dock_within = 1.5;   // m from the charger: from there on it heads for that, not along a way
-constexpr double k_aligned = 0.2;  // rad
-constexpr double k_room = 0.7;     // m that must be free before it, beyond the last half metre
-constexpr double k_queue = 1.2;    // m from the charger: nearer nobody waits
-constexpr std::uint32_t k_stuck = 5;  // updates: more than it takes from a command to what comes of it
+constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
+constexpr double k_aligned = 0.2;      // rad
+constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
+constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
+constexpr std::uint32_t k_stuck = 5;   // updates: more than it takes from a command to what comes of it
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr std::size_t k_least_samples = 9;
 
@@ -91,8 +91,8 @@ struct Forager {
     double heading = 0;  ///< rad
     std::uint8_t mode = working;
     std::uint8_t started = 0;
-    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, still_updates, escape_updates, x, y, heading, mode,
-                  started)
+    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, still_updates, escape_updates, x, y, heading,
+                  mode, started)
   };
   static constexpr std::array<std::string_view, 1> brings{"flags"};
   static constexpr std::size_t k_scanner = 0;
@@ -115,8 +115,7 @@ struct Forager {
 
  private:
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
-  void refuel(Memory& memory, const engine::Percept& percept, Random& random,
-              engine::Actions& actions) const;
+  void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
   Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
   std::uint32_t nearest_charger(const Pose& from) const;
@@ -177,7 +176,8 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
   return {};
 }
 
-/// As `wander`, with a narrower window ahead and for half as long: many meet at the sink. True where it takes the command.
+/// As `wander`, with a narrower window ahead and for half as long: many meet at the sink. True where it takes
+/// the command.
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
   const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
@@ -286,7 +286,8 @@ void Forager::work(Memory& memory, const engine::Percept& percept, Random& rando
     actions.command = {};
     return;
   }
-  const double off = bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
   actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
 }
 
@@ -376,21 +377,21 @@ struct Fasr2 : Forager {
 }  // namespace
 
 engine::ControllerKind fasr_controller() {
-  return engine::make_controller_kind<Fasr>(
-      "fasr", "fetch flags from a source, bring them to a sink, and charge",
-      with_plan({{.name = "source",
-                  .type = FieldType::text,
-                  .fallback = "source",
-                  .text = "the model that holds flags to be fetched"},
-                 {.name = "sink",
-                  .type = FieldType::text,
-                  .fallback = "sink",
-                  .text = "the model that they are brought to"}}));
+  return engine::make_controller_kind<Fasr>("fasr",
+                                            "fetch flags from a source, bring them to a sink, and charge",
+                                            with_plan({{.name = "source",
+                                                        .type = FieldType::text,
+                                                        .fallback = "source",
+                                                        .text = "the model that holds flags to be fetched"},
+                                                       {.name = "sink",
+                                                        .type = FieldType::text,
+                                                        .fallback = "sink",
+                                                        .text = "the model that they are brought to"}}));
 }
 
 engine::ControllerKind fasr2_controller() {
-  static constexpr std::array<std::string_view, k_most_tasks> k_names{
-      "task", "task2", "task3", "task4", "task5", "task6", "task7", "task8"};
+  static constexpr std::array<std::string_view, k_most_tasks> k_names{"task",  "task2", "task3", "task4",
+                                                                      "task5", "task6", "task7", "task8"};
   std::vector<engine::Field> fields;
   for (const std::string_view name : k_names)
     fields.push_back({.name = name,

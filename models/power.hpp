@@ -57,7 +57,8 @@ struct PowerContactState {
 /// needs     a power pack on the same part or below it, on both sides; its own body is never served
 engine::DeviceKind power_contact_kind();
 
-/// Farther apart than this two contacts do not touch, m: the width of Stage's cells, in which its bodies meet.
+/// Farther apart than this two contacts do not touch, m: the width of Stage's cells, in which its bodies
+/// meet.
 inline constexpr double k_contact_m = 0.02;
 /// Bodies that one contact serves in a tick.
 inline constexpr std::size_t k_most_takers = 16;

@@ -93,8 +93,7 @@ PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) 
 void apply(World& world, const std::any& data, const Effect& effect) {
   const Row giver_row = world.row(effect.source);
   const Row taker_row = world.row(effect.target);
-  const BodyType::Device& taking =
-      world.type(taker_row).devices[static_cast<std::size_t>(effect.payload[0])];
+  const BodyType::Device& taking = world.type(taker_row).devices[static_cast<std::size_t>(effect.payload[0])];
   PowerPackState& giver = pack_of(world, giver_row, world.type(giver_row).devices[effect.device]);
   PowerPackState& taker = pack_of(world, taker_row, taking);
   if (taker.infinite != 0) return;

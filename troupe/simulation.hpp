@@ -44,6 +44,8 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
   std::vector<std::filesystem::path> search_path;
+  /// Directories searched for plug-ins with the controllers that Troupe has not (docs/controllers.md).
+  std::vector<std::filesystem::path> plugin_path;
 };
 
 /// How a saved run goes on. Nothing here but `set` changes a result.
@@ -58,6 +60,10 @@ struct ResumeOptions {
   /// Takes a checkpoint of another version of Troupe, which may go on with other bits than the version that
   /// made it.
   bool across_versions = false;
+  /// As in SimulationOptions; the run's plug-ins must be on it.
+  std::vector<std::filesystem::path> plugin_path;
+  /// Takes other builds of the plug-ins than those with which the checkpoint was made.
+  bool across_plugins = false;
 };
 
 /// The phases of a tick, in their order: engine/phase.hpp.
@@ -164,7 +170,7 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// What the loader warned of, as `file:line: warning: ...`.
+  /// What the loader warned of, as `file:line: warning: ...`, of plug-ins as `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// Options as they took effect, `key=value` each, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;

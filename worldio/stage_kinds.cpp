@@ -413,18 +413,17 @@ std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& mo
 
 std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view call, Where where) {
   const std::vector<std::string_view> words = words_of(call);
-  std::vector<std::string_view> known = names_of(registry_.controllers);
-  for (const engine::Registry::Preset& preset : registry_.presets) known.push_back(preset.name);
-  std::ranges::sort(known);
   if (words.empty()) {
-    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}", comma_list(known)));
+    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}",
+                                     comma_list(registry_.controller_names())));
     return {};
   }
   const std::string_view name = words[0];
   const engine::Registry::Preset* preset = registry_.preset(name);
-  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name);
+  std::string fault;
+  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name, fault);
   if (!kind) {
-    values_.error(where, unknown_name("controller", name, known));
+    values_.error(where, fault);
     return {};
   }
   const std::vector<Field>& fields = kind->params.fields;

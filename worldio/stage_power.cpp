@@ -163,7 +163,8 @@ void StagePower::finish(TypeSpec& type) {
     return true;
   });
   const bool is_controlled = !type.controllers.empty();
-  const FieldTable* table = registry_.device("power_pack") ? &registry_.device("power_pack")->params : nullptr;
+  const FieldTable* table =
+      registry_.device("power_pack") ? &registry_.device("power_pack")->params : nullptr;
   if (!table) return;
   for (const Draw& draw : draws_) {
     DeviceSpec* pack = pack_of(type, draw.part);

@@ -189,8 +189,7 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                   "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
                   "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
                   "drives",
-                  "w.world:12: warning: scount: obsolete, ignored by Stage too",
-                  "w.world: 10 findings"));
+                  "w.world:12: warning: scount: obsolete, ignored by Stage too", "w.world: 10 findings"));
 }
 
 TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {

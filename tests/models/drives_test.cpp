@@ -155,7 +155,8 @@ TEST(Drives, AnAccelerationOrAGoalThatIsNoNumberNamesRobotAndTick) {
 }
 
 TEST(Drives, AccelerationGrowsWithinItsBoundsAndThoseOfSpeed) {
-  Robot robot("diff", {{"acceleration_max_x", 0.5}, {"velocity_max_x", 0.12}, {"turn_acceleration_min", -2.0}});
+  Robot robot("diff",
+              {{"acceleration_max_x", 0.5}, {"velocity_max_x", 0.12}, {"turn_acceleration_min", -2.0}});
   engine::World world = robot.scene.world();
   const Row row = world.row(robot.body);
   world.set_command(row, {3, 3, -1, k_accelerate});

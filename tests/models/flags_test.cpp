@@ -16,9 +16,10 @@ using test::box;
 using test::SceneBuilder;
 
 engine::DeviceSpec flags(int most, int yellow = 0) {
-  return {.name = "flags",
-          .kind = "flags",
-          .params = test::record(test::registry().device("flags")->params, {{"most", most}, {"yellow", yellow}})};
+  return {
+      .name = "flags",
+      .kind = "flags",
+      .params = test::record(test::registry().device("flags")->params, {{"most", most}, {"yellow", yellow}})};
 }
 
 /// A holder, in reach of a program: commands as a controller gives them.
@@ -69,8 +70,8 @@ const engine::Registry& registry_with_asker() {
     const auto number = [](std::string_view name) {
       return engine::Field{.name = name, .type = engine::FieldType::integer, .fallback = 0};
     };
-    kinds.controllers.push_back(
-        engine::make_controller_kind<Asker>("asker", "", {{number("verb"), number("target"), number("color")}}));
+    kinds.controllers.push_back(engine::make_controller_kind<Asker>(
+        "asker", "", {{number("verb"), number("target"), number("color")}}));
     return kinds;
   }();
   return registry;

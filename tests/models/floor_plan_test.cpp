@@ -33,7 +33,8 @@ std::vector<int> costs(const FloorPlan& plan, const std::vector<int>& goals) {
     for (int from = 0; from < plan.size(); ++from)
       for (const int to : {from - 1, from + 1, from - k_cells, from + k_cells}) {
         if (to < 0 || to >= plan.size() || std::abs(to % k_cells - from % k_cells) > 1) continue;
-        const int there = cost[static_cast<std::size_t>(to)] + (plan.blocked(to) ? k_blocked_cost : k_free_cost);
+        const int there =
+            cost[static_cast<std::size_t>(to)] + (plan.blocked(to) ? k_blocked_cost : k_free_cost);
         if (there >= cost[static_cast<std::size_t>(from)]) continue;
         cost[static_cast<std::size_t>(from)] = there;
         changed = true;

@@ -1,3 +1,4 @@
+#include "engine/world.hpp"
 #include "models/flags.hpp"
 #include "models/power.hpp"
 #include "tests/support/slow_build.hpp"

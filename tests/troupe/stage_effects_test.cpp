@@ -84,7 +84,8 @@ constexpr Effect k_effects[] = {
     {"model", "kjoules_capacity", "mover( joules 100 @ )", "kjoules_capacity 1"},
     {"model", "when_empty", "mover( joules 0.3 @ )", "when_empty \"nothing\""},
     {"model", "give_watts",
-     "model( joules -1 alwayson 1 @ ) model( pose [1 0 0 0] size [2 1 1] joules 5 joules_capacity 9 take_watts 3 )",
+     "model( joules -1 alwayson 1 @ ) model( pose [1 0 0 0] size [2 1 1] joules 5 joules_capacity 9 "
+     "take_watts 3 )",
      "give_watts 5"},
     {"model", "take_watts",
      "model( joules -1 alwayson 1 give_watts 5 ) model( pose [1 0 0 0] size [2 1 1] joules_capacity 9 @ )",
@@ -106,6 +107,13 @@ constexpr Effect k_effects[] = {
     {"position", "drive", "mover( @ )", "drive \"car\""},
     {"position", "velocity_bounds", "mover( @ )", "velocity_bounds [0 0.1 0 0 0 0 -10 10]"},
     {"position", "wheelbase", "mover( drive \"car\" @ )", "wheelbase 0.3"},
+    {"position", "velocity", "mover( update_interval 300 @ )", "velocity [0.1 0 0 0]"},
+    {"position", "acceleration_bounds", "mover( @ )", "acceleration_bounds [0 0.1 0 0 0 0 -10 10]", loaded},
+    {"position", "localization", "mover( @ )", "localization \"odom\""},
+    {"position", "localization_origin", "mover( localization \"odom\" @ )", "localization_origin [1 0 0 0]"},
+    {"position", "gps_origin", "mover( localization_origin [1 0 0 0] @ )", "gps_origin 1", loaded},
+    {"position", "odom_error", "mover( localization \"odom\" @ )", "odom_error [0.1 0 0 0]"},
+    {"position", "odom_heading", "mover( localization \"odom\" @ )", "odom_heading \"old\""},
 
     {"sensor", "pose",
      "position( size [0.2 0.2 0.2] ranger( alwayson 1 sensor( @ ) ) ) model( pose [1 0 0 0] )",

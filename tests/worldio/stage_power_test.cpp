@@ -32,9 +32,13 @@ TEST_F(StagePowerTest, JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem
     const char* text;
     double stored, capacity;
   };
-  for (const Case& c : {Case{"joules 50", 50, 50}, {"kjoules 2", 2000, 2000}, {"joules_capacity 80", 0, 80},
-                        {"joules 50 joules_capacity 80", 50, 80}, {"joules_capacity 30 joules 50", 30, 30},
-                        {"kjoules_capacity 1 joules 50", 50, 1000}, {"kjoules 2 joules 50", 2000, 2000}}) {
+  for (const Case& c : {Case{"joules 50", 50, 50},
+                        {"kjoules 2", 2000, 2000},
+                        {"joules_capacity 80", 0, 80},
+                        {"joules 50 joules_capacity 80", 50, 80},
+                        {"joules_capacity 30 joules 50", 30, 30},
+                        {"kjoules_capacity 1 joules 50", 50, 1000},
+                        {"kjoules 2 joules 50", 2000, 2000}}) {
     const std::vector<DeviceSpec> found = devices(std::string("model( ") + c.text + " )");
     ASSERT_EQ(found.size(), 1) << c.text;
     EXPECT_EQ(found[0].kind, "power_pack");
@@ -86,8 +90,9 @@ TEST_F(StagePowerTest, GiversAndTakersHaveContacts) {
 
 TEST_F(StagePowerTest, WarnsOfContactsThatAreOfNoUse) {
   EXPECT_EQ(devices("model( joules -1 give_watts 500 )").size(), 2);
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: a model gives energy only while it runs: it "
-                                                "needs \"alwayson 1\" or a \"ctrl\"")));
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: warning: a model gives energy only while it runs: it "
+                                    "needs \"alwayson 1\" or a \"ctrl\"")));
   EXPECT_THAT(devices("model( take_watts 70 )"), testing::IsEmpty());
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("have no effect without \"joules\"")));
   EXPECT_THAT(devices("model( when_empty \"nothing\" )"), testing::IsEmpty());
@@ -104,16 +109,19 @@ TEST_F(StagePowerTest, AnEmptyPackMayBeWithoutEffect) {
 }
 
 TEST_F(StagePowerTest, RefusesWrongEnergies) {
-  load("model( joules 5 watts -3 )\nmodel( joules_capacity -5 )\nmodel( joules 5 when_empty \"explode\" )\n"
-       "model( mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("w.world:1: error: \"watts\" must be 0 or above, in W, and at most 1e9; here is -3"),
-                          HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1e12 J; "
-                                    "here is -5"),
-                          HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\"; here is "
-                                    "\"explode\""),
-                          HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1e6, in kg; here is -1"),
-                          HasSubstr("w.world:5: error: \"give_watts\" must be 0 or above")));
+  load(
+      "model( joules 5 watts -3 )\nmodel( joules_capacity -5 )\nmodel( joules 5 when_empty \"explode\" )\n"
+      "model( mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          HasSubstr("w.world:1: error: \"watts\" must be 0 or above, in W, and at most 1e9; here is -3"),
+          HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1e12 J; "
+                    "here is -5"),
+          HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\"; here is "
+                    "\"explode\""),
+          HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1e6, in kg; here is -1"),
+          HasSubstr("w.world:5: error: \"give_watts\" must be 0 or above")));
 }
 
 TEST_F(StagePowerTest, ModelsWithASourceHoldFlags) {

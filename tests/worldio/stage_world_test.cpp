@@ -892,9 +892,8 @@ TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
-          "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
+      ElementsAre("simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
+                  "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);
@@ -927,10 +926,9 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
-          "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-          "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
+      ElementsAre("pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
+                  "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
