@@ -261,6 +261,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
+  effects_.clear();
   beams_ = conflict_rounds_ = 0;
   for (StateTable& table : tables_) table.clear();
   for (const BodyType& type : types_) {
