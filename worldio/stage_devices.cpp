@@ -11,6 +11,12 @@ constexpr auto k_parameters = std::to_array<StageParameter>({
     {"blinkenlight", "period", "period", milliseconds},
     {"blinkenlight", "dutycycle", "dutycycle"},
     {"blinkenlight", "enabled", "enabled"},
+    {"fiducial", "range_min", "range_min", length},
+    {"fiducial", "range_max", "range_max", length},
+    {"fiducial", "range_max_id", "range_max_id", length},
+    {"fiducial", "fov", "fov", angle},
+    {"fiducial", "ignore_zloc", "ignore_zloc"},
+    {"fiducial", "fiducial_key", "key"},
 });
 
 }  // namespace
