@@ -25,7 +25,7 @@ struct RayOutline {
 struct BodyType {
   std::string name;
   partition::ObstacleShape obstacle;
-  std::vector<Vec2> outline_vertices;  ///< body frame
+  std::vector<Vec2> outline_vertices;       ///< body frame
   std::vector<RayOutline> outlines;         ///< that rangers see; their vertices come first
   std::vector<RayOutline> hidden_outlines;  ///< that rangers do not: fiducial finders and others do
   /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.

@@ -63,11 +63,11 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
 
 /// A ray of a sensor that casts few of them, and what may stop it.
 struct SightRay {
-  Vec2 origin = Vec2::Zero();       ///< world frame, m
-  Vec2 direction = Vec2::UnitX();   ///< of length 1
-  double length = 0;                ///< m; what is as far or farther is not met
-  Row own;                          ///< it passes all of this tree; not valid: it passes nobody
-  std::optional<double> z;          ///< its height, world frame; none: it meets bodies of any height
+  Vec2 origin = Vec2::Zero();               ///< world frame, m
+  Vec2 direction = Vec2::UnitX();           ///< of length 1
+  double length = 0;                        ///< m; what is as far or farther is not met
+  Row own;                                  ///< it passes all of this tree; not valid: it passes nobody
+  std::optional<double> z;                  ///< its height, world frame; none: it meets bodies of any height
   bool (*stops)(const Returns&) = nullptr;  ///< whether it ends at such a part; null: at all of them
 };
 

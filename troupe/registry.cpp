@@ -9,6 +9,8 @@
 #include "models/nearness.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "sensors/blobfinder.hpp"
+#include "sensors/bumper.hpp"
 #include "sensors/fiducial.hpp"
 #include "sensors/ranger.hpp"
 
@@ -17,7 +19,8 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(), sensors::fiducial_kind(), models::blinkenlight_kind(), models::lightindicator_kind()};
+  registry.devices = {sensors::ranger_kind(), sensors::fiducial_kind(),    sensors::blobfinder_kind(),
+                      sensors::bumper_kind(), models::blinkenlight_kind(), models::lightindicator_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller()};

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "base/color.hpp"
 #include "engine/fields.hpp"
 #include "worldio/json_reader.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +24,9 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 /// default; a required field that is absent is an error. The record is complete unless errors were reported.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
+
+/// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
+std::optional<Color> read_color(const JsonCursor& at);
 
 /// The keys under which a field may be written: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);
