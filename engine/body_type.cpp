@@ -22,6 +22,7 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
 
 void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
+  std::uint32_t solid_number = 0;
   const auto add = [&](bool hidden, std::vector<RayOutline>& outlines) {
     for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
       const PartSpec& part = spec.parts[p];
@@ -30,9 +31,11 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
         for (const Ring& ring : solid.contours) {
           for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
           outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
-                              static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p});
+                              static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p,
+                              solid_number});
           type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
         }
+        ++solid_number;
       }
     }
   };

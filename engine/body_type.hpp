@@ -18,7 +18,8 @@ struct RayOutline {
   std::uint32_t count = 0;
   ZInterval z;  ///< body frame
   float ranger_return = 1;
-  std::uint32_t part = 0;  ///< that it is of
+  std::uint32_t part = 0;   ///< that it is of
+  std::uint32_t solid = 0;  ///< of the type: contours of one number are one even-odd region
 };
 
 /// A TypeSpec made ready to run: what identical bodies share and never changes during a run.

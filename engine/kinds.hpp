@@ -268,6 +268,10 @@ struct Registry {
   const ControllerKind* controller(std::string_view name) const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
+
+  /// The devices that only look, and those that do more.
+  std::vector<DeviceKind> sensors() const;
+  std::vector<DeviceKind> other_devices() const;
 };
 
 }  // namespace troupe::engine

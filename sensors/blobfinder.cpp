@@ -57,7 +57,8 @@ class Writer {
 
   void add(const Blob& blob) {
     const auto& colors = finder_.colors;
-    if (!colors.empty() && std::ranges::none_of(colors, [&](const Color& c) { return is_same(c, blob.color); }))
+    if (!colors.empty() &&
+        std::ranges::none_of(colors, [&](const Color& c) { return is_same(c, blob.color); }))
       return;
     if (const std::size_t i = count_++; i < finder_.most_blobs) set(i, blob);
   }
@@ -103,8 +104,7 @@ void find_blobs(const World& world, const Finder& finder, Row own, Writer& write
                                   .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
                                   .length = finder.range,
                                   .own = own});
-    const bool is_seen =
-        first.met() && (!finder.use_blob_return || first.part_spec(world).returns.blob);
+    const bool is_seen = first.met() && (!finder.use_blob_return || first.part_spec(world).returns.blob);
     const Color color = is_seen ? color_of(world, first) : Color();
     const bool goes_on = blob && is_seen && is_same(color, blob->color);
     if (blob && !goes_on) {
@@ -142,7 +142,8 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
     finder.colors.push_back({static_cast<float>(colors[i]), static_cast<float>(colors[i + 1]),
                              static_cast<float>(colors[i + 2]), 1});
   for (std::size_t i = 0; i < finder.width; ++i) {
-    const double across = finder.width == 1 ? 0.5 : static_cast<double>(i) / static_cast<double>(finder.width - 1);
+    const double across =
+        finder.width == 1 ? 0.5 : static_cast<double>(i) / static_cast<double>(finder.width - 1);
     finder.bearings.emplace_back(finder.pose_body_sensor.heading + (across - 0.5) * finder.fov);
   }
   const auto n = static_cast<std::uint32_t>(finder.most_blobs);

@@ -86,8 +86,7 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
   double reach = 0;
   for (const Record& record : params[0].records()) {
     const Record& p = record[0].records().front();
-    const Pose pose =
-        compose(pose_body_sensor, {p[0].number(), p[1].number(), p[2].number(), p[3].number()});
+    const Pose pose = compose(pose_body_sensor, {p[0].number(), p[1].number(), p[2].number(), p[3].number()});
     const double length = record[1].number();
     const Vec2 half = length / 2 * (Rotation(pose.heading) * Vec2::UnitY());
     bumper.strips.push_back({pose.position() - half, pose.position() + half});

@@ -61,7 +61,8 @@ void look_in_cones(const engine::World& world, Row own, const TransducerExtras& 
         const auto range = nearest_in_cone(right, left, a - tip, b - tip);
         if (!range || *range > nearest || *range >= extras.range_max) return;
         if (!intensities.empty())  // of two surfaces at one distance the larger, as for beams without a width
-          intensities[i] = *range < nearest ? chain.ranger_return : std::max(intensities[i], chain.ranger_return);
+          intensities[i] =
+              *range < nearest ? chain.ranger_return : std::max(intensities[i], chain.ranger_return);
         nearest = *range;
       });
     };

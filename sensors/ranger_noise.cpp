@@ -15,8 +15,7 @@ void add_noise(const TransducerExtras& extras, Random& random, std::span<float> 
     const double share = extras.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
     const double normal = extras.noise_stddev > 0 ? random.normal() : 0;
     if (range >= range_max) continue;
-    const double noisy =
-        range + range * extras.noise_proportional * share + extras.noise_stddev * normal;
+    const double noisy = range + range * extras.noise_proportional * share + extras.noise_stddev * normal;
     range = std::clamp(static_cast<float>(noisy), 0.0f, range_max);
   }
 }

@@ -28,6 +28,10 @@ engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
 /// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
 std::optional<Color> read_color(const JsonCursor& at);
 
+/// The object under a key, every field of a table and nothing else; empty where the key is not there.
+std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
+                                         const engine::FieldTable& table);
+
 /// The keys under which a field may be written: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);
 

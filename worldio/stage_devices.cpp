@@ -17,6 +17,7 @@ constexpr auto k_parameters = std::to_array<StageParameter>({
     {"blobfinder", "fov", "fov", angle},
     {"blobfinder", "pan", "pan", angle},
     {"fiducial", "range_min", "range_min", length},
+    {"fiducial", "apply_range_min", "apply_range_min"},
     {"fiducial", "range_max", "range_max", length},
     {"fiducial", "range_max_id", "range_max_id", length},
     {"fiducial", "fov", "fov", angle},

@@ -20,17 +20,18 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
   if (!used) return false;
   const std::vector<std::string_view> given = values_.texts(*names);
   if (*used < 0 || static_cast<std::uint64_t>(*used) > given.size()) {
-    values_.error(values_.where(*count), fmt::format("\"colors_count\" must be from 0 to {}, as many as there "
-                                                     "are \"colors\"; here is {}",
-                                                     given.size(), *used));
+    values_.error(values_.where(*count),
+                  fmt::format("\"colors_count\" must be from 0 to {}, as many as there "
+                              "are \"colors\"; here is {}",
+                              given.size(), *used));
     return false;
   }
   std::vector<double> parts;
   for (const std::string_view name : std::span(given).first(static_cast<std::size_t>(*used))) {
     const auto color = color_by_name(name);
     if (!color) {
-      values_.error(values_.where(*names), fmt::format("unknown colour \"{}\"; colours have X11 names{}", name,
-                                                       did_you_mean(name, color_names())));
+      values_.error(values_.where(*names), fmt::format("unknown colour \"{}\"; colours have X11 names{}",
+                                                       name, did_you_mean(name, color_names())));
       return false;
     }
     parts.insert(parts.end(), {color->r, color->g, color->b});
@@ -68,7 +69,8 @@ bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& 
     const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
     const StageProperty* length = own != nullptr ? own : common;
     if (length == nullptr) {
-      values_.error(model.where, fmt::format("bumper {} has no length: give \"blength\" or \"blength[{}]\"", k, k));
+      values_.error(model.where,
+                    fmt::format("bumper {} has no length: give \"blength\" or \"blength[{}]\"", k, k));
       return false;
     }
     const auto value_of_length = value(*length, table.fields[1], values_.length_unit(), -1);

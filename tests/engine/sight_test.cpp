@@ -142,7 +142,8 @@ TEST(Sight, NoRaySlipsBetweenTwoEdges) {
       const Vec2 origin(0.01 * i, -0.013 * i);
       // From within the crate's width each corner lies before its far side.
       const Vec2 way = Vec2(5, 0.3) + 0.999999999999 * (corner - Vec2(5, 0.3)) - origin;
-      const Sighting first = first_met(world, {.origin = origin, .direction = way / way.norm(), .length = 20});
+      const Sighting first =
+          first_met(world, {.origin = origin, .direction = way / way.norm(), .length = 20});
       EXPECT_EQ(first.body, crate) << i;
     }
 }

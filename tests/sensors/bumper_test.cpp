@@ -21,9 +21,9 @@ engine::Value strip(const Pose& pose) {
 struct BumperScene : SceneBuilder {
   explicit BumperScene(const Pose& pose = {}) {
     const TypeId type = robot("robot", {box(0.4, 0.4)});
-    const std::vector<engine::Record> strips{{strip({0.21, 0, 0, 0}), 0.3}, {strip({-0.21, 0, 0, k_pi}), 0.3}};
-    (*this)[type].devices = {
-        {.name = "bumper", .kind = "bumper", .params = {strips, 0.02}, .where = {}}};
+    const std::vector<engine::Record> strips{{strip({0.21, 0, 0, 0}), 0.3},
+                                             {strip({-0.21, 0, 0, k_pi}), 0.3}};
+    (*this)[type].devices = {{.name = "bumper", .kind = "bumper", .params = {strips, 0.02}, .where = {}}};
     body("r", type, pose);
   }
 };

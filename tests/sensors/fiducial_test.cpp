@@ -58,7 +58,8 @@ struct Seen {
   std::uint32_t count() const { return field<std::uint32_t>(k_fiducial_count)[0]; }
   std::vector<std::int32_t> ids() const {
     const auto all = field<std::int32_t>(k_fiducial_id);
-    return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(count(), all.size()))};
+    return {all.begin(),
+            all.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(count(), all.size()))};
   }
   World world;
   std::size_t slot = 0;
@@ -176,8 +177,9 @@ TEST(Fiducial, SightIsMutualInACrowdForAnyThreadsAndTiles) {
   for (int i = 0; i < k_robots; ++i) {
     std::string name = "r";
     name += std::to_string(i);
-    scene.body(name, type, {1.0 * (i % 8) + random.uniform(0, 0.4), 1.0 * (i / 8) + random.uniform(0, 0.4), 0,
-                            random.uniform(-3, 3)});
+    scene.body(name, type,
+               {1.0 * (i % 8) + random.uniform(0, 0.4), 1.0 * (i / 8) + random.uniform(0, 0.4), 0,
+                random.uniform(-3, 3)});
   }
   const auto sees = [&](engine::WorldOptions options) {
     World world = scene.world(options);

@@ -154,11 +154,11 @@ const Vec2 k_left(std::cos(0.2), std::sin(0.2));
 
 TEST(RangerCone, NearestPointOfAnEdge) {
   const auto nearest = [](Vec2 a, Vec2 b) { return nearest_in_cone(k_right, k_left, a, b); };
-  EXPECT_DOUBLE_EQ(*nearest({2, -1}, {2, 1}), 2);                       // its foot
-  EXPECT_DOUBLE_EQ(*nearest({2, 0.1}, {3, 0.1}), std::hypot(2, 0.1));   // an end
+  EXPECT_DOUBLE_EQ(*nearest({2, -1}, {2, 1}), 2);                                     // its foot
+  EXPECT_DOUBLE_EQ(*nearest({2, 0.1}, {3, 0.1}), std::hypot(2, 0.1));                 // an end
   EXPECT_NEAR(*nearest({2, 0}, {0, 2}), 2 / (std::cos(0.2) + std::sin(0.2)), 1e-12);  // where it leaves
   EXPECT_FALSE(nearest({2, 1}, {3, 1}));
-  EXPECT_FALSE(nearest({-2, -1}, {-2, 1}));                             // behind
+  EXPECT_FALSE(nearest({-2, -1}, {-2, 1}));  // behind
   EXPECT_FALSE(nearest({2, -0.5}, {-1, 0.1}) > 1.9);
 }
 

@@ -1,4 +1,5 @@
-// The scenes of worlds/ that show a sensor each, and what they must come to: worked out by hand from the files.
+// The scenes of worlds/ that show a sensor each, and what they must come to: worked out by hand from the
+// files.
 
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
@@ -70,8 +71,8 @@ TEST(SensorScenes, FiducialReadsThePostsInSight) {
   EXPECT_THAT(ids(), ElementsAre(4));  // at 2
 }
 
-// 40 columns over 60 degrees are 60/39 degrees apart. The red crate's face, 1.9 m ahead, reaches 3.01 degrees to
-// each side; the blue crate lies from 19.54 to 24.15 degrees.
+// 40 columns over 60 degrees are 60/39 degrees apart. The red crate's face, 1.9 m ahead, reaches 3.01 degrees
+// to each side; the blue crate lies from 19.54 to 24.15 degrees.
 TEST(SensorScenes, BlobsAreTheCratesOfTheColoursAskedFor) {
   Scene scene("blobs.world");
   scene.run_to(1);
@@ -86,8 +87,9 @@ TEST(SensorScenes, BlobsAreTheCratesOfTheColoursAskedFor) {
               ElementsAre(255, 0, 0, 255, 0, 0, 255, 255));
 }
 
-// 0.05 m a tick from the second on; the front, 0.2 m ahead, may not pass the post's face at 1.01 m. So it stands at
-// 0.8 m after tick 17, which tick 18 is the first to see; the strips, 0.21 m ahead, were 5 cm away before.
+// 0.05 m a tick from the second on; the front, 0.2 m ahead, may not pass the post's face at 1.01 m. So it
+// stands at 0.8 m after tick 17, which tick 18 is the first to see; the strips, 0.21 m ahead, were 5 cm away
+// before.
 TEST(SensorScenes, TheLeftBumperFeelsThePost) {
   Scene scene("bumper.world");
   scene.run_to(17);

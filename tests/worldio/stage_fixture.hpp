@@ -7,6 +7,9 @@
 #include "models/model_kinds.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "sensors/blobfinder.hpp"
+#include "sensors/bumper.hpp"
+#include "sensors/fiducial.hpp"
 #include "sensors/ranger.hpp"
 #include "worldio/load.hpp"
 
@@ -25,7 +28,8 @@ inline const engine::Registry& test_registry() {
   static const engine::Registry registry = [] {
     engine::Registry r;
     r.models = models::model_kinds();
-    r.devices = {sensors::ranger_kind()};
+    r.devices = {sensors::ranger_kind(), sensors::fiducial_kind(), sensors::blobfinder_kind(),
+                 sensors::bumper_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
     r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
     r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};

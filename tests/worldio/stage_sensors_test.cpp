@@ -30,9 +30,10 @@ class StageSensors : public StageTest {
 };
 
 TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
-  const auto spec = load_all("unit_length \"cm\"\n"
-                             "position( size [40 40 30] fiducial_return 3 fiducial_key 2\n"
-                             " fiducial( range_max 400 range_max_id 150 fov 90 ignore_zloc 1 fiducial_key 7 ) )");
+  const auto spec = load_all(
+      "unit_length \"cm\"\n"
+      "position( size [40 40 30] fiducial_return 3 fiducial_key 2\n"
+      " fiducial( range_max 400 range_max_id 150 fov 90 ignore_zloc 1 fiducial_key 7 ) )");
   const engine::TypeSpec& type = type_of(spec, 1);
   EXPECT_EQ(type.parts[0].returns.fiducial, 3);
   EXPECT_EQ(type.parts[0].returns.fiducial_key, 2);
@@ -48,8 +49,8 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
 }
 
 TEST_F(StageSensors, ABlobfinderFiltersByAsManyColoursAsItCounts) {
-  const engine::DeviceSpec finder =
-      device("blobfinder( image [40 20] range 3 fov 90 pan 30 colors_count 2 colors [\"red\" \"blue\" \"green\"] )");
+  const engine::DeviceSpec finder = device(
+      "blobfinder( image [40 20] range 3 fov 90 pan 30 colors_count 2 colors [\"red\" \"blue\" \"green\"] )");
   EXPECT_EQ(param(finder, "image_width").integer(), 40);
   EXPECT_EQ(param(finder, "image_height").integer(), 20);
   EXPECT_EQ(param(finder, "range").number(), 3);
@@ -63,15 +64,17 @@ TEST_F(StageSensors, WrongColoursAreErrors) {
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: unknown colour \"rde\"; colours have X11 names "
                                       "(did you mean \"red\"?)"));
   device("blobfinder( colors_count 3 colors [\"red\" \"blue\"] )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"colors_count\" must be from 0 to 2, as many as there "
-                                      "are \"colors\"; here is 3"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"colors_count\" must be from 0 to 2, as many as there "
+                          "are \"colors\"; here is 3"));
   device("blobfinder( image [40.5 20] )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"image\" needs whole numbers; here is 40.5"));
 }
 
 TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
   const engine::DeviceSpec bumper = device(
-      "bumper( size [0.1 0.1 0.1] bcount 2 blength 0.3 blength[1] 0.2 bpose[0] [0.1 0.2 0 45] bpose[1] [0.1 -0.2 0 -45] )");
+      "bumper( size [0.1 0.1 0.1] bcount 2 blength 0.3 blength[1] 0.2 bpose[0] [0.1 0.2 0 45] bpose[1] [0.1 "
+      "-0.2 0 -45] )");
   const std::vector<engine::Record>& strips = param(bumper, "bumpers").records();
   ASSERT_EQ(strips.size(), 2u);
   EXPECT_EQ(strips[0][1].number(), 0.3);
@@ -82,7 +85,8 @@ TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
 
 TEST_F(StageSensors, WrongBumpersAreErrors) {
   device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: bumper 1 has no length: give \"blength\" or \"blength[1]\""));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: bumper 1 has no length: give \"blength\" or \"blength[1]\""));
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000; here is 0"));
   device("bumper( size [0.1 0.1 0.1] )");
@@ -90,9 +94,9 @@ TEST_F(StageSensors, WrongBumpersAreErrors) {
 }
 
 TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
-  const engine::DeviceSpec ranger =
-      device("ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "
-             "apply_range_min 1 ) )");
+  const engine::DeviceSpec ranger = device(
+      "ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "
+      "apply_range_min 1 ) )");
   const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
   const engine::Record& transducer = param(ranger, "transducers").records()[0];
   EXPECT_DOUBLE_EQ(get(table, transducer, "noise_stddev").number(), 0.1);
