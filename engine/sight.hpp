@@ -16,6 +16,7 @@ struct OutlineChain {
   BodyId body;
   std::uint32_t part = 0;   ///< of the body's type
   std::uint32_t solid = 0;  ///< contours of one body and number are one even-odd region
+  std::uint32_t piece = 0;  ///< tells chains of one solid and sight (by rangers or not) from one another
   float ranger_return = 1;
 };
 
@@ -40,7 +41,7 @@ void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, V
             if (!wanted(circle)) continue;
             const partition::FixedSolid& solid = scene.solids()[outlines->solid(circle.row)];
             visit(OutlineChain{outlines->chain(circle.row), false, solid.solid.z, solid.body, solid.part,
-                               outlines->solid(circle.row), solid.ranger_return});
+                               outlines->solid(circle.row), circle.row, solid.ranger_return});
           }
         });
   }
@@ -58,7 +59,8 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
     for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
       for (const RayOutline& outline : *outlines)
         visit(OutlineChain{vertices.subspan(outline.first, outline.count), true, outline.z.shifted(base),
-                           world.body(row), outline.part, outline.solid, outline.ranger_return});
+                           world.body(row), outline.part, outline.solid, outline.first,
+                           outline.ranger_return});
   });
 }
 

@@ -3,6 +3,8 @@
 #include "engine/sight.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <tuple>
 
@@ -48,6 +50,7 @@ class Search {
     own_ = own;
     sensor_ = compose(world.poses()[own.index()], world.transform(own), finder.pose_body_sensor);
     found_.clear();
+    found_.reserve(std::min<std::size_t>(world.rows(), 1024));  // a crowd of that size grows it at once
     const Box box = Box::around(sensor_.position(), finder.range_max);
     world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
       consider(target.body, target.part, target.pose_world_part, 0);

@@ -6,7 +6,7 @@ from .table import Progress, print_row
 TICKS = 300
 QUICK_TICKS = 50
 WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
-          World("crowd.json", weight=0.2, ranging="grid"))
+          World("crowd.json", weight=0.2, ranging="grid"), World("lookout.json", weight=0.2))
 
 
 def hold(world, proofs, ticks, folder, golden=None):

@@ -46,7 +46,8 @@ class WarmStep : public ::testing::TestWithParam<Scene> {};
 INSTANTIATE_TEST_SUITE_P(World, WarmStep,
                          ::testing::Values(Scene{"hospital", "hospital.json", 20, 100},
                                            Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
-                                           Scene{"crowd", "crowd.json", 100, 100}),
+                                           Scene{"crowd", "crowd.json", 100, 100},
+                                           Scene{"lookout", "lookout.json", 100, 100}),
                          [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

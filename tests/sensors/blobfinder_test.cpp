@@ -73,8 +73,8 @@ TEST(Conformance12, ARedBoxTwoMetresAhead) {
 
 TEST(Blobfinder, NoColumnIsLostBetweenTwoBlobs) {
   BlobScene scene({{"image_width", 41}, {"fov", radians(90)}, {"range", 5.0}});
-  scene.crate(k_green, 2, 2, 3.9999);  // fills the left half, and the column straight ahead
-  scene.crate(k_blue, 2, -2.001, 4);
+  scene.crate(k_green, 4, 1.9995, 4);  // fills the left half, and the column straight ahead
+  scene.crate(k_blue, 4, -2.002, 4);
   const std::vector<Blob> seen = blobs(scene);
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_EQ(seen[0].color, 0x0000ff);  // from right to left

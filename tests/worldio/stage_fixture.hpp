@@ -9,6 +9,7 @@
 #include "models/wander.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
+#include "sensors/camera.hpp"
 #include "sensors/fiducial.hpp"
 #include "sensors/ranger.hpp"
 #include "worldio/load.hpp"
@@ -29,7 +30,7 @@ inline const engine::Registry& test_registry() {
     engine::Registry r;
     r.models = models::model_kinds();
     r.devices = {sensors::ranger_kind(), sensors::fiducial_kind(), sensors::blobfinder_kind(),
-                 sensors::bumper_kind()};
+                 sensors::bumper_kind(), sensors::camera_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
     r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
     r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};

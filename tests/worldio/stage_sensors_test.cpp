@@ -93,6 +93,22 @@ TEST_F(StageSensors, WrongBumpersAreErrors) {
   EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: a bumper without \"bcount\" feels nothing"));
 }
 
+TEST_F(StageSensors, ACameraIsWrittenInDegrees) {
+  const engine::WorldSpec spec = load_all(
+      "unit_length \"cm\" unit_angle \"radians\"\n"
+      "position( camera( resolution [64 48] range [10 500] fov [60 45] pantilt [30 -10] alwayson 1 ) )");
+  ASSERT_EQ(type_of(spec, 1).devices.size(), 1u);
+  const engine::DeviceSpec& camera = type_of(spec, 1).devices[0];
+  EXPECT_EQ(param(camera, "width").integer(), 64);
+  EXPECT_EQ(param(camera, "height").integer(), 48);
+  EXPECT_DOUBLE_EQ(param(camera, "range_near").number(), 0.1);
+  EXPECT_DOUBLE_EQ(param(camera, "range_far").number(), 5);
+  EXPECT_DOUBLE_EQ(param(camera, "fov_horizontal").number(), radians(60));
+  EXPECT_DOUBLE_EQ(param(camera, "fov_vertical").number(), radians(45));
+  EXPECT_DOUBLE_EQ(param(camera, "pan").number(), radians(30));
+  EXPECT_DOUBLE_EQ(param(camera, "tilt").number(), radians(-10));
+}
+
 TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
   const engine::DeviceSpec ranger = device(
       "ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "

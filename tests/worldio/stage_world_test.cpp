@@ -168,14 +168,14 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
   load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\ncamera( fov [30 20] )\n"
+      "define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\nactuator( max_speed 2 )\n"
       "position( localization \"odom\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
                           "w.world:4: warning: not supported yet: watts",
-                          "w.world:5: warning: not supported yet: what a camera does; it is only a body "
+                          "w.world:5: warning: not supported yet: what an actuator does; it is only a body "
                           "here",
-                          "w.world:5: warning: not supported yet: fov of a camera",
+                          "w.world:5: warning: not supported yet: max_speed of an actuator",
                           "w.world:6: warning: not supported yet: localization of a position"));
 }
 
