@@ -36,9 +36,7 @@ struct Lens {
   double right(double column) const {
     return half_width * ((column + 0.5) / static_cast<double>(width) * 2 - 1);
   }
-  double up(double row) const {
-    return half_height * (1 - (row + 0.5) / static_cast<double>(height) * 2);
-  }
+  double up(double row) const { return half_height * (1 - (row + 0.5) / static_cast<double>(height) * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
 
@@ -53,7 +51,7 @@ struct Region {
   BodyId body;
   std::uint32_t solid = 0;
   std::uint32_t part = 0;
-  ZInterval z;           ///< above the camera
+  ZInterval z;          ///< above the camera
   bool around = false;  ///< the camera stands above or below it
 };
 
@@ -61,7 +59,8 @@ struct Region {
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  bool is_change = false;  ///< between inside and outside: of two edges at a corner that it passes only one is
+  bool is_change =
+      false;  ///< between inside and outside: of two edges at a corner that it passes only one is
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
@@ -207,7 +206,8 @@ class Painter {
     const Region* seen = nullptr;
     bool is_floor = false;
     const auto offer = [&](double depth, const Region* region) {
-      if (depth < lens_->near || depth > nearest || (depth == nearest && (seen != nullptr || is_floor))) return;
+      if (depth < lens_->near || depth > nearest || (depth == nearest && (seen != nullptr || is_floor)))
+        return;
       nearest = depth;
       seen = region;
       is_floor = region == nullptr;
@@ -270,7 +270,8 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
   lens.half_width = across.sin / across.cos;
   lens.half_height = upright.sin / upright.cos;
   // To the corners of what is seen, or wherever a tilted camera's corners fall on the ground.
-  const double farthest = lens.far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
+  const double farthest =
+      lens.far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
   const auto pixels = static_cast<std::uint32_t>(lens.width * lens.height);
   return {.data = lens,
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},

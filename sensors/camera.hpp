@@ -14,8 +14,8 @@ enum CameraField : std::size_t {
 
 /// A camera: colour and depth of what stands in its field of view, without a graphics library.
 /// sees    bodies of other robots and of the scene as the extruded blocks they are, with their tops and
-///         undersides, and the floor at z = 0; unlit, each in its own colour. What is nearer than range_near is cut
-///         away, what is farther than range_far is sky.
+///         undersides, and the floor at z = 0; unlit, each in its own colour. What is nearer than range_near
+///         is cut away, what is farther than range_far is sky.
 /// pixels  of a pinhole camera: each the colour of one ray through its middle
 /// ties    of two surfaces at one depth the lower (body, solid)
 /// edges   a plate that the camera is above is not seen where all of its outline is out of the field of view

@@ -19,7 +19,9 @@ using Params = std::initializer_list<std::pair<std::string_view, engine::Value>>
 
 constexpr double k_eye = 0.5;  // m: height of the camera
 
-engine::Record camera(Params params) { return test::record(test::registry().device("camera")->params, params); }
+engine::Record camera(Params params) {
+  return test::record(test::registry().device("camera")->params, params);
+}
 
 /// A robot at the origin that looks along +x, and what the test adds.
 struct CameraScene : SceneBuilder {
@@ -60,7 +62,8 @@ constexpr int k_sky = 0x87ceeb;
 constexpr int k_floor = 0xcccccc;
 
 // Of 90 degrees each way, the picture at depth 1 reaches from -1 to 1: pixel i of four is at 0.75 - 0.5 i.
-const Params k_square{{"width", 4}, {"height", 4}, {"fov_horizontal", radians(90)}, {"fov_vertical", radians(90)}};
+const Params k_square{
+    {"width", 4}, {"height", 4}, {"fov_horizontal", radians(90)}, {"fov_vertical", radians(90)}};
 
 TEST(Camera, AWallItsTopAndTheFloorBeforeIt) {
   CameraScene scene(camera(k_square));
@@ -169,7 +172,8 @@ TEST(Camera, IsTrueToAMarchThroughSolids) {
                         {bottom, bottom + random.uniform(0.1, 0.9)}};
       const double angle = random.uniform(-3.1, 3.1);
       const double away = random.uniform(1.4, 4);
-      const Pose place{pose.x + away * std::cos(angle), pose.y + away * std::sin(angle), 0, random.uniform(-3, 3)};
+      const Pose place{pose.x + away * std::cos(angle), pose.y + away * std::sin(angle), 0,
+                       random.uniform(-3, 3)};
       scene.body(name, b % 2 == 0 ? scene.robot(name, {solid}) : scene.type(name, {solid}), place);
       solids.push_back(placed(solid, place));
     }
