@@ -33,7 +33,8 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
   const auto spec = load_all(
       "unit_length \"cm\"\n"
       "position( size [40 40 30] fiducial_return 3 fiducial_key 2\n"
-      " fiducial( range_max 400 range_max_id 150 fov 90 ignore_zloc 1 fiducial_key 7 ) )");
+      " fiducial( range_min 20 apply_range_min 1 range_max 400 range_max_id 150 fov 90 ignore_zloc 1 "
+      "fiducial_key 7 ) )");
   const engine::TypeSpec& type = type_of(spec, 1);
   EXPECT_EQ(type.parts[0].returns.fiducial, 3);
   EXPECT_EQ(type.parts[0].returns.fiducial_key, 2);
@@ -41,6 +42,8 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
   const engine::DeviceSpec& finder = type.devices[0];
   EXPECT_EQ(finder.kind, "fiducial");
   EXPECT_DOUBLE_EQ(finder.pose_body_sensor.z, 0.3);
+  EXPECT_DOUBLE_EQ(param(finder, "range_min").number(), 0.2);
+  EXPECT_TRUE(param(finder, "apply_range_min").boolean());
   EXPECT_DOUBLE_EQ(param(finder, "range_max").number(), 4);
   EXPECT_DOUBLE_EQ(param(finder, "range_max_id").number(), 1.5);
   EXPECT_DOUBLE_EQ(param(finder, "fov").number(), k_pi / 2);
@@ -54,6 +57,7 @@ TEST_F(StageSensors, ABlobfinderFiltersByAsManyColoursAsItCounts) {
   EXPECT_EQ(param(finder, "image_width").integer(), 40);
   EXPECT_EQ(param(finder, "image_height").integer(), 20);
   EXPECT_EQ(param(finder, "range").number(), 3);
+  EXPECT_DOUBLE_EQ(param(finder, "fov").number(), k_pi / 2);
   EXPECT_DOUBLE_EQ(param(finder, "pan").number(), k_pi / 6);
   EXPECT_THAT(param(finder, "colors").numbers(), ElementsAre(1, 0, 0, 0, 0, 1));
   EXPECT_THAT(param(device("blobfinder( colors [\"red\"] )"), "colors").numbers(), IsEmpty());
