@@ -37,7 +37,7 @@ TEST(StageProperties, NumbersInNamesDoNotMatter) {
 }
 
 TEST(StageProperties, OnlyWhatHasNoEffectAnywhereIsWithoutEffect) {
-  EXPECT_TRUE(is_without_effect("bcount"));
+  EXPECT_TRUE(is_without_effect("map_resolution"));
   EXPECT_FALSE(is_without_effect("mass"));
   EXPECT_FALSE(is_without_effect("fiducial_return"));
   EXPECT_FALSE(is_without_effect("size"));
