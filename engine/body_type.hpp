@@ -12,21 +12,26 @@
 
 namespace troupe::engine {
 
-/// A closed outline that rangers see: vertices [first, first + count) of the type.
+/// A closed outline that rays may meet: vertices [first, first + count) of the type.
 struct RayOutline {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   ZInterval z;  ///< body frame
   float ranger_return = 1;
+  std::uint32_t part = 0;   ///< that it is of
+  std::uint32_t solid = 0;  ///< of the type: contours of one number are one even-odd region
 };
 
 /// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
 struct BodyType {
   std::string name;
   partition::ObstacleShape obstacle;
-  std::vector<Vec2> outline_vertices;  ///< body frame
-  std::vector<RayOutline> outlines;
-  double radius = 0;  ///< of the circle about the origin that encloses every outline and obstacle, m
+  std::vector<Vec2> outline_vertices;       ///< body frame
+  std::vector<RayOutline> outlines;         ///< that rangers see; their vertices come first
+  std::vector<RayOutline> hidden_outlines;  ///< that rangers do not: fiducial finders and others do
+  /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.
+  double radius = 0;
+  std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
 
   struct Drive {
     const DriveKind* kind;

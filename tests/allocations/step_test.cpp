@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
     World, WarmStep,
     ::testing::Values(Scene{"hospital", "hospital.json", 20, 100},
                       Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
-                      Scene{"crowd", "crowd.json", 100, 100},
+                      Scene{"crowd", "crowd.json", 100, 100}, Scene{"lookout", "lookout.json", 100, 100},
                       // No floor plan says where they will go: the index makes room as they do.
                       Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
                       Scene{"foraging", "foraging.json", 20, 800}),

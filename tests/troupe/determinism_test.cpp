@@ -76,16 +76,10 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10},
-            {"cave-complex-laser.json", 12, 10},
-            {"crowd.json", {}, 5},
-            {"hospital.json:grid", 150, 10},
-            {"crowd.json:grid", {}, 5}};
-  return {{"hospital.json", {}, 50},
-          {"cave-complex-laser.json", {}, 50},
-          {"crowd.json", {}, 50},
-          {"hospital.json:grid", 150, 10},
-          {"crowd.json:grid", {}, 50}};
+    return {{"hospital.json", 150, 10},      {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5},
+            {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 5},          {"lookout.json", {}, 5}};
+  return {{"hospital.json", {}, 50},       {"cave-complex-laser.json", {}, 50}, {"crowd.json", {}, 50},
+          {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 50},         {"lookout.json", {}, 50}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {
@@ -96,7 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const
 
 TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
   const auto golden = test::golden_hashes();
-  for (const char* world : {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid"})
+  for (const char* world :
+       {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid", "lookout.json"})
     for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
 }
 
