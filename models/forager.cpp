@@ -24,7 +24,6 @@ using engine::DeviceInfo;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
-using engine::Unit;
 using engine::WorldSpec;
 
 // What Stage's foragers do, m, m/s, rad/s, updates.

@@ -156,7 +156,8 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                        {"bottom", Element::i32, n, "", "last row of each"},
                        {"range", Element::f32, n, "m", "mean distance of each"},
                        {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
-          .reach_m = reach};
+          .reach_m = reach,
+          .watts = 2};  // as in Stage
 }
 
 }  // namespace

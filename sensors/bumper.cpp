@@ -96,7 +96,8 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
   return {.data = std::move(bumper),
           .percepts = {{"hit", Element::u8, n, "", "1: something touches that bumper"},
                        {"body", Element::u32, n, "", "id of the body that does; 0: none"}},
-          .reach_m = reach + params[1].number()};
+          .reach_m = reach + params[1].number(),
+          .watts = 0.1};  // as in Stage
 }
 
 const FieldTable& strip_fields() {
