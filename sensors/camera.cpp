@@ -276,7 +276,8 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
   return {.data = lens,
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
                        {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
-          .reach_m = pose_body_sensor.position().norm() + farthest};
+          .reach_m = pose_body_sensor.position().norm() + farthest,
+          .watts = 100};  // as Stage's manual says
 }
 
 }  // namespace

@@ -74,6 +74,11 @@ const FieldTable& transducer_fields() {
        .min = 0,
        .max = k_pi,
        .text = "opening angle of each beam, as a sonar has: the nearest surface anywhere in it is read"},
+      {.name = "noise_relative",
+       .fallback = 0.0,
+       .min = 0,
+       .max = 1,
+       .text = "standard deviation of a normal error of each reading of what is met, as a share of it"},
   }};
   return table;
 }
@@ -146,6 +151,7 @@ void add_extras_of(const engine::Record& record, const Transducer& transducer, s
                           .count = transducer.samples,
                           .range_max = transducer.range_max,
                           .noise_stddev = record[5].number(),
+                          .noise_relative = record[10].number(),
                           .noise_proportional = record[6].number(),
                           .least = record[8].boolean() ? record[1].number() : 0,
                           .beam_width = record[9].number(),
@@ -155,7 +161,8 @@ void add_extras_of(const engine::Record& record, const Transducer& transducer, s
   if (extras.beam_width > 0)
     for (std::size_t i = 0; i < transducer.samples; ++i)
       extras.headings.push_back(transducer.pose.heading + transducer.bearing(i));
-  if (extras.noise_stddev > 0 || extras.noise_proportional > 0 || extras.least > 0 || extras.beam_width > 0)
+  if (extras.noise_stddev > 0 || extras.noise_relative > 0 || extras.noise_proportional > 0 ||
+      extras.least > 0 || extras.beam_width > 0)
     ranger.extras.push_back(std::move(extras));
 }
 

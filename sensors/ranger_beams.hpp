@@ -34,6 +34,7 @@ struct TransducerExtras {
   std::size_t count = 0;
   double range_max = 0;
   double noise_stddev = 0;        ///< of what is added to a reading, m
+  double noise_relative = 0;      ///< standard deviation of what a reading is off, a share of it
   double noise_proportional = 0;  ///< a reading's error is uniform within plus and minus this share of it
   double least = 0;               ///< m: lower readings are this
   double beam_width = 0;          ///< above 0: opening angle of each beam, rad

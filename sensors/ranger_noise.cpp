@@ -14,8 +14,10 @@ void add_noise(const TransducerExtras& extras, Random& random, std::span<float> 
     // Drawn whether or not something is met: what one beam meets changes no other's noise.
     const double share = extras.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
     const double normal = extras.noise_stddev > 0 ? random.normal() : 0;
+    const double relative = extras.noise_relative > 0 ? random.normal() : 0;
     if (range >= range_max) continue;
-    const double noisy = range + range * extras.noise_proportional * share + extras.noise_stddev * normal;
+    const double noisy = range + range * extras.noise_proportional * share + extras.noise_stddev * normal +
+                         range * extras.noise_relative * relative;
     range = std::clamp(static_cast<float>(noisy), 0.0f, range_max);
   }
 }
@@ -55,7 +57,8 @@ void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
       if (extras.beam_width > 0)
         look_in_cones(batch.world, batch.rows[i], extras, own,
                       ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
-      if (extras.noise_proportional > 0 || extras.noise_stddev > 0) add_noise(extras, random, own);
+      if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
+        add_noise(extras, random, own);
       for (float& range : own) range = std::max(range, static_cast<float>(extras.least));
     }
   }

@@ -26,9 +26,9 @@ class Wobbling {
 /// What the transducers make of the readings of a batch that has been cast: the nearest surface within each
 /// beam's width, noise, and the least reading.
 ///
-/// A reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n, with u uniform in
-/// [-1, 1) and n normal, and stays within 0 and range_max; one of range_max, which says that nothing was met,
-/// stays as it is. (In Stage it may come out negative, or above range_max.)
+/// A reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n + r * noise_relative
+/// * m, with u uniform in [-1, 1), n and m normal, and stays within 0 and range_max; one of range_max, which
+/// says that nothing was met, stays as it is. (In Stage it may come out negative, or above range_max.)
 void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

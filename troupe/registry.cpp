@@ -36,7 +36,8 @@ engine::Registry make_registry() {
       models::expand_controller(),    models::wander_controller(),   models::script_controller(),
       models::waypoints_controller(), models::source_controller(),   models::sink_controller(),
       models::fasr_controller(),      models::fasr2_controller(),    models::pioneer_flocking_controller(),
-      models::dynamic_controller(),   models::rasterize_controller()};
+      models::dynamic_controller(),
+                          models::lasernoise_controller(),   models::rasterize_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

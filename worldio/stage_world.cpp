@@ -576,7 +576,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     controller.part = part;
     if (kind != nullptr) bring_devices(*kind, controller, draft.type);
     if (kind != nullptr && kind->furnish)
-      kind->furnish(controller.params, spec_->seed, draft.type, controller.part);
+      kind->furnish(controller.params, spec_->seed, registry_, draft.type, controller.part);
     draft.type.controllers.push_back(std::move(controller));
   }
 }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace troupe::models {
@@ -42,7 +42,7 @@ TEST(Dynamic, AddsChildrenAboutItsModel) {
   const engine::ControllerKind kind = *test::registry().controller("dynamic");
   engine::TypeSpec type;
   type.parts.push_back({.kind = "model", .size = {0.4, 0.4, 1}, .solids = {test::box(0.4, 0.4)}});
-  kind.furnish(kind.params.defaults(), 1, type, 0);
+  kind.furnish(kind.params.defaults(), 1, test::registry(), type, 0);
   ASSERT_EQ(type.parts.size(), 101);
   EXPECT_EQ(type.parts[1].name, "dynamic:0");
   bool differ = false;
@@ -57,11 +57,38 @@ TEST(Dynamic, AddsChildrenAboutItsModel) {
   EXPECT_TRUE(differ);
   engine::TypeSpec other;
   other.parts.push_back(type.parts.front());
-  kind.furnish(kind.params.defaults(), 1, other, 0);
+  kind.furnish(kind.params.defaults(), 1, test::registry(), other, 0);
   EXPECT_EQ(other.parts.back().pose_body_part, type.parts.back().pose_body_part);
   other.parts.resize(1);
-  kind.furnish(kind.params.defaults(), 2, other, 0);
+  kind.furnish(kind.params.defaults(), 2, test::registry(), other, 0);
   EXPECT_NE(other.parts.back().pose_body_part, type.parts.back().pose_body_part);
+}
+
+TEST(LaserNoise, GivesTheFirstTransducerOfItsRangerAnErrorOfFivePerCent) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {test::box(0.4, 0.4)});
+  scene[type].devices = {
+      test::ranger("eye", {{.range_max = 8, .samples = 1}, {.range_max = 8, .samples = 1}})};
+  scene[type].controllers = {test::controller("lasernoise")};
+  const engine::ControllerKind& kind = *test::registry().controller("lasernoise");
+  kind.furnish(kind.params.defaults(), 1, test::registry(), scene[type], 0);
+  scene.body("r", type);
+  scene.wall(4, -1, 4.2, 1);
+  engine::World world = scene.world();
+  const Row row = world.row(BodyId(1));
+  constexpr int k_ticks = 2000;
+  double sum = 0;
+  double squares = 0;
+  for (int t = 0; t < k_ticks; ++t) {
+    world.step();
+    const auto ranges = world.percepts(world.type(row).devices.front()).cell<float>(world.slot(row), 0);
+    EXPECT_NEAR(ranges[1], 4, 1e-6);
+    sum += ranges[0];
+    squares += ranges[0] * ranges[0];
+  }
+  const double mean = sum / k_ticks;
+  EXPECT_NEAR(mean, 4, 0.02);  // four standard errors
+  EXPECT_NEAR(std::sqrt(squares / k_ticks - mean * mean), 0.2, 0.015);
 }
 
 }  // namespace
