@@ -44,6 +44,20 @@ std::string_view hash_group_name(HashGroup group) {
   return "memory";
 }
 
+std::vector<StateField> sparse(std::vector<StateField> fields) {
+  for (StateField& field : fields) field.sparse = true;
+  return fields;
+}
+
+namespace {
+
+bool is_zero(const std::byte* first, std::size_t bytes) {
+  // Against itself, a byte further on: as fast as memory is read.
+  return bytes == 0 || (first[0] == std::byte{0} && std::memcmp(first, first + 1, bytes - 1) == 0);
+}
+
+}  // namespace
+
 StateTable::StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
                        std::vector<BodyId> ids, std::size_t row_bytes)
     : component_(std::move(component)),
@@ -57,7 +71,6 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
   std::size_t end = 0;
   for (StateField& field : fields_) {
     const std::size_t width = element_size(field.element) * field.columns;
-    hashed_bytes_ += width;
     if (layout_ == Layout::columns) {
       starts_.push_back(end);
       strides_.push_back(width);
@@ -78,15 +91,43 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
   }
   for (std::size_t f = 0; f < fields_.size(); ++f) {
     const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
-    if (layout_ == Layout::rows && f > 0 && stretches_.back().start + stretches_.back().bytes == starts_[f])
+    const Stretch stretch{starts_[f], strides_[f], width};
+    if (fields_[f].sparse) {
+      sparse_.push_back({stretch, hash_bytes(std::as_bytes(std::span(fields_[f].name)), component_hash_)});
+      continue;
+    }
+    hashed_bytes_ += width;
+    if (layout_ == Layout::rows && !stretches_.empty() &&
+        stretches_.back().start + stretches_.back().bytes == starts_[f])
       stretches_.back().bytes += width;
     else
-      stretches_.push_back({starts_[f], strides_[f], width});
+      stretches_.push_back(stretch);
   }
   data_.assign(end, std::byte{0});
 }
 
 std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
+  std::uint64_t sum = stretches_.empty() && !sparse_.empty() ? 0 : hash_dense(first, last);
+  for (const Sparse& field : sparse_) sum += field.hash_rows(ids_, data_.data(), first, last);
+  return sum;
+}
+
+std::uint64_t StateTable::Sparse::hash_rows(std::span<const BodyId> ids, const std::byte* data,
+                                            std::size_t first, std::size_t last) const {
+  const std::byte* const begin = data + place.start;
+  // Nearly always nobody has it: a column of a field is looked at in one go.
+  if (place.stride == place.bytes && is_zero(begin + first * place.stride, (last - first) * place.bytes))
+    return 0;
+  std::uint64_t sum = 0;
+  for (std::size_t row = first; row < last; ++row) {
+    const std::byte* const field = begin + row * place.stride;
+    if (!is_zero(field, place.bytes))
+      sum += troupe::hash_rows(ids.subspan(row, 1), field, place.stride, place.bytes, seed);
+  }
+  return sum;
+}
+
+std::uint64_t StateTable::hash_dense(std::size_t first, std::size_t last) const {
   if (stretches_.size() == 1) {
     const Stretch& row = stretches_.front();
     return troupe::hash_rows(std::span(ids_).subspan(first, last - first),

@@ -45,7 +45,12 @@ struct StateField {
   std::string unit;
   std::string text;
   std::uint32_t offset = 0;  ///< within a row, bytes; set by the table unless `packed` by a struct
+  /// Optional state: where it is zero, byte for byte, the hash is that of an entity without it. So a world
+  /// that does not use it keeps the hashes it had before there was such a field.
+  bool sparse = false;
 };
+/// The fields of a component that is optional as a whole: a row that is all zero adds nothing to the hash.
+std::vector<StateField> sparse(std::vector<StateField> fields);
 
 /// Which of the hash log's columns a component adds to.
 enum class HashGroup : std::uint8_t { pose, velocity, sensor, memory };
@@ -109,8 +114,8 @@ class StateTable {
     return *reinterpret_cast<const T*>(row(r));
   }
 
-  /// Hash of (component name, id, fields in declared order); equal rows of equal entities hash alike whatever
-  /// the layout.
+  /// Hash of (component name, id, fields in declared order), and of (component and field name, id, field) for
+  /// each sparse field that is not zero; equal rows of equal entities hash alike whatever the layout.
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// The sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
@@ -119,6 +124,9 @@ class StateTable {
   void clear() { std::ranges::fill(data_, std::byte{0}); }
 
  private:
+  /// What the fields that are not sparse add.
+  std::uint64_t hash_dense(std::size_t first, std::size_t last) const;
+
   std::string component_;
   HashGroup group_ = HashGroup::pose;
   Layout layout_ = Layout::columns;
@@ -134,6 +142,13 @@ class StateTable {
     std::size_t bytes;
   };
   std::vector<Stretch> stretches_;
+  struct Sparse {  // a field of its own
+    Stretch place;
+    std::uint64_t seed;
+    std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* data, std::size_t first,
+                            std::size_t last) const;
+  };
+  std::vector<Sparse> sparse_;
   std::uint64_t component_hash_ = 0;
   std::vector<std::byte> data_;
 };

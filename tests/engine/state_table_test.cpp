@@ -133,6 +133,55 @@ TEST(StateTable, HashSeesIdAndComponent) {
   EXPECT_EQ(hashes(pose), hashes(memory));
 }
 
+TEST(StateTable, ASparseFieldThatIsZeroIsAsIfItWereNotThere) {
+  for (const Layout layout : {Layout::columns, Layout::rows}) {
+    std::vector<StateField> fields = k_fields;
+    fields.push_back({"mode", Element::u8, 1, "", ""});
+    fields.push_back({"goal", Element::f64, 2, "m", ""});
+    for (std::size_t f = k_fields.size(); f < fields.size(); ++f) fields[f].sparse = true;
+    StateTable without("command", HashGroup::velocity, layout, k_fields, k_ids);
+    StateTable with("command", HashGroup::velocity, layout, fields, k_ids);
+    fill(without);
+    fill(with);
+    const std::vector<std::uint64_t> before = hashes(without);
+    EXPECT_EQ(hashes(with), before);
+    // Every bit of it counts, for its own row alone; -0 is not zero.
+    std::set<std::uint64_t> seen{before[1]};
+    for (std::size_t f = k_fields.size(); f < fields.size(); ++f)
+      for (std::size_t byte = 0; byte < element_size(fields[f].element) * fields[f].columns; ++byte)
+        for (int bit = 0; bit < 8; ++bit) {
+          std::byte& b = with.cell<std::byte>(1, f).data()[byte];
+          b = std::byte(1 << bit);
+          EXPECT_TRUE(seen.insert(with.hash_row(1)).second) << fields[f].name << " bit " << bit;
+          EXPECT_EQ(with.hash_rows(0, 3), before[0] + with.hash_row(1) + before[2]);
+          b = std::byte{0};
+        }
+    EXPECT_EQ(hashes(with), before);
+  }
+}
+
+TEST(StateTable, RowsOfASparseComponentThatAreAllZeroAddNothing) {
+  for (const Layout layout : {Layout::columns, Layout::rows}) {
+    StateTable table("charge", HashGroup::memory, layout, sparse(k_fields), k_ids);
+    EXPECT_EQ(table.hash_rows(0, 3), 0u);
+    table.cell<float>(1, 2)[1] = 1;
+    const std::uint64_t second = table.hash_row(1);
+    EXPECT_NE(second, 0u);
+    EXPECT_EQ(table.hash_rows(0, 3), second);
+    // The same value of another row, and of another field, is another hash.
+    table.cell<float>(1, 2)[1] = 0;
+    table.cell<float>(2, 2)[1] = 1;
+    EXPECT_NE(table.hash_row(2), second);
+    table.clear();
+    table.cell<float>(1, 2)[2] = 1;
+    EXPECT_NE(table.hash_row(1), second);
+    table.clear();
+    EXPECT_EQ(table.hash_rows(0, 3), 0u);
+  }
+  const StateTable nobody("charge", HashGroup::memory, Layout::columns, sparse(k_fields), {});
+  EXPECT_EQ(nobody.hash_rows(0, 0), 0u);
+}
+
 TEST(StateTable, StartsAtZeroAndCountsItsRows) {
   for (const Layout layout : {Layout::columns, Layout::rows}) {
     const StateTable table("pose", HashGroup::sensor, layout, k_fields, k_ids);
