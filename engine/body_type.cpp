@@ -20,6 +20,16 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
+/// The joint of each piece of obstacle_shape().
+std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
+  std::vector<std::int32_t> joints;
+  for (const PartSpec& part : spec.parts) {
+    if (!part.returns.obstacle) continue;
+    for (const Solid& solid : part.solids) joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
+  }
+  return joints;
+}
+
 void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
   for (const PartSpec& part : spec.parts) {
@@ -28,14 +38,19 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
         for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
         if (part.returns.ranger < 0) continue;
         type.outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
-                                 static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger});
+                                 static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger,
+                                 part.joint});
         type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
       }
     }
   }
-  if (is_mobile(spec) || !spec.devices.empty()) {  // others: the static scene
+  const bool can_be_gripped =
+      std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
+  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped) {  // others: the static scene
     try {
       type.obstacle = obstacle_shape(spec);
+      type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
+      if (!spec.joints.empty()) type.obstacle_joints = joints_of_pieces(spec);
     } catch (const std::length_error& fault) {
       diagnostics.error(spec.parts.front().where,
                         fmt::format("a body of type \"{}\": {}", spec.name, fault.what()));
@@ -81,7 +96,7 @@ ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpe
 }  // namespace
 
 double BodyType::row_bytes() const {
-  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
+  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2) + joints.size() * sizeof(Pose));
   for (const Device& device : devices) {
     for (const StateField& field : device.prepared.percepts)
       sum += static_cast<double>(element_size(field.element)) * field.columns;
@@ -96,6 +111,14 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type, diagnostics);
+  for (const JointSpec& joint : spec.joints) {
+    const Mount at_rest(joint.pose_body_joint);
+    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
+  }
+
+  for (std::size_t j = 0; j < spec.joints.size(); ++j)
+    if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
+      diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -127,6 +150,15 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
                       samples, k_most_readings));
       continue;
     }
+    const auto joints = static_cast<std::int64_t>(kind->joints.size());
+    const auto known = static_cast<std::int64_t>(spec.joints.size());
+    const bool moves = joints > 0 && sensor.moves != k_rigid;
+    if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
+        (moves ? sensor.moves + joints > known : joints > 0)) {
+      diagnostics.error(sensor.where, fmt::format("device \"{}\" needs joints that its type does not have",
+                                                  sensor.kind));
+      continue;
+    }
     // Readings are found, and hashed, by name.
     std::string name = sensor.name;
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
@@ -138,7 +170,10 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
     }
     const std::uint32_t stream = stream_id(kind->name, name);
     type.devices.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
-                            period_ticks(sensor.period_s, tick_s), sensor.active, sensor.part, stream});
+                            period_ticks(sensor.period_s, tick_s), sensor.active, sensor.part,
+                            sensor.joint, sensor.moves, stream});
+    type.carries = type.carries || kind->carries;
+    if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
 
   std::vector<bool> claimed(type.devices.size(), false);

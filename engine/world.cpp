@@ -66,6 +66,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
+  build_links();
   build_scene();
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
@@ -210,11 +211,34 @@ void World::build_tables() {
           {"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
       row_bodies_);
 
+  if (std::ranges::any_of(types_, &BodyType::carries)) {
+    carrier_table_ = tables_.size();
+    tables_.emplace_back(
+        "carrier", HashGroup::pose, Layout::rows,
+        sparse({{"carrier", Element::u32, 1, "", "id of the body that carries it + 1; 0: none"},
+                {"joint", Element::u32, 1, "", "of the carrier, from which it hangs: its number from 1 on"},
+                {"x", Element::f64, 1, "m", "frame of the carrier, as that joint moves it"},
+                {"y", Element::f64, 1, "m", "same frame"},
+                {"z", Element::f64, 1, "m", "same frame"},
+                {"heading", Element::f64, 1, "rad", "same frame"}}),
+        row_bodies_);
+  }
+
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
   std::size_t effects = 0;
   for (std::size_t t = 0; t < types_.size(); ++t) {
     if (bodies[t].empty()) continue;
+    for (BodyType::Joint& joint : types_[t].joints) {
+      joint.table = tables_.size();
+      tables_.emplace_back(
+          fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
+          std::vector<StateField>{{"x", Element::f64, 1, "m", "from its rest, in its own frame"},
+                                  {"y", Element::f64, 1, "m", "from its rest"},
+                                  {"z", Element::f64, 1, "m", "from its rest"},
+                                  {"heading", Element::f64, 1, "rad", "from its rest; not wrapped"}},
+          bodies[t]);
+    }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
       // Component names hold no type: types are an economy of ours, and two files may cut them differently.
@@ -249,6 +273,7 @@ void World::start() {
       StateTable& state = tables_[sensor.table];
       for (std::size_t i = 0; i < state.rows(); ++i) sensor.kind->start(sensor.prepared.data, state, i);
     }
+    start_joints(type);
     for (const BodyType::Controller& controller : type.controllers) {
       if (!controller.table) continue;
       StateTable& memories = tables_[*controller.table];
@@ -262,11 +287,26 @@ void World::start() {
   derive();
 }
 
+/// Where a type's devices want their joints at tick 0.
+void World::start_joints(const BodyType& type) {
+  for (const std::size_t d : type.joint_devices) {
+    const BodyType::Device& device = type.devices[d];
+    if (!device.kind->start_joints || device.table == 0) continue;
+    std::vector<Pose> joints(device.kind->joints.size());
+    device.kind->start_joints(device.prepared.data, joints);
+    for (std::size_t n = 0; n < joints.size(); ++n) {
+      StateTable& table = tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table];
+      for (std::size_t i = 0; i < table.rows(); ++i) table.as<Pose>(i) = joints[n];
+    }
+  }
+}
+
 void World::derive() {
   std::ranges::fill(motions_, Motion());
   std::ranges::fill(free_circles_, FreeCircle());
   held_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_held}));
   stalled_ = held_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_refused}));
+  derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
 }
@@ -277,6 +317,7 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
     for (const RayOutline& outline : type(Row(r)).outlines)
       outlines.push_back({r, static_cast<std::uint32_t>(outline_begins_[r]) + outline.first, outline.count,
                           outline.z, outline.ranger_return});
+  if (links_.any()) links_.lifts.resize(outlines.size());
   try {
     ray_grid_ = std::make_unique<partition::RayGrid>(scene_.solids(), std::move(outlines), outlines_,
                                                      spec_.resolution_m);
@@ -284,7 +325,7 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
     diagnostics.error(spec_.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
     diagnostics.throw_if_errors();
   }
-  ray_grid_->redraw(outlines_, poses(), parallel_);
+  redraw_ray_grid();
 }
 
 void World::report_overlaps(Diagnostics& diagnostics) {
@@ -395,7 +436,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
            std::isfinite(pose.heading);
   };
-  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere)) {
+  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) || !links_hold()) {
     start();
     return false;
   }

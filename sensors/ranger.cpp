@@ -163,10 +163,11 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
 
 std::uint64_t sense(const engine::DeviceBatch& batch) {
   const RangerBeams& ranger = *std::any_cast<RangerBeams>(&batch.data);
+  const std::int32_t joint = batch.world.type(batch.rows.front()).devices[batch.device].joint;
   if (batch.world.ray_grid())
-    cast_grid(batch.world, ranger, batch.rows, batch.state);
+    cast_grid(batch.world, ranger, batch.rows, joint, batch.state);
   else
-    cast_exact(batch.world, ranger, batch.rows, batch.state);
+    cast_exact(batch.world, ranger, batch.rows, joint, batch.state);
   return batch.rows.size() * ranger.count;
 }
 

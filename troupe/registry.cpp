@@ -1,8 +1,10 @@
 #include "troupe/registry.hpp"
 
+#include "models/actuator.hpp"
 #include "models/coverage.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/gripper.hpp"
 #include "models/light.hpp"
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
@@ -16,7 +18,8 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind()};
+  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind(),
+                      models::actuator_kind(), models::gripper_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller()};
