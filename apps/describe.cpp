@@ -197,16 +197,18 @@ std::vector<std::string_view> all_names(const Registry& registry) {
 }  // namespace
 
 std::string list_kinds(const Registry& registry) {
-  return listed("models", registry.models) + listed("sensors", registry.devices) +
-         listed("drives", registry.drives) + listed("controllers", registry.controllers) +
-         listed("presets of controllers", registry.presets) + listed("measures", registry.measures) +
-         listed("events", engine::event_kinds()) + "`troupe describe KIND` tells what each takes.\n";
+  return listed("models", registry.models) + listed("sensors", registry.sensors()) +
+         listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
+         listed("controllers", registry.controllers) + listed("presets of controllers", registry.presets) +
+         listed("measures", registry.measures) + listed("events", engine::event_kinds()) +
+         "`troupe describe KIND` tells what each takes.\n";
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
   std::string text;
   if (const auto* kind = registry.model(name)) text += model_text(*kind);
-  if (const auto* kind = registry.device(name)) text += kind_text("sensor", *kind);
+  if (const auto* kind = registry.device(name))
+    text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);

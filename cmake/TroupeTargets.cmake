@@ -5,6 +5,28 @@ add_library(troupe_warnings INTERFACE)
 target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers)
 
+# That a header compiles by itself is seen wherever the source of its name includes it first. The others get a source
+# of their own each, in the target all_verify_interface_header_sets.
+function(troupe_verify_headers folder headers sources)
+  set(others)
+  foreach(header ${headers})
+    cmake_path(GET header STEM LAST_ONLY name)
+    set(first)
+    if("${name}.cpp" IN_LIST sources)
+      file(STRINGS ${name}.cpp first REGEX "^#include" LIMIT_COUNT 1)
+    endif()
+    if(NOT first STREQUAL "#include \"${folder}/${name}.hpp\"")
+      list(APPEND others ${header})
+    endif()
+  endforeach()
+  set_target_properties(troupe_${folder} PROPERTIES VERIFY_INTERFACE_HEADER_SETS OFF)
+  if(others)
+    add_library(troupe_${folder}_headers INTERFACE)
+    target_sources(troupe_${folder}_headers INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${others})
+    target_link_libraries(troupe_${folder}_headers INTERFACE troupe_${folder})
+  endif()
+endfunction()
+
 # troupe_add_library(FOLDER SOURCES ... [LINK ...] [PRIVATE_LINK ...] [BUILD_LINK ...])
 #   LINK          what its headers need
 #   PRIVATE_LINK  what only its sources need; a static library's users link it all the same
@@ -18,6 +40,7 @@ function(troupe_add_library folder)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
   file(GLOB headers CONFIGURE_DEPENDS *.hpp)
   target_sources(troupe_${folder} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${headers})
+  troupe_verify_headers(${folder} "${headers}" "${arg_SOURCES}")
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
   foreach(library ${arg_BUILD_LINK})

@@ -20,4 +20,16 @@ const ControllerKind* Registry::controller(std::string_view name) const { return
 const Registry::Preset* Registry::preset(std::string_view name) const { return find(presets, name); }
 const MeasureKind* Registry::measure(std::string_view name) const { return find(measures, name); }
 
+std::vector<DeviceKind> Registry::sensors() const {
+  std::vector<DeviceKind> kinds = devices;
+  std::erase_if(kinds, [](const DeviceKind& kind) { return !kind.is_sensor(); });
+  return kinds;
+}
+
+std::vector<DeviceKind> Registry::other_devices() const {
+  std::vector<DeviceKind> kinds = devices;
+  std::erase_if(kinds, [](const DeviceKind& kind) { return kind.is_sensor(); });
+  return kinds;
+}
+
 }  // namespace troupe::engine

@@ -124,8 +124,8 @@ struct DeviceKind {
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
 
-  /// True where it looks at the world and takes no commands: what people call a sensor.
-  bool is_sensor() const { return sense != nullptr && act == nullptr; }
+  /// True where it does nothing but look: what people call a sensor.
+  bool is_sensor() const { return act == nullptr && apply == nullptr; }
 };
 
 /// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
@@ -297,6 +297,10 @@ struct Registry {
   const ControllerKind* controller(std::string_view name) const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
+
+  /// The devices that only look, and those that do more.
+  std::vector<DeviceKind> sensors() const;
+  std::vector<DeviceKind> other_devices() const;
 };
 
 }  // namespace troupe::engine

@@ -40,8 +40,8 @@ void act(const DeviceBatch& batch) {
   const bool by_itself = blinking.lit(batch.world.time_s());
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const auto& command = batch.commands->as<LightCommand>(batch.slot(i));
-    const bool lit = command.state == LightCommand::as_world_says ? by_itself
-                                                                  : command.state == LightCommand::on;
+    const bool lit =
+        command.state == LightCommand::as_world_says ? by_itself : command.state == LightCommand::on;
     batch.state.as<LightState>(batch.slot(i)).lit = lit;
   }
 }

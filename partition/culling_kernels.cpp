@@ -113,10 +113,12 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
 
 std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
   const ScanAngles angles(*fan.scan, fan.count);
+  std::size_t spanning = 0;  // circles that span beams: the first and the last one come to lie in x and y
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats x = LoadU(k_f, &met.x[i]);
     const Floats y = LoadU(k_f, &met.y[i]);
     const Floats radius = LoadU(k_f, &met.radius[i]);
+    const auto rows = LoadU(k_u, &met.row[i]);
     const Floats distance = Sqrt(Add(Mul(x, x), Mul(y, y)));
     const Floats angle = angles.of(x, y);
     // asin q <= q + (pi/2 - 1) q^3 on [0, 1]
@@ -126,22 +128,29 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     const Floats to = Add(angle, width);
     Floats first, last;
     angles.beams(from, to, Ge(radius, distance), first, last);
-    StoreU(first, k_f, &met.x[i]);
-    StoreU(last, k_f, &met.y[i]);
-    StoreU(Sub(distance, radius), k_f, &met.radius[i]);
+    const auto circle = Ge(radius, Zero(k_f));  // what fills up the last vector is none
+    const auto spans = And(Le(first, last), circle);
+    StoreU(Compress(first, spans), k_f, &met.x[spanning]);
+    StoreU(Compress(last, spans), k_f, &met.y[spanning]);
+    StoreU(Compress(Sub(distance, radius), spans), k_f, &met.radius[spanning]);
+    StoreU(Compress(rows, RebindMask(k_u, spans)), k_u, &met.row[spanning]);
+    spanning += CountTrue(k_f, spans);
   }
-  const std::size_t highest = fan.padded() - Lanes(k_f);
+  const auto lanes = static_cast<std::int32_t>(Lanes(k_f));
+  const std::int32_t highest = static_cast<std::int32_t>(fan.padded()) - lanes;
+  const auto limits_at = [&](std::int32_t beam) { return LoadU(k_f, limits + beam); };
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!(met.x[i] <= met.y[i])) continue;
-    const auto past = static_cast<std::size_t>(met.y[i]) + 1;
-    const Floats nearest = Set(k_f, met.radius[i]);
-    bool seen = false;
-    for (auto b = static_cast<std::size_t>(met.x[i]); b < past && !seen; b += Lanes(k_f))
-      seen = !AllFalse(k_f, Le(nearest, LoadU(k_f, limits + std::min(b, highest))));
+  for (std::size_t i = 0; i < spanning; ++i) {
+    // Two vectors of beams, from the first one on and up to the last, are all that most circles span: they
+    // are looked at without a branch that nobody could foretell.
+    const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
+    const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
+    Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));
+    for (std::int32_t beam = first + lanes; beam < end; beam += lanes)
+      farthest = Max(farthest, limits_at(beam));
     met.row[kept] = met.row[i];
     met.beams[kept] = all_beams(fan);
-    kept += seen ? 1 : 0;
+    kept += AllFalse(k_f, Le(Set(k_f, met.radius[i]), farthest)) ? 0 : 1;
   }
   return kept;
 }

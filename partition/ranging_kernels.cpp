@@ -259,18 +259,77 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
   StoreU(Max(before, candidate), k_few, inverse);
 }
 
+/// A step: an edge of a scan, and a vector of beams by its first.
+constexpr int k_edge_bits = 8;
+static_assert(Relative::k_size <= 1 << k_edge_bits);
+HWY_INLINE std::size_t edge_of(std::int32_t step) {
+  return static_cast<std::size_t>(step) & ((1u << k_edge_bits) - 1);
+}
+HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
+
+/// Writes the steps at `where`, and returns their number.
+HWY_INLINE std::size_t note(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
+                            const Mask<decltype(k_i)>& where, std::int32_t* steps) {
+  StoreU(Compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);
+  return CountTrue(k_i, where);
+}
+
+/// The beams of a scan that edges span. Most span few, one vector of them or two. Vectors begin at multiples
+/// of their length, so that edges side by side write the same ones.
+struct Spans {
+  alignas(64) std::int32_t ends[2 * Relative::k_size];  // steps: the first vector, and the last if another
+  std::size_t ends_count = 0;
+  // Where others lie between those two: the first of them, and the last of all.
+  alignas(64) std::int32_t between[Relative::k_size];
+  alignas(64) std::int32_t past[Relative::k_size];
+  std::size_t between_count = 0;
+};
+
+/// Notes the beams that edges span, without a branch: nobody could foretell it.
+HWY_INLINE void note_spans(const EdgeBlock& edges, const Relative& relative, const Fan& fan, Spans& out) {
+  const std::size_t count = edges.vertices();
+  const ScanAngles angles(*fan.scan, fan.count);
+  alignas(64) float angle[Relative::k_size];
+  for (std::size_t i = 0; i < count; i += Lanes(k_f))
+    Store(angles.of(Load(k_f, relative.x + i), Load(k_f, relative.y + i)), k_f, angle + i);
+
+  const auto few = static_cast<std::int32_t>(Lanes(k_few));
+  std::size_t ends = 0;
+  std::size_t between = 0;
+  auto edge = Iota(k_i, 0);  // counted up: made anew it would go through memory, on some targets
+  for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
+    const Floats a = Load(k_f, angle + i);
+    const Floats b = LoadU(k_f, angle + i + 1);
+    const Floats from = Min(a, b);
+    const Floats to = Max(a, b);
+    // Seen under nearly half a turn or more, it passes the origin closely or behind.
+    const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
+    Floats first, last;
+    angles.beams(from, to, all, first, last);
+    const auto some = And(Le(first, last), Eq(Load(k_f, edges.open() + i), Zero(k_f)));
+    const auto spans = RebindMask(k_i, some);
+    const auto begin = And(ConvertTo(k_i, first), Set(k_i, -few));
+    const auto second = Add(begin, Set(k_i, few));
+    const auto end = And(ConvertTo(k_i, last), Set(k_i, -few));
+    const auto wide = And(spans, Gt(end, second));
+    ends += note(begin, edge, spans, out.ends + ends);
+    ends += note(end, edge, And(spans, Gt(end, begin)), out.ends + ends);
+    note(second, edge, wide, out.between + between);
+    between += note(end, edge, wide, out.past + between);
+    edge = Add(edge, Set(k_i, static_cast<std::int32_t>(Lanes(k_i))));
+  }
+  out.ends_count = ends;
+  out.between_count = between;
+}
+
 template <bool kReturns>
 void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
                      float* returns) {
   Relative relative;
   relate<true>(edges, reference, relative);
-  const std::size_t count = edges.vertices();
-  alignas(64) float angle[Relative::k_size];
-  const ScanAngles angles(*fan.scan, fan.count);
-  for (std::size_t i = 0; i < count; i += Lanes(k_f))
-    Store(angles.of(Load(k_f, relative.x + i), Load(k_f, relative.y + i)), k_f, angle + i);
-
-  const auto on_few_beams = [&](std::size_t j, std::size_t at) {
+  const auto take = [&](std::int32_t step) {
+    const std::size_t j = edge_of(step);
+    const std::size_t at = beam_of(step);
     const EdgeVector<Vec<Few>> edge{Set(k_few, relative.x[j]),      Set(k_few, relative.y[j]),
                                     Set(k_few, relative.x[j + 1]),  Set(k_few, relative.y[j + 1]),
                                     Set(k_few, relative.ex[j]),     Set(k_few, relative.ey[j]),
@@ -286,48 +345,15 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
       project_carefully(edges.relative(j, reference), fan, at, at + Lanes(k_few), inverse,
                         kReturns ? returns : nullptr);
   };
-  // Most edges span few beams: one vector of them or two, which are noted without a branch that nobody could
-  // foretell. Vectors begin at multiples of their length, so that edges side by side write the same ones.
-  constexpr int k_edge_bits = 8;
-  static_assert(Relative::k_size <= 1 << k_edge_bits);
-  alignas(64) std::int32_t steps[2 * Relative::k_size];  // where beams begin, and the edge
-  std::size_t steps_count = 0;
-  const auto few = static_cast<std::int32_t>(Lanes(k_few));
-  for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
-    const Floats a = Load(k_f, angle + i);
-    const Floats b = LoadU(k_f, angle + i + 1);
-    const Floats from = Min(a, b);
-    const Floats to = Max(a, b);
-    // Seen under nearly half a turn or more, it passes the origin closely or behind.
-    const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
-    Floats first, last;
-    angles.beams(from, to, all, first, last);
-    const auto some = And(Le(first, last), Eq(Load(k_f, edges.open() + i), Zero(k_f)));
-    const auto begin = And(ConvertTo(k_i, first), Set(k_i, -few));
-    const auto end = And(ConvertTo(k_i, last), Set(k_i, -few));
-    const auto edge = Iota(k_i, static_cast<std::int32_t>(i));
-    const auto note = [&](const auto& at, const auto& where) {
-      StoreU(Compress(Or(ShiftLeft<k_edge_bits>(at), edge), where), k_i, steps + steps_count);
-      steps_count += CountTrue(k_i, where);
-    };
-    const auto spans = RebindMask(k_i, some);
-    note(begin, spans);
-    note(end, And(spans, Gt(end, begin)));
-    const auto wide = And(spans, Gt(end, Add(begin, Set(k_i, few))));
-    if (HWY_LIKELY(AllFalse(k_i, wide))) continue;
-    alignas(64) std::int32_t begins[k_beam_padding], ends[k_beam_padding];
-    Store(begin, k_i, begins);
-    Store(IfThenElse(wide, end, begin), k_i, ends);
-    for (std::size_t lane = 0; lane < Lanes(k_i); ++lane)
-      for (std::int32_t at = begins[lane] + few; at < ends[lane]; at += few)
-        on_few_beams(i + lane, static_cast<std::size_t>(at));
-  }
-  for (std::size_t k = 0; k < steps_count; ++k)
-    on_few_beams(static_cast<std::size_t>(steps[k]) & ((1u << k_edge_bits) - 1),
-                 static_cast<std::size_t>(steps[k]) >> k_edge_bits);
+  Spans spans;
+  note_spans(edges, relative, fan, spans);
+  for (std::size_t k = 0; k < spans.ends_count; ++k) take(spans.ends[k]);
+  const auto next = static_cast<std::int32_t>(Lanes(k_few) << k_edge_bits);
+  for (std::size_t k = 0; k < spans.between_count; ++k)
+    for (std::int32_t step = spans.between[k]; step < spans.past[k]; step += next) take(step);
 
   // What looks tiny may be met in any direction.
-  for (std::size_t j = 0; j < count; j += Lanes(k_few)) {
+  for (std::size_t j = 0; j < edges.vertices(); j += Lanes(k_few)) {
     const auto tiny = tiny_edges(edges, relative, j);
     if (HWY_LIKELY(AllFalse(k_few, tiny))) continue;
     for (std::size_t lane = 0; lane < Lanes(k_few); ++lane)

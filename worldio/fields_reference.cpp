@@ -91,7 +91,8 @@ std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
   append_kinds("Drive", registry.drives, text);
-  append_kinds("Sensor", registry.devices, text);
+  append_kinds("Sensor", registry.sensors(), text);
+  append_kinds("Device", registry.other_devices(), text);
   append_kinds("Controller", registry.controllers, text);
   for (const engine::Registry::Preset& preset : registry.presets) {
     text += fmt::format("### Controller `{}`\n\n{}: `{}` with other defaults.\n\n", preset.name, preset.text,

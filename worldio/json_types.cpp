@@ -132,10 +132,8 @@ void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& 
     return kind.is_sensor() == (list == DeviceList::sensors);
   };
   const std::string_view what = list == DeviceList::sensors ? "sensor" : "device";
-  std::vector<std::string_view> known;
-  for (const engine::DeviceKind& kind : registry.devices)
-    if (belongs(kind)) known.push_back(kind.name);
-  std::ranges::sort(known);
+  const std::vector<std::string_view> known =
+      names(list == DeviceList::sensors ? registry.sensors() : registry.other_devices());
 
   JsonObject object(at);
   const JsonNode* name_node = object.find("name");

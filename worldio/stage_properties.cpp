@@ -57,6 +57,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "ranger_return", fixed, "bodies of any size are seen, however small"},
     {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`"},
     {"model", "alwayson", honoured, "its sensor runs without a controller that reads it"},
+    {"model", "blob_return", no_effect, "Stage never reads it either"},
     {"model", "event_queue", no_effect, "Stage overwrites it"},
     {"model", "friction", no_effect, "Stage stores it and no more"},
     {"model", "map_resolution", no_effect, "Stage stores it and no more"},

@@ -66,9 +66,8 @@ struct Switcher {
 TEST(Light, IsSwitchedByControllersATickLater) {
   engine::Registry registry = test::registry();
   registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", "", {}));
-  engine::World world =
-      world_of({.name = "lamp", .kind = "lightindicator", .params = {}, .where = {}},
-               {{.kind = "switcher", .params = {}, .where = {}}}, registry);
+  engine::World world = world_of({.name = "lamp", .kind = "lightindicator", .params = {}, .where = {}},
+                                 {{.kind = "switcher", .params = {}, .where = {}}}, registry);
   EXPECT_EQ(lit(world, 7), (std::vector{0, 0, 1, 1, 1, 0, 0}));
   EXPECT_EQ(Switcher::seen_lit, 0);
 }

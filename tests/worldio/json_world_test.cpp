@@ -290,7 +290,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
-            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blocks, color, controller, controllers, drive, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blob_return, blocks, color, controller, controllers, devices, drive, fiducial_key, fiducial_return, gripper_return, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
             R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},

@@ -119,10 +119,11 @@ class Comparison {
     same(where, b.where);
   }
   void same(const engine::PartSpec& a, const engine::PartSpec& b) {
-    const auto& [name, alias, kind, pose, size, solids, returns, floor_plan, color, where] = a;
+    const auto& [name, alias, kind, parent, pose, size, solids, returns, floor_plan, color, where] = a;
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(alias, b.alias);
     EXPECT_EQ(kind, b.kind);
+    EXPECT_EQ(parent, b.parent);
     same(pose, b.pose_body_part);
     EXPECT_EQ(size, b.size);
     EXPECT_EQ(solids, b.solids);
@@ -139,19 +140,22 @@ class Comparison {
     same(where, b.where);
   }
   void same(const engine::DeviceSpec& a, const engine::DeviceSpec& b) {
-    const auto& [name, kind, params, pose, period_s, active, where] = a;
+    const auto& [name, kind, part, params, pose, period_s, active, where] = a;
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(kind, b.kind);
     EXPECT_EQ(params, b.params);
+    EXPECT_EQ(part, b.part);
     same(pose, b.pose_body_sensor);
     same(period_s, b.period_s);
     EXPECT_EQ(active, b.active);
     same(where, b.where);
   }
   void same(const engine::ControllerSpec& a, const engine::ControllerSpec& b) {
-    const auto& [kind, params, where] = a;
+    const auto& [kind, part, params, period_s, where] = a;
     EXPECT_EQ(kind, b.kind);
+    EXPECT_EQ(part, b.part);
     EXPECT_EQ(params, b.params);
+    same(period_s, b.period_s);
     same(where, b.where);
   }
   void same(const engine::TypeSpec& a, const engine::TypeSpec& b) {
@@ -219,24 +223,27 @@ WorldSpec full_spec() {
   part.pose_body_part = {-0.0, 5e-324, 1e5 / 3, 3};
   part.size = {1.0 / 7, 2, 3};
   part.solids = {{{{{0.1, 0.2}, {0.3, -0.0}, {1, 1}}, {}}, {0.1, 0.7}}};
-  part.returns = {.obstacle = false, .ranger = 0.1f};
+  part.returns = {
+      .obstacle = false, .ranger = 0.1f, .fiducial = -7, .fiducial_key = 3, .gripper = true, .blob = false};
   part.floor_plan = true;
   part.color = Color{0.1f, 0.2f, 0.3f, 0.4f};
   part.where = {file, 7};
-  type.parts = {part, part};
+  type.parts = {part, part, part};
+  type.parts[2].parent = 1;
   type.drive = engine::DriveSpec{"omni", registry.drive("omni")->params.defaults(), 0.25, {file, 8}};
   type.drive->params[0] = -1.0 / 3;
   engine::DeviceSpec sensor{
       .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
   const engine::FieldTable& fans = *registry.device("ranger")->params.fields[0].record;
   sensor.params[0] = std::vector<engine::Record>{fans.defaults(), fans.defaults()};
+  sensor.part = 2;
   sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
   sensor.active = false;
   sensor.where = {file, 9};
   type.devices = {sensor};
-  type.controllers = {{"script", registry.controller("script")->params.defaults(), {file, 10}},
-                      {"expand", registry.controller("expand")->params.defaults(), {file, 11}}};
+  type.controllers = {{"script", 0, registry.controller("script")->params.defaults(), 0, {file, 10}},
+                      {"expand", 1, registry.controller("expand")->params.defaults(), 0.7, {file, 11}}};
   type.controllers[0].params[1] = std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}};
   type.controllers[1].params[3] = std::vector<double>{0.1, 0.2};
   type.controllers[1].params[5] = true;

@@ -599,13 +599,14 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "blanks; here is \"1,,2\""));
 }
 
-TEST_F(StageWorld, ControllersNeedATopLevelPosition) {
+TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   load("model( ctrl \"wander\" )\nposition( ranger( sensor() ctrl \"wander\" ) )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: warning: \"ctrl\" of a model inside another model is not supported yet; "
-                  "it does not run",
-                  "w.world:1: error: \"ctrl\" needs a position model to drive; this one is a model"));
+      ElementsAre(
+          "w.world:1: error: controller \"wander\" needs a position model to drive; this one is a model",
+          "w.world:2: error: controller \"wander\" needs a position model to drive; this one is a ranger "
+          "inside another model"));
 }
 
 // Types.
