@@ -9,6 +9,7 @@
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
 #include "models/nearness.hpp"
+#include "models/operate.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "sensors/ranger.hpp"
@@ -22,7 +23,7 @@ engine::Registry make_registry() {
                       models::actuator_kind(), models::gripper_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(), models::wander_controller(),
-                          models::script_controller()};
+                          models::script_controller(), models::operate_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

@@ -30,7 +30,6 @@ class StageBodies {
                           const std::vector<StageModel>& blocks);
 
  private:
-  std::vector<Solid> gripper(const StageModel& model);
   void add_bitmap(const StageProperty& property, std::vector<Solid>& solids);
   void add_block(const StageModel& block, std::vector<Solid>& solids);
 
