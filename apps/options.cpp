@@ -81,6 +81,10 @@ void add_world_options(CLI::App& app, WorldOptions& options) {
          "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
+  add_run_settings(app, options);
+}
+
+void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_end_option(app, options);
   add_value(app, "--seed", "N", "Seed of every random stream (default: the world's, else 1)",
             [&options](const std::string& text) {

@@ -49,8 +49,10 @@ struct WorldOptions {
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< end on the world's clock, s
 };
-/// Adds WORLD, --for, --seed, --raytracer, --robots and --set; `options` must outlive `app`.
+/// Adds WORLD and add_run_settings(); `options` must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
+/// Adds --for, --seed, --raytracer, --robots and --set.
+void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Of these, what a run that is resumed takes too.
 void add_end_option(CLI::App& app, WorldOptions& options);
 void add_set_option(CLI::App& app, const char* help, WorldOptions& options);

@@ -84,11 +84,12 @@ bool same_file(const fs::path& a, const fs::path& b) {
              fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }
 
-void check_outputs(const fs::path& world, std::string_view what, const std::vector<fs::path>& outputs) {
+void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>& outputs) {
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
     check_output(*output);
-    if (same_file(*output, world)) refuse_output(*output, fmt::format("it is {}", what));
+    for (const auto& [file, what] : inputs)
+      if (same_file(*output, file)) refuse_output(*output, fmt::format("it is {}", what));
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->empty() && same_file(*output, *other))
         refuse_output(*output, "another output has the same name");

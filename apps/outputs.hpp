@@ -23,12 +23,15 @@ class OutputError : public std::runtime_error {
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
+/// What a run reads.
+struct Input {
+  std::filesystem::path file;
+  std::string_view what;  ///< for people: "the world"
+};
 /// Checks that each of `outputs` (empty paths count as none) can be written: its folder exists and may be
-/// written in, it is no folder itself, and it is neither `world` (which is `what`, for people) nor another
-/// output. Creates nothing, so that a world that turns out wrong afterwards leaves nothing behind. Throws
-/// OutputError.
-void check_outputs(const std::filesystem::path& world, std::string_view what,
-                   const std::vector<std::filesystem::path>& outputs);
+/// written in, it is no folder itself, and it is neither an input nor another output. Creates nothing, so
+/// that a world that turns out wrong afterwards leaves nothing behind. Throws OutputError.
+void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
 /// Whether two names stand for one file, that may not be there yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 

@@ -29,7 +29,8 @@ std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 
 double Report::times_real_time() const { return ratio(static_cast<double>(ticks_here()) * tick_s, wall_s); }
 
 double Report::ns_per_robot_tick() const {
-  return ratio(1e9 * wall_s, static_cast<double>(statistics.robots) * static_cast<double>(ticks_here()));
+  return ratio(1e9 * (wall_s - waited_s),
+               static_cast<double>(statistics.robots) * static_cast<double>(ticks_here()));
 }
 
 double Report::beams_per_tick() const {
@@ -37,7 +38,7 @@ double Report::beams_per_tick() const {
 }
 
 double Report::observe_s() const {
-  return std::max(0.0, wall_s - std::accumulate(phase_s.begin(), phase_s.end(), 0.0));
+  return std::max(0.0, wall_s - waited_s - std::accumulate(phase_s.begin(), phase_s.end(), 0.0));
 }
 
 std::string summary_text(const Report& report) {
@@ -54,6 +55,8 @@ std::string summary_text(const Report& report) {
   line("simulated", fmt::format("{:.10g} s", s.time_s));
   line("wall", fmt::format("{:.3f} s, after {:.3f} s of loading", report.wall_s, report.load_s));
   line("times real time", fmt::format("{:.1f}", report.times_real_time()));
+  if (report.rate > 0)
+    line("held back", fmt::format("{:.3f} s, to {:.10g} x real time", report.waited_s, report.rate));
   line("cost", fmt::format("{:.0f} ns a robot and tick", report.ns_per_robot_tick()));
   line("beams", fmt::format("{:.10g} a tick", report.beams_per_tick()));
   std::string shares;
@@ -87,6 +90,10 @@ std::string summary_json(const Report& report) {
   json["wall_s"] = report.wall_s;
   json["load_s"] = report.load_s;
   json["times_real_time"] = report.times_real_time();
+  if (report.rate > 0) {
+    json["rate"] = report.rate;
+    json["waited_s"] = report.waited_s;
+  }
   json["ns_per_robot_tick"] = report.ns_per_robot_tick();
   json["beams"] = s.beams;
   json["beams_per_tick"] = report.beams_per_tick();

@@ -21,8 +21,10 @@ struct Report {
   double end_s = 0;  ///< where the run was to end, s of world time
   bool stopped = false;
   unsigned threads = 0;
-  double load_s = 0;  ///< wall time from the file to the first tick
-  double wall_s = 0;  ///< wall time of all ticks, with what watches them (hash log, progress)
+  double load_s = 0;    ///< wall time from the file to the first tick
+  double wall_s = 0;    ///< wall time of all ticks, with what watches them (hash log, progress)
+  double rate = 0;      ///< times real time, that the run was held back to; 0: it was not
+  double waited_s = 0;  ///< part of wall_s in which it was held back
   /// Part of wall_s in each phase; the rest went into watching.
   std::array<double, k_phases> phase_s{};
   std::uint64_t peak_rss_bytes = 0;

@@ -1,5 +1,6 @@
 #include "apps/run_options.hpp"
 
+#include "engine/watch_spec.hpp"
 #include "worldio/spec_json.hpp"
 
 #include <CLI/CLI.hpp>
@@ -23,6 +24,12 @@ constexpr const char* k_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
 two must be given. The run ends with the first tick whose time is S or later.
 
+Several worlds run side by side, each to its own end: the one whose next tick comes first goes next. All are loaded
+before any begins, and none changes another. Outputs have {world} in their names then, which stands for the world's
+name: --hash-log {world}.log. The summaries follow one another, with --json a line each.
+
+A run is as fast as it can be. --rate 1 holds it back to real time, --rate world to what the world asks for (speedup).
+
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
 The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads or --tile-size.
 
@@ -40,7 +47,9 @@ Examples:
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
   troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
   troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
-  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall)";
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall
+  troupe run worlds/minimal.world --for 60 --rate 1 --clock
+  troupe run worlds/minimal.world worlds/crowd.json --for 10 --hash-log {world}.log)";
 
 std::string resume_footer() {
   std::string changeable(worldio::k_changeable);
@@ -218,12 +227,52 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
 }
 
+/// What the wall clock has to do with it.
+void add_clock_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--rate", "R|world",
+            "Not faster than R times real time; world: than its speedup (default: as fast as possible)",
+            [&options](const std::string& text) {
+              constexpr double k_least = 0.001;
+              const std::optional<double> rate = finite(text);
+              options.world_rate = text == "world";
+              if (!options.world_rate && (!rate || *rate < k_least || *rate > engine::k_most_rate))
+                refuse("--rate", text,
+                       fmt::format("a rate from {} to {:g}, times real time, or world", k_least,
+                                   engine::k_most_rate));
+              options.rate = rate.value_or(0);
+            });
+  app.add_flag("--clock", options.clock,
+               "Tell the time on the way, a line every 100 ticks, or as often as the world says")
+      ->disable_flag_override();
+}
+
 }  // namespace
+
+std::vector<std::filesystem::path*> outputs_of(RunOptions& options) {
+  return {&options.hash_log, &options.snapshot, &options.profile,   &options.record,
+          &options.measures, &options.events,   &options.checkpoint};
+}
+
+std::string with_world(std::string name, const std::filesystem::path& world) {
+  const std::string stem = world.stem().string();
+  for (std::size_t at = 0; (at = name.find(k_world_mark, at)) != name.npos; at += stem.size())
+    name.replace(at, k_world_mark.size(), stem);
+  return name;
+}
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
   run->footer(k_footer);
-  add_world_options(*run, options);
+  run->add_option_function<std::vector<std::string>>(
+         "WORLD",
+         [&options](const std::vector<std::string>& names) {
+           options.worlds.assign(names.begin(), names.end());
+         },
+         "World files: Stage's .world, or .json; several run side by side")
+      ->option_text("...")
+      ->required();
+  add_run_settings(*run, options);
+  add_clock_options(*run, options);
   add_output_options(*run, options);
   return run;
 }
@@ -234,7 +283,7 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
   options.is_checkpoint = true;
   resume
       ->add_option_function<std::string>(
-          "CHECKPOINT", [&options](const std::string& text) { options.world = text; },
+          "CHECKPOINT", [&options](const std::string& text) { options.worlds = {text}; },
           "Checkpoint of a run: troupe run --checkpoint")
       ->option_text(" ")
       ->required();
@@ -244,6 +293,7 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
       ->add_flag("--across-versions", options.across_versions,
                  "Though another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
+  add_clock_options(*resume, options);
   add_output_options(*resume, options);
   return resume;
 }

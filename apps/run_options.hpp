@@ -7,12 +7,15 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
 
 /// What the command line of `troupe run`, or of `troupe resume`, asks for.
 struct RunOptions : WorldOptions {
+  /// All worlds of the call, or the checkpoint; `world` is the one that a part of the run is about.
+  std::vector<std::filesystem::path> worlds;
   std::filesystem::path hash_log;  ///< empty: none
   std::filesystem::path snapshot;  ///< empty: none
   std::filesystem::path profile;   ///< empty: none
@@ -27,6 +30,9 @@ struct RunOptions : WorldOptions {
   std::optional<double> measure_every_s;  ///< not given: as the world says
   std::filesystem::path events;           ///< empty: none
   bool force = false;                     ///< outputs that exist may be replaced
+  bool clock = false;                     ///< the time is told even where the world does not ask for it
+  double rate = 0;                        ///< times real time, at most; 0: as fast as possible
+  bool world_rate = false;                ///< instead: as the world says
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
   int width = 1280;
@@ -34,6 +40,12 @@ struct RunOptions : WorldOptions {
   bool json = false;
   bool quiet = false;
 };
+
+/// The names of all files that a run writes, in a fixed order; empty where there is none.
+std::vector<std::filesystem::path*> outputs_of(RunOptions& options);
+/// In the names of outputs this stands for the world's name, without folder and ending.
+inline constexpr std::string_view k_world_mark = "{world}";
+std::string with_world(std::string name, const std::filesystem::path& world);
 
 /// Adds `run` and its options to the program; parsing fills `options`, which must outlive `app`.
 /// A value that is not what an option takes is a CLI::ValidationError that says what would be right.

@@ -7,6 +7,7 @@
 #include "engine/fields.hpp"
 #include "engine/names.hpp"
 #include "engine/ranging_engine.hpp"
+#include "engine/watch_spec.hpp"
 
 #include <optional>
 #include <string>
@@ -153,6 +154,8 @@ struct WorldSpec {
   /// What is measured where a run is measured at all and nobody says otherwise, and how often.
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;
+  WatchSpec watch;
+  std::optional<Record> window;  ///< by window_fields()
 
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
 };

@@ -249,15 +249,18 @@ class BoundaryEdges {
 
 }  // namespace
 
-std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics) {
+bool is_dark(std::span<const std::uint8_t> channels) { return channels[0] < k_darkest_free; }
+
+std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
+                                  const PixelRule& is_solid) {
   const std::optional<std::string> bytes = read_file(file);
-  if (bytes) return decode_bitmap(*bytes, file.string(), where, diagnostics);
+  if (bytes) return decode_bitmap(*bytes, file.string(), where, diagnostics, k_most_pixels, is_solid);
   diagnostics.error(where, fmt::format("cannot read the image {}", file.string()));
   return {};
 }
 
 std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
-                                    Diagnostics& diagnostics, double most_pixels) {
+                                    Diagnostics& diagnostics, double most_pixels, const PixelRule& is_solid) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     diagnostics.error(where, fmt::format("the image {} is larger than 2 GB", name));
     return {};
@@ -297,8 +300,9 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   }
   const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
   bitmap.solid.resize(count);
+  const auto stride = static_cast<std::size_t>(channels);
   for (std::size_t i = 0; i < count; ++i)
-    bitmap.solid[i] = pixels.get()[i * static_cast<std::size_t>(channels)] < k_darkest_free;
+    bitmap.solid[i] = is_solid(std::span<const std::uint8_t>(pixels.get() + i * stride, stride));
   if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners) {
     diagnostics.error(
         where, fmt::format("the image {} is too large: its outlines have {} corners, at most {} are read; "
@@ -331,6 +335,11 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
   return rings;
 }
 
+void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
+  for (Ring& ring : contours)
+    for (Vec2& p : ring) p = {(p.x() / width - 0.5) * size.x(), ((p.y() + height) / height - 0.5) * size.y()};
+}
+
 void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
   constexpr double k_thickness = 0.01;  // m, as in Stage
   const double x = size.x() / 2;
@@ -345,8 +354,8 @@ void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
   wall(-x, y - t, x, y);
 }
 
-void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size) {
-  Box box;
+void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size, const Box& frame) {
+  Box box = frame;
   ZInterval z{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const Solid& solid : solids) {
     for (const Ring& ring : solid.contours)

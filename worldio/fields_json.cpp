@@ -196,6 +196,17 @@ Record read_fields(JsonObject& object, const FieldTable& table,
   return record;
 }
 
+std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
+                                         const engine::FieldTable& table) {
+  const JsonNode* node = object.find(key);
+  if (!node) return {};
+  const JsonCursor at(object.at(), key, *node);
+  JsonObject block(at);
+  engine::Record record = read_fields(block, table);
+  block.finish();
+  return record;
+}
+
 std::string quoted_keys(const Field& field) {
   std::string keys;
   const auto suffixes = engine::unit_suffixes(field.unit);

@@ -3,6 +3,7 @@
 #include "engine/fields.hpp"
 #include "worldio/json_reader.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,10 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 /// default; a required field that is absent is an error. The record is complete unless errors were reported.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
+
+/// The object under a key, every field of a table and nothing else; empty where the key is not there.
+std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
+                                         const engine::FieldTable& table);
 
 /// The keys under which a field may be written: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);

@@ -1,5 +1,6 @@
 #include "worldio/fields_reference.hpp"
 
+#include "engine/watch_spec.hpp"
 #include "worldio/fields_json.hpp"
 
 #include <fmt/format.h>
@@ -90,6 +91,12 @@ void append_kinds(std::string_view heading, const Kinds& kinds, std::string& tex
 std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
+  text += "### `watch{}`: how the world is watched\n\nNothing of it changes a result.\n\n";
+  append_table(engine::watch_fields(), text);
+  text +=
+      "### `window{}`: the view it asks for\n\nKept for who shows the world; runs and pictures do not use it "
+      "yet.\n\n";
+  append_table(engine::window_fields(), text);
   append_kinds("Drive", registry.drives, text);
   append_kinds("Sensor", registry.sensors(), text);
   append_kinds("Device", registry.other_devices(), text);

@@ -3,17 +3,18 @@
 #include "engine/placement.hpp"
 #include "worldio/bitmap.hpp"
 #include "worldio/fields_json.hpp"
+#include "worldio/floor_image.hpp"
 #include "worldio/json_document.hpp"
 #include "worldio/json_reader.hpp"
 #include "worldio/json_record.hpp"
 #include "worldio/json_types.hpp"
 #include "worldio/load.hpp"
 #include "worldio/measures_json.hpp"
+#include "worldio/ros_map.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -51,40 +52,15 @@ struct Population {
   std::string pointer;
 };
 
-/// What is left of a bitmap once its outlines are made.
-struct Image {
-  int width = 0;
-  int height = 0;
-  int top = 0;                 ///< first row with a solid pixel: says where the contours' y begins
-  std::vector<Ring> contours;  ///< in pixels
-};
-
-Image measure_image(const Bitmap& bitmap) {
-  Image image{bitmap.width, bitmap.height, 0, bitmap_contours(bitmap)};
-  const auto row_is_free = [&](int y) {
-    for (int x = 0; x < bitmap.width; ++x)
-      if (bitmap.at(x, y)) return false;
-    return true;
-  };
-  while (image.top < bitmap.height && row_is_free(image.top)) ++image.top;
-  return image;
-}
-
-/// Maps the outlines of an image so that the whole of it, margins included, fills the size.
-void fit_image(const Image& image, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
-  Box box;
-  for (const Ring& ring : contours) box.extend(bounds(ring));
-  const double lift = (image.height - image.top) - box.max.y();
-  for (Ring& ring : contours)
-    for (Vec2& p : ring)
-      p = {(p.x() / image.width - 0.5) * size.x(), ((p.y() + lift) / image.height - 0.5) * size.y()};
-}
-
 class WorldReader {
  public:
   WorldReader(const std::filesystem::path& file, const engine::Registry& registry, const LoadOptions& options,
               Diagnostics& diagnostics)
-      : file_(file), registry_(registry), options_(options), diagnostics_(diagnostics) {}
+      : file_(file),
+        registry_(registry),
+        options_(options),
+        diagnostics_(diagnostics),
+        images_(diagnostics) {}
 
   WorldSpec read(const JsonNode& document) {
     spec_.title = file_.stem().string();
@@ -119,7 +95,13 @@ class WorldReader {
 
   void read_settings(JsonObject& object);
   void read_floorplan(const JsonCursor& at);
-  std::vector<Solid> read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size, bool keep_margins);
+  /// What a floor plan's image makes of it.
+  struct Walls {
+    Eigen::Vector3d size;
+    std::vector<Solid> solids;
+    Pose pose_body_center;  ///< of the box of this size
+  };
+  std::optional<Walls> read_walls(JsonObject& object);
   void read_types(JsonObject& object);
   void read_model(const JsonCursor& at);
   void read_population(const JsonCursor& at);
@@ -143,7 +125,7 @@ class WorldReader {
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
-  std::map<std::string, Image> images_;                    // by path, as it is written: plans may share one
+  FloorImages images_;                                     // plans may share one
   std::size_t vertices_ = 0;                               // of the floor plans
   double cells_ = 0;                                       // of the populations on grids
   std::vector<Model> models_;
@@ -203,47 +185,37 @@ void WorldReader::read_settings(JsonObject& object) {
   if (resolution.given()) spec_.resolution_m = resolution.number();
   if (const JsonNode* node = object.find("record"))
     spec_.record = read_record(JsonCursor(object.at(), "record", *node));
+  if (const auto watch = read_block(object, "watch", engine::watch_fields()))
+    spec_.watch = engine::watch_spec(*watch);
+  spec_.window = read_block(object, "window", engine::window_fields());
 }
 
 void WorldReader::read_floorplan(const JsonCursor& at) {
   JsonObject object(at);
   const std::string name = read_name(object, "floor plan");
   BodySpec body{.name = spec_.names.add(name), .color = k_floorplan_color, .where = at.where()};
-  const engine::FieldTable table{{
-      {.name = "size",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .min = 0,
-       .max = k_max_size_m,
-       .text = "[x, y, height]",
-       .columns = 3,
-       .above_min = true},
-      {.name = "boundary", .type = FieldType::boolean, .fallback = false},
-      {.name = "margins", .type = FieldType::text, .fallback = "trim", .choices = {"trim", "keep"}},
-  }};
-  const engine::Record record = read_fields(object, table);
   body.pose_world_body = read_pose(object);
   if (const JsonNode* node = object.find("color"))
     body.color = read_color(JsonCursor(at, "color", *node)).value_or(body.color);
   engine::PartSpec part{
       .kind = "model", .returns = read_returns(object), .floor_plan = true, .where = at.where()};
-  if (record[0].given()) {
-    const std::vector<double>& size = record[0].numbers();
-    part.size = {size[0], size[1], size[2]};
-    part.solids = read_bitmap_solids(object, part.size, record[2].text() == "keep");
+  if (const auto walls = read_walls(object)) {
+    part.size = walls->size;
+    part.solids = walls->solids;
     vertices_ += count_vertices(part.solids);
     if (vertices_ > engine::k_most_vertices) {
       at.error(fmt::format("too large: the outlines of the floor plans have more than {} corners",
                            engine::k_most_vertices));
       part.solids.clear();
     }
-    if (record[1].boolean()) add_boundary(part.size, part.solids);
-    const Transform transform(body.pose_world_body);
+    const Transform transform(compose(body.pose_world_body, walls->pose_body_center));
     if (!spec_.bounds) spec_.bounds.emplace();
-    for (const double x : {-size[0] / 2, size[0] / 2})
-      for (const double y : {-size[1] / 2, size[1] / 2}) spec_.bounds->extend(transform * Vec2(x, y));
-  } else {
-    object.find("bitmap");
+    for (const double x : {-part.size.x() / 2, part.size.x() / 2})
+      for (const double y : {-part.size.y() / 2, part.size.y() / 2})
+        spec_.bounds->extend(transform * Vec2(x, y));
+  } else if (!spec_.bounds) {
+    spec_.bounds.emplace().extend(
+        Vec2::Zero());  // else populations would be told that there is no floor plan
   }
   object.finish();
   body.type = TypeId(spec_.types.size());
@@ -253,32 +225,66 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   spec_.bodies.push_back(body);
 }
 
-std::vector<Solid> WorldReader::read_bitmap_solids(JsonObject& object, const Eigen::Vector3d& size,
-                                                   bool keep_margins) {
-  const JsonNode* node = object.require("bitmap", "the path of an image, relative to the world file");
-  if (!node) return {};
-  const JsonCursor at(object.at(), "bitmap", *node);
-  const std::string* path = read_text(at, "the path of an image, relative to the world file");
-  if (!path) return {};
-  auto image = images_.find(*path);
-  if (image == images_.end()) {
-    const auto bitmap = read_bitmap(file_.parent_path() / *path, at.where(), diagnostics_);
-    if (!bitmap) return {};
-    image = images_.emplace(*path, measure_image(*bitmap)).first;
-  }
-  Solid solid{image->second.contours, {0, 1}};
-  if (solid.contours.empty()) {
-    at.error(fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
+/// Every key is looked at, so that all that is wrong is reported; empty when anything is.
+std::optional<WorldReader::Walls> WorldReader::read_walls(JsonObject& object) {
+  constexpr std::string_view k_path =
+      "the path of an image, or of the YAML of a map, relative to the world file";
+  const JsonNode* node = object.require("bitmap", k_path);
+  const std::string* path = node ? read_text(JsonCursor(object.at(), "bitmap", *node), k_path) : nullptr;
+  const bool is_map = path && is_ros_map(*path);
+  const engine::FieldTable common{{
+      {.name = "boundary", .type = FieldType::boolean, .fallback = false},
+      is_map ? Field{.name = "unknown",
+                     .type = FieldType::text,
+                     .fallback = "free",
+                     .choices = {"free", "solid"}}
+             : Field{.name = "margins",
+                     .type = FieldType::text,
+                     .fallback = "trim",
+                     .choices = {"trim", "keep"}},
+      is_map ? Field{.name = "height",
+                     .unit = Unit::meters,
+                     .fallback = 1.0,
+                     .min = 0,
+                     .max = k_max_size_m,
+                     .above_min = true}
+             : Field{.name = "size",
+                     .type = FieldType::numbers,
+                     .unit = Unit::meters,
+                     .min = 0,
+                     .max = k_max_size_m,
+                     .text = "[x, y, height]",
+                     .columns = 3,
+                     .above_min = true},
+  }};
+  const engine::Record record = read_fields(object, common);
+  if (!path || !record[2].given()) return {};
+  const bool choice = record[1].text() == (is_map ? "solid" : "keep");
+  const FloorImage* image = images_.read(file_.parent_path() / *path, is_map && choice, node->where);
+  if (!image) return {};
+  if (image->contours.empty()) {
+    JsonCursor(object.at(), "bitmap", *node)
+        .error(is_map ? fmt::format("\"{}\" has no occupied cell", *path)
+                      : fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
     return {};
   }
-  if (keep_margins) {
-    fit_image(image->second, size, solid.contours);
-    solid.z.max = size.z();
-    return {std::move(solid)};
+  Walls walls;
+  if (is_map) {
+    walls.size << image->place->size_m, record[2].number();
+    walls.pose_body_center = image->place->pose_map_center;
+  } else {
+    walls.size = Eigen::Vector3d::Map(record[2].numbers().data());
   }
-  std::vector<Solid> solids{std::move(solid)};
-  normalise(solids, size);
-  return solids;
+  if (is_map || choice) {
+    walls.solids.push_back(image->solid(walls.size));
+  } else {
+    walls.solids.push_back({image->contours, {0, 1}});
+    normalise(walls.solids, walls.size);
+  }
+  if (record[0].boolean()) add_boundary(walls.size, walls.solids);
+  if (is_map)
+    for (Solid& solid : walls.solids) solid = placed(std::move(solid), walls.pose_body_center);
+  return walls;
 }
 
 void WorldReader::read_types(JsonObject& object) {

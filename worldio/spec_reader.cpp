@@ -243,6 +243,9 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
     spec.record = record(JsonCursor(object.at(), "record", *node));
   each_of(object, "measures", [&](const JsonCursor& at) { spec.measures.push_back(measure(at)); });
   spec.measure_every_s = number(object, "measure_every_s", 0, k_most_s, spec.measure_every_s);
+  if (const auto watch = read_block(object, "watch", engine::watch_fields()))
+    spec.watch = engine::watch_spec(*watch);
+  spec.window = read_block(object, "window", engine::window_fields());
   if (object.find("bounds_m")) {
     const std::vector<double> b = numbers(object, "bounds_m", 4);
     spec.bounds.emplace();

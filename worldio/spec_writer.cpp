@@ -280,7 +280,8 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s] = spec;
+               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
+               window] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;
@@ -293,6 +294,8 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   for (const engine::MeasureSpec& measure : measures)
     json["measures"].push_back(measure_json(measure, registry));
   json["measure_every_s"] = finite(measure_every_s);
+  json["watch"] = params_json(engine::watch_record(watch), engine::watch_fields());
+  if (window) json["window"] = params_json(*window, engine::window_fields());
   json["ranging"] = engine::ranging_engine_name(ranging);
   json["resolution_m"] = finite(resolution_m);
   json["resolution_where"] = where_json(resolution_where);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -28,27 +29,37 @@ std::optional<std::int64_t> point_number(std::string_view key) {
 
 }  // namespace
 
+bool StageBodies::flag(const StageModel& model, std::string_view key) {
+  const StageProperty* property = model.find(document_, key);
+  return property && values_.flag(*property).value_or(false);
+}
+
 std::vector<Solid> StageBodies::make(const StageModel& model, const engine::ModelKind& kind,
-                                     const Eigen::Vector3d& size, const std::vector<StageModel>& blocks) {
-  const auto flag = [&](std::string_view key) {
-    const StageProperty* property = model.find(document_, key);
-    return property && values_.flag(*property).value_or(false);
-  };
+                                     Eigen::Vector3d& size, const std::vector<StageModel>& blocks) {
   std::vector<Solid> solids;
   // As long as this is set, the first explicit block discards all there is.
   bool is_default = kind.has_default_body;
   if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
-  if (flag("noblocks")) {
+  if (flag(model, "noblocks")) {
     solids.clear();
     is_default = false;
   }
+  Box frame;  // of an image whose margins are kept
   if (const StageProperty* bitmap = model.find(document_, "bitmap")) {
     if (is_default) solids.clear();
     is_default = false;
-    add_bitmap(*bitmap, solids);
+    const FloorImage* image = read_image(model, *bitmap);
+    if (image && image->place) return map(model, *image, size, blocks);
+    if (image && flag(model, "bitmap_margins")) {
+      solids.push_back(image->solid(size));
+      frame.max = size.head<2>() / 2;
+      frame.min = -frame.max;
+    } else if (image) {
+      solids.push_back({image->contours, {0, 1}});
+    }
   }
-  normalise(solids, size);
-  if (flag("boundary")) {
+  normalise(solids, size, frame);
+  if (flag(model, "boundary")) {
     add_boundary(size, solids);
     if (is_default && !blocks.empty())
       values_.warning(values_.where(*model.find(document_, "boundary")),
@@ -56,29 +67,45 @@ std::vector<Solid> StageBodies::make(const StageModel& model, const engine::Mode
   }
   if (is_default && !blocks.empty()) solids.clear();
   for (const StageModel& block : blocks) add_block(block, solids);
-  normalise(solids, size);
+  normalise(solids, size, frame);
   return solids;
 }
 
-void StageBodies::add_bitmap(const StageProperty& property, std::vector<Solid>& solids) {
+/// A map says itself how large it is and where it lies.
+std::vector<Solid> StageBodies::map(const StageModel& model, const FloorImage& image, Eigen::Vector3d& size,
+                                    const std::vector<StageModel>& blocks) {
+  const auto& [size_m, pose_map_center] = *image.place;
+  if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
+    values_.warning(values_.where(*property),
+                    fmt::format("of \"size\" the height alone counts: the map is {:g} m x {:g} m", size_m.x(),
+                                size_m.y()));
+  if (!blocks.empty())
+    values_.error(blocks.front().where,
+                  "a model with a map of ROS takes no blocks: the map is not stretched");
+  size.head<2>() = size_m;
+  std::vector<Solid> solids{image.solid(size)};
+  if (flag(model, "boundary")) add_boundary(size, solids);
+  for (Solid& solid : solids) solid = placed(std::move(solid), pose_map_center);
+  return solids;
+}
+
+const FloorImage* StageBodies::read_image(const StageModel& model, const StageProperty& property) {
   const auto name = values_.text(property);
-  if (!name) return;
+  if (!name) return nullptr;
   std::filesystem::path path(*name);
   if (!path.is_absolute()) {
     const std::filesystem::path beside_include = (document_.base_directory / path).lexically_normal();
     const std::filesystem::path beside_world = (world_directory_ / path).lexically_normal();
     path = find_stage_file(beside_include, {}) ? beside_include : beside_world;
   }
-  const auto [entry, is_new] = contours_.try_emplace(path.string());
-  if (is_new)
-    if (const auto bitmap = read_bitmap(path, values_.where(property), diagnostics_)) {
-      entry->second = bitmap_contours(*bitmap);
-      if (entry->second.empty())
-        values_.error(
-            values_.where(property),
-            fmt::format("the image {} has no solid pixel; solid is what is darker than half", path.string()));
-    }
-  if (!entry->second.empty()) solids.push_back({entry->second, {0, 1}});
+  const FloorImage* image = images_.read(path, flag(model, "bitmap_unknown"), values_.where(property));
+  if (!image || !image->contours.empty()) return image;
+  values_.error(
+      values_.where(property),
+      image->place
+          ? fmt::format("the map {} has no occupied cell", path.string())
+          : fmt::format("the image {} has no solid pixel; solid is what is darker than half", path.string()));
+  return nullptr;
 }
 
 void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {

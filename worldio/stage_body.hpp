@@ -2,14 +2,13 @@
 
 #include "base/geometry.hpp"
 #include "engine/kinds.hpp"
+#include "worldio/floor_image.hpp"
 #include "worldio/stage_models.hpp"
 #include "worldio/stage_values.hpp"
 
 #include <Eigen/Core>
 
 #include <filesystem>
-#include <map>
-#include <string>
 #include <vector>
 
 namespace troupe::worldio {
@@ -22,22 +21,26 @@ class StageBodies {
       : document_(document),
         world_directory_(std::move(world_directory)),
         values_(values),
-        diagnostics_(diagnostics) {}
+        images_(diagnostics) {}
 
   /// The body of a model, whose blocks have been resolved, in its own frame before its origin: stretched to
-  /// `size` and centred in x and y; z keeps its ratio.
-  std::vector<Solid> make(const StageModel& model, const engine::ModelKind& kind, const Eigen::Vector3d& size,
+  /// `size` and centred in x and y; z keeps its ratio. A map of ROS has its own size in x and y, which is
+  /// put into `size`, and its own place.
+  std::vector<Solid> make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                           const std::vector<StageModel>& blocks);
 
  private:
-  void add_bitmap(const StageProperty& property, std::vector<Solid>& solids);
+  bool flag(const StageModel& model, std::string_view key);
+  /// Null, with an error, where there is no image that can be read or nothing of it is solid.
+  const FloorImage* read_image(const StageModel& model, const StageProperty& property);
+  std::vector<Solid> map(const StageModel& model, const FloorImage& image, Eigen::Vector3d& size,
+                         const std::vector<StageModel>& blocks);
   void add_block(const StageModel& block, std::vector<Solid>& solids);
 
   const StageDocument& document_;
   std::filesystem::path world_directory_;
   StageValues& values_;
-  Diagnostics& diagnostics_;
-  std::map<std::string, std::vector<Ring>> contours_;  // of each image, in pixels; empty after an error
+  FloorImages images_;
 };
 
 }  // namespace troupe::worldio

@@ -97,16 +97,24 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   double range_max = 5;
   double fov = 0.1;
   std::int64_t samples = 1;
-  read("pose", [&](const StageProperty& property) {
-    const auto given = values_.pose(property);
-    pose_sensor_transducer = given.value_or(pose_sensor_transducer);
-    return given.has_value();
-  });
-  read("size", [&](const StageProperty& property) {
-    const auto given = values_.size(property, size.z());
-    size = given.value_or(size);
-    return given.has_value();
-  });
+  const bool is_the_ranger = !sensor.alias.empty();  // whose pose and size are those of its body
+  if (sensor.alias == "laser") {                     // as the ones that older files mean
+    range_max = 8;
+    fov = radians(180);
+    samples = 180;
+  }
+  if (!is_the_ranger)
+    read("pose", [&](const StageProperty& property) {
+      const auto given = values_.pose(property);
+      pose_sensor_transducer = given.value_or(pose_sensor_transducer);
+      return given.has_value();
+    });
+  if (!is_the_ranger)
+    read("size", [&](const StageProperty& property) {
+      const auto given = values_.size(property, size.z());
+      size = given.value_or(size);
+      return given.has_value();
+    });
   read("range", [&](const StageProperty& property) {
     const auto given = values_.tuple(property, 2, 2, "[min max]");
     if (!given) return false;
@@ -118,6 +126,22 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
     values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
     return false;
   });
+  const auto read_limit = [&](std::string_view key, double& limit) {
+    read(key, [&](const StageProperty& property) {
+      const auto given = values_.number(property);
+      limit = given ? *given * values_.length_unit() : limit;
+      return given && check(key, limit, property);
+    });
+  };
+  if (is_the_ranger) {
+    read_limit("range_min", range_min);
+    read_limit("range_max", range_max);
+    if (is_right && range_min > range_max) {
+      values_.error(sensor.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
+                                              range_min, range_max));
+      return {};
+    }
+  }
   read("fov", [&](const StageProperty& property) {
     const auto given = values_.number(property);
     fov = given ? *given * values_.angle_unit() : fov;
@@ -152,15 +176,16 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
     values_.error(model.where, "this build has no ranger");
     return {};
   }
-  if (sensors.empty()) {
+  const bool is_sensor = !model.alias.empty() && sensors.empty();
+  if (sensors.empty() && !is_sensor) {
     values_.warning_once(model.where, "a ranger without a sensor( ... ) measures nothing");
     return {};
   }
   const FieldTable& table = *kind->params.fields[static_cast<std::size_t>(transducers)].record;
   std::vector<Record> records;
-  for (const StageModel& sensor : sensors)
+  for (const StageModel& sensor : is_sensor ? std::vector{model} : sensors)
     if (auto record = transducer(sensor, table)) records.push_back(std::move(*record));
-  if (records.size() < sensors.size()) return {};
+  if (records.size() < sensors.size() + is_sensor) return {};
 
   engine::DeviceSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
   set(kind->params, spec.params, "transducers", std::move(records));

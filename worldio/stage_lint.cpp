@@ -58,7 +58,8 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
     check_repeated(document_.properties(*layer));
-    for (const StageProperty& property : document_.properties(*layer)) check_property(property, model->type);
+    for (const StageProperty& property : document_.properties(*layer))
+      check_property(property, model->alias.empty() ? model->type : model->alias);
     for (const StageEntity& child : document_.children(*layer)) check(child, depth + 1);
   }
 }
@@ -114,6 +115,12 @@ void StageLint::check_overruled(const StageModel& model) {
   if (is_model && !is_ranger) report("alwayson", "this model senses nothing");
   if (is_model && !is_ranger && !is_position)
     report("update_interval", "this model neither senses nor drives");
+  const std::vector<StageModel::Child> children = model.children(document_);
+  const bool has_sensors = std::ranges::any_of(
+      children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
+  if (!model.alias.empty() && has_sensors)
+    for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
+      report(key, "the sensors in it have their own");
   if (!is_position) return;
   const StageProperty* drive = model.find(document_, "drive");
   if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has one");

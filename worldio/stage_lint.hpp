@@ -36,6 +36,7 @@ class StageLint {
   };
 
   void check(const StageEntity& entity, std::size_t depth);
+  /// `type`: of the entity, or the alias that it is called by.
   void check_property(const StageProperty& property, std::string_view type);
   void check_repeated(std::span<const StageProperty> properties);
   void check_overruled(const StageModel& model);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <unordered_set>
 
@@ -10,6 +11,7 @@ namespace troupe::worldio {
 namespace {
 
 constexpr std::size_t k_most_steps = 20000000;
+constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
 
 }  // namespace
@@ -67,6 +69,11 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     model.names.push_back(model.type);
   }
   std::ranges::reverse(model.layers);
+  if (std::ranges::find(k_ranger_aliases, model.type) != std::end(k_ranger_aliases)) {
+    model.alias = model.type;
+    model.type = "ranger";
+    model.names.push_back(model.type);
+  }
 
   const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
                         registry_.model(model.type) != nullptr;
@@ -74,6 +81,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
+  near.insert(near.end(), std::begin(k_ranger_aliases), std::end(k_ranger_aliases));
   if (macros_.size() <= k_names_compared)
     for (const auto& [name, macro] : macros_) near.push_back(name);
   // The order of the hash table must not choose between two names that are equally near.

@@ -19,7 +19,9 @@ struct StageModel {
     const StageEntity* layer;  ///< whose body it stands in
   };
 
-  std::string_view type;                   ///< a model type, "block", "sensor" or "window"
+  std::string_view type;  ///< a model type, "block", "sensor" or "window"
+  /// Of a ranger, "laser" or "sonar" where it is called so: then it is a sensor itself unless it holds any.
+  std::string_view alias;
   std::vector<std::string_view> names;     ///< as written, then the bases of the macros, the type last
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
   Where where;
@@ -36,7 +38,8 @@ class StageMacros {
 
   /// The first definition of a name holds; another is a warning.
   void define(const StageItem& item);
-  /// Follows the chain of bases; empty, with an error, where it ends at no type or in a circle.
+  /// Follows the chain of bases, and then the aliases of older files; empty, with an error, where it ends at
+  /// no type or in a circle.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Warns of macros of the world's own file that resolve() never came by, and of files with no macro that it
   /// did: a file that is included is there to be chosen from.

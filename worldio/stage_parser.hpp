@@ -90,6 +90,12 @@ struct StageDocument {
   StageToken value(const StageProperty& property, std::uint32_t i) const {
     return token(property.first() + i);
   }
+  /// The last property of this name at the top level; null when there is none.
+  const StageProperty* world_property(std::string_view name) const {
+    for (auto property = world.rbegin(); property != world.rend(); ++property)
+      if (key(*property) == name) return &*property;
+    return nullptr;
+  }
   std::span<const StageProperty> properties(const StageEntity& entity) const {
     return std::span(all_properties).subspan(entity.properties.first, entity.properties.count);
   }

@@ -8,6 +8,7 @@
 #include "worldio/stage_parser.hpp"
 #include "worldio/stage_properties.hpp"
 #include "worldio/stage_values.hpp"
+#include "worldio/stage_watch.hpp"
 
 #include "base/random.hpp"
 
@@ -203,12 +204,6 @@ class StageWorld {
     bool has_own_name = false;  ///< it or a model around it has a name of its own: not one below the body's
   };
 
-  const StageProperty* world_property(std::string_view key) const {
-    const auto it = std::find_if(document_.world.rbegin(), document_.world.rend(),
-                                 [&](const StageProperty& p) { return document_.key(p) == key; });
-    return it == document_.world.rend() ? nullptr : &*it;
-  }
-
   void read_world();
   void add_body(const StageEntity& entity);
   engine::Name generate_name(std::string_view kind);
@@ -221,6 +216,10 @@ class StageWorld {
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
+  /// Of several windows the first counts, wherever it stands.
+  void add_window(const StageModel& window) {
+    if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
+  }
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
   Color color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
               std::string_view stream, BodyId body);
@@ -249,7 +248,7 @@ void StageWorld::read_world() {
   lint_.check_world();
   const auto choose = [this](std::string_view key,
                              std::initializer_list<std::pair<std::string_view, double>> units) {
-    const StageProperty* property = world_property(key);
+    const StageProperty* property = document_.world_property(key);
     if (!property) return units.begin()->second;
     const auto given = values_.text(*property);
     std::vector<std::string_view> known;
@@ -266,7 +265,7 @@ void StageWorld::read_world() {
   const double angle = choose("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
   values_.set_units(length, angle);
 
-  if (const StageProperty* property = world_property("interval_sim"))
+  if (const StageProperty* property = document_.world_property("interval_sim"))
     if (const auto ms = values_.number(*property)) {
       const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
       if (us >= 1)
@@ -275,7 +274,7 @@ void StageWorld::read_world() {
         values_.error(values_.where(*property),
                       fmt::format("\"interval_sim\" must be at least 0.001 ms; here is {}", *ms));
     }
-  if (const StageProperty* property = world_property("resolution")) {
+  if (const StageProperty* property = document_.world_property("resolution")) {
     spec_->resolution_where = values_.where(*property);
     if (const auto metres = values_.number(*property)) {  // whatever unit_length says
       if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
@@ -286,14 +285,14 @@ void StageWorld::read_world() {
                                   engine::k_min_resolution_m, engine::k_max_resolution_m, *metres));
     }
   }
-  if (const StageProperty* property = world_property("quit_time"))
+  if (const StageProperty* property = document_.world_property("quit_time"))
     if (const auto seconds = values_.number(*property)) {
       if (*seconds > 0) spec_->quit_time_s = *seconds;
       if (*seconds < 0)
         values_.error(values_.where(*property),
                       fmt::format("\"quit_time\" must be 0 (never) or above, in s; here is {}", *seconds));
     }
-  if (const StageProperty* property = world_property("seed"))
+  if (const StageProperty* property = document_.world_property("seed"))
     if (const auto seed = values_.integer(*property)) {
       if (*seed >= 0)
         spec_->seed = static_cast<std::uint64_t>(*seed);
@@ -302,8 +301,9 @@ void StageWorld::read_world() {
                       fmt::format("\"seed\" must be 0 or above; here is {}", *seed));
     }
   if (options_.seed) spec_->seed = *options_.seed;
+  spec_->watch = read_stage_watch(document_, values_);
   spec_->title = file_.string();
-  if (const StageProperty* property = world_property("name"))
+  if (const StageProperty* property = document_.world_property("name"))
     if (const auto title = values_.text(*property)) spec_->title = *title;
 }
 
@@ -379,7 +379,11 @@ engine::Name StageWorld::generate_name(std::string_view kind) {
 StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   Prototype prototype;
   const auto model = macros_.resolve(entity);
-  if (!model || model->type == "window") return prototype;
+  if (!model) return prototype;
+  if (model->type == "window") {
+    add_window(*model);
+    return prototype;
+  }
   if (model->type == "block" || model->type == "sensor") {
     values_.error(model->where, fmt::format("a {} belongs into a {}, not at top level", model->type,
                                             model->type == "block" ? "model" : "ranger"));
@@ -465,7 +469,9 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
       out.sensors.push_back(std::move(*resolved));
     else if (resolved->type == "sensor")
       fail(resolved->where, fmt::format("a sensor belongs into a ranger, not into: {}", model.type));
-    else if (resolved->type != "window")
+    else if (resolved->type == "window")
+      add_window(*resolved);
+    else
       out.children.emplace_back(std::move(*resolved), child.layer);
   }
   return out;

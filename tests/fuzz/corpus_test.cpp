@@ -25,7 +25,8 @@ struct Target {
 class Corpus : public ::testing::TestWithParam<Target> {};
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus,
                          ::testing::Values(Target{"stage", read_stage}, Target{"json", read_json},
-                                           Target{"bitmap", read_bitmap}, Target{"recording", read_recording},
+                                           Target{"bitmap", read_bitmap}, Target{"map", read_map},
+                                           Target{"recording", read_recording},
                                            Target{"checkpoint", read_checkpoint}),
                          [](const auto& target) { return target.param.name; });
 

@@ -9,12 +9,14 @@
 #include "worldio/load.hpp"
 #include "worldio/recording_reader.hpp"
 #include "worldio/recording_repair.hpp"
+#include "worldio/ros_map.hpp"
 #include "worldio/sealed_file.hpp"
 
 #include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -133,6 +135,20 @@ void read_json(std::string_view text) {
 void read_bitmap(std::string_view bytes) {
   decode(bytes);
   if (const std::string repaired = with_right_checksums(bytes); repaired != bytes) decode(repaired);
+}
+
+void read_map(std::string_view text) {
+  Diagnostics diagnostics;
+  const auto map = worldio::parse_ros_map("map.yaml", text, diagnostics);
+  check(map.has_value() != diagnostics.has_errors());
+  if (!map) return;
+  check(map->resolution_m > 0 && map->free_thresh <= map->occupied_thresh);
+  for (const bool unknown_is_solid : {false, true}) {
+    const worldio::PixelRule is_solid = worldio::solid_cells(*map, unknown_is_solid);
+    const std::array<std::uint8_t, 4> pixel{0, 100, 205, 254};
+    for (std::size_t channels = 1; channels <= pixel.size(); ++channels)
+      static_cast<void>(is_solid(std::span(pixel).first(channels)));
+  }
 }
 
 void read_recording(std::string_view text) {

@@ -14,6 +14,8 @@ void read_stage(std::string_view text);
 void read_json(std::string_view text);
 /// The content of an image.
 void read_bitmap(std::string_view bytes);
+/// The YAML of a map of ROS.
+void read_map(std::string_view text);
 /// A recording, as tests/fuzz/hdf5_text.hpp makes it of a text: what is mutated is what stands in it, not
 /// HDF5.
 void read_recording(std::string_view text);

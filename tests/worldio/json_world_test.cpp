@@ -218,6 +218,50 @@ TEST(JsonWorld, FloorPlans) {
   EXPECT_TRUE(spec.bounds->max.isApprox(Vec2(12, 5)));
 }
 
+TEST(JsonWorld, MapsOfRosSayTheirSizeAndPlaceThemselves) {
+  const auto file = write_picture("lab.pgm", {"....", ".##.", "...."});
+  std::ofstream(file.parent_path() / "lab.yaml")
+      << "image: lab.pgm\nresolution: 0.5\norigin: [10, -3, 1.5707963267948966]\n";
+  const Loaded loaded(R"({"troupe": 1, "floorplans": [
+    {"name": "a", "bitmap": "lab.yaml", "height_m": 2, "boundary": true}]})",
+                      {}, file);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::PartSpec& part = loaded.spec.types[loaded.spec.bodies[1].type.index()].parts[0];
+  EXPECT_EQ(part.size, Eigen::Vector3d(2, 1.5, 2));
+  ASSERT_EQ(part.solids.size(), 5u);
+  // The image leans on its lower left corner, at (10, -3), and is turned to the left about it.
+  const Box block = bounds(part.solids[0].contours[0]);
+  EXPECT_TRUE(block.min.isApprox(Vec2(9, -2.5))) << block.min.transpose();
+  EXPECT_TRUE(block.max.isApprox(Vec2(9.5, -1.5))) << block.max.transpose();
+  EXPECT_EQ(part.solids[0].z, (ZInterval{0, 2}));
+  ASSERT_TRUE(loaded.spec.bounds);
+  EXPECT_TRUE(loaded.spec.bounds->min.isApprox(Vec2(8.5, -3)));
+  EXPECT_TRUE(loaded.spec.bounds->max.isApprox(Vec2(10, -1)));
+
+  const Loaded sized(R"({"troupe": 1, "floorplans": [
+    {"name": "a", "bitmap": "lab.yaml", "size_m": [1, 1, 1]}]})",
+                     {}, file);
+  EXPECT_THAT(
+      sized.found,
+      ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, blob_return, boundary")));
+}
+
+TEST(JsonWorld, ItSaysHowItIsToBeWatched) {
+  const Loaded loaded(R"({"troupe": 1,
+    "watch": {"clock": true, "clock_ticks": 10, "rate": 2.5, "paused": true},
+    "window": {"size_px": [800, 600], "rotate_deg": [30, 0], "show_grid": false}})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.spec.watch, (engine::WatchSpec{true, 10, 2.5, true}));
+  ASSERT_TRUE(loaded.spec.window);
+  const engine::FieldTable& fields = engine::window_fields();
+  EXPECT_THAT(get(fields, *loaded.spec.window, "size_px").numbers(), ElementsAre(800, 600));
+  EXPECT_NEAR(get(fields, *loaded.spec.window, "rotate").numbers()[0], radians(30), 1e-15);
+  EXPECT_FALSE(get(fields, *loaded.spec.window, "show_grid").boolean());
+  EXPECT_FALSE(Loaded(R"({"troupe": 1})").spec.window);
+  EXPECT_THAT(Loaded(R"({"troupe": 1, "watch": {"rate": -1}})").found,
+              ElementsAre(testing::HasSubstr("/watch/rate: ")));
+}
+
 struct Wrong {
   const char* from;
   const char* to;
@@ -242,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: floorplans, measure_every_ms, measure_every_s, measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: floorplans, measure_every_ms, measure_every_s, measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -471,7 +515,7 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"noise\"; known: floorplans, measure_every_ms, measure_every_s, "
           "measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, "
-          "resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types"));
+          "resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types, watch, window"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 
@@ -499,7 +543,7 @@ TEST(JsonWorld, FloorPlanErrors) {
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
       wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
-      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, relative to the world file)");
+      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML of a map, relative to the world file)");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
       R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");

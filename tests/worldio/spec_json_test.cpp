@@ -47,7 +47,8 @@ class Comparison {
   void compare() {
     // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
     const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-                 bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s] = a_;
+                 bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
+                 window] = a_;
     EXPECT_EQ(title, b_.title);
     EXPECT_TRUE(files && b_.files);
     EXPECT_EQ(seed, b_.seed);
@@ -58,6 +59,8 @@ class Comparison {
     ASSERT_EQ(measures.size(), b_.measures.size());
     for (std::size_t i = 0; i < measures.size(); ++i) same(measures[i], b_.measures[i]);
     same(measure_every_s, b_.measure_every_s);
+    EXPECT_EQ(watch, b_.watch);
+    EXPECT_EQ(window, b_.window);
     EXPECT_EQ(ranging, b_.ranging);
     same(resolution_m, b_.resolution_m);
     same(resolution_where, b_.resolution_where);

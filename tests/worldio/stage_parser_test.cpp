@@ -104,13 +104,13 @@ TEST_F(StageParser, ConformanceVector14ShortTuples) {
 }
 
 TEST_F(StageParser, ConformanceVector14UnknownType) {
-  load("model( laser() )\npositron()");
+  load("model( lazer() )\npositron()");
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: \"laser\" is no model type, nor a macro defined before; types: actuator, "
+          "w.world:1: error: \"lazer\" is no model type, nor a macro defined before; types: actuator, "
           "blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, model, "
-          "position, ranger",
+          "position, ranger (did you mean \"laser\"?)",
           "w.world:2: error: \"positron\" is no model type, nor a macro defined before; types: "
           "actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, "
           "model, position, ranger (did you mean \"position\"?)"));

@@ -95,28 +95,84 @@ TEST_F(StageWorld, TheResolutionIsOfTheGridEngine) {
               ElementsAre("w.world:1: error: \"resolution\" must be from 0.0001 to 100 m; here is 0"));
 }
 
+TEST_F(StageWorld, SaysHowItIsToBeWatched) {
+  EXPECT_EQ(load("").watch, engine::WatchSpec{});
+  EXPECT_FALSE(load("").window);
+  EXPECT_EQ(load("show_clock 1 show_clock_interval 7 speedup 2.5").watch,
+            (engine::WatchSpec{true, 7, 2.5, false}));
+  EXPECT_EQ(load("speedup -1").watch.rate, 0);  // as fast as possible
+  EXPECT_TRUE(load("paused 1").watch.paused);
+  EXPECT_THAT(messages(), SizeIs(1));
+  load("show_clock_interval 0 speedup \"fast\"\nshow_clock 0.5");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: \"show_clock\" needs a whole number; 0.5 is none",
+                          "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 updates; "
+                          "here is 0",
+                          "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25; \"fast\" is "
+                          "none"));
+}
+
+TEST_F(StageWorld, TheFirstWindowIsKept) {
+  const auto spec = load(
+      "unit_length \"cm\" unit_angle \"radians\"\n"
+      "model( window( size [700.5 300] center [1 -2] rotate [30 -90] scale 37.5 pcam_loc [100 200 300]\n"
+      "  pcam_angle [70 10] pcam_on 1 interval 50 screenshot_skip 3 follow_model \"r0\" show_grid 0 ) )\n"
+      "window( scale 1 )\n");
+  EXPECT_THAT(messages(), SizeIs(1));
+  ASSERT_TRUE(spec.window);
+  const auto field = [&](std::string_view name) { return get(engine::window_fields(), *spec.window, name); };
+  EXPECT_THAT(field("size_px").numbers(), ElementsAre(700.5, 300));
+  EXPECT_THAT(field("center").numbers(), ElementsAre(1, -2));  // metres, whatever the units
+  EXPECT_NEAR(field("rotate").numbers()[1], -k_pi / 2, 1e-15);
+  EXPECT_EQ(field("scale_px_per_m").number(), 37.5);
+  EXPECT_THAT(field("camera").numbers(), ElementsAre(1, 2, 3));
+  EXPECT_NEAR(field("camera_angle").numbers()[0], 70 * k_degree, 1e-15);  // degrees, whatever the units
+  EXPECT_TRUE(field("perspective").boolean());
+  EXPECT_EQ(field("interval").number(), 0.05);
+  EXPECT_EQ(field("screenshot_skip").integer(), 3);
+  EXPECT_EQ(field("follow").text(), "r0");
+  EXPECT_FALSE(field("show_grid").boolean());
+  EXPECT_TRUE(field("show_blocks").boolean());
+}
+
+TEST_F(StageWorld, RefusesWrongWindows) {
+  load(
+      "window( size [1]\n scale 0\n interval -3\n rotate [1 \"two\"]\n show_grid 0.5\n screenshot_skip 0\n"
+      " follow_model [\"a\"] )");
+  std::vector<std::string> found = messages();
+  std::erase_if(found, [](const std::string& line) { return line.find("error") == line.npos; });
+  EXPECT_THAT(found,
+              testing::UnorderedElementsAre(
+                  "w.world:1: error: \"size\" needs 2 values [a b]; here is 1",
+                  "w.world:2: error: \"scale\" must be above 0 and at most 1e+06; here is 0",
+                  "w.world:3: error: \"interval\" must be above 0 and at most 1e+09; here is -3",
+                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25; \"two\" is none",
+                  "w.world:5: error: \"show_grid\" needs a whole number; 0.5 is none",
+                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1e+09; here is 0",
+                  "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
+}
+
 TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
       "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
-                  "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
-                  "threads, friction",
-                  "w.world:3: warning: accepted, but only Stage's window would use it: paused, speedup, "
-                  "window, gui_nose",
-                  "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
-                  "polygon[k].points"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
+                          "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
+                          "threads, friction",
+                          "w.world:3: warning: accepted, but only Stage's window would use it: paused, "
+                          "window, gui_nose",
+                          "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
+                          "polygon[k].points"));
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
   load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 fiducial_return 1 )\nfiducial( fov 3 )\n"
+      "define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\nfiducial( fov 3 )\n"
       "position( localization \"odom\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
-                          "w.world:4: warning: not supported yet: fiducial_return",
+                          "w.world:4: warning: not supported yet: watts",
                           "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
                           "w.world:5: warning: not supported yet: fov of a fiducial",
@@ -288,6 +344,65 @@ TEST_F(StageWorld, ABitmapIsOneSolidStretchedToItsSize) {
   EXPECT_TRUE(contains(part.solids[0], Vec2(1.2, 0)));
 }
 
+TEST_F(StageWorld, BitmapMarginsAreKeptForWhoAsks) {
+  // Of 4 x 2 pixels the second of the lower row is solid.
+  Image image{.width = 4, .height = 2, .rgba = std::vector<std::uint8_t>(4 * 2 * 4, 255)};
+  image.rgba[(4 + 1) * 4] = 0;
+  write_png(folder() / "dot.png", image);
+  const auto spec = load(
+      "define plan model( size [8 4 0.5] bitmap \"dot.png\" )\n"
+      "plan( bitmap_margins 1 )\nplan( bitmap_margins 0 )\nplan( bitmap_margins 1 boundary 1 )\n"
+      "plan( bitmap_margins 1 block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z "
+      "[0 "
+      "0.5] ) )\n");
+  const auto solids = [&](std::size_t body) { return type_of(spec, body).parts[0].solids; };
+  expect_box(bounds_of(solids(1)), -2, 0, -2, 0);
+  EXPECT_EQ(solids(1)[0].z, (ZInterval{0, 0.5}));
+  expect_box(bounds_of(solids(2)), -4, 4, -2, 2);
+  ASSERT_THAT(solids(3), SizeIs(5));
+  EXPECT_EQ(solids(3)[0], solids(1)[0]);
+  expect_box(bounds_of(solids(3)), -4, 4, -2, 2);
+  ASSERT_THAT(solids(4), SizeIs(2));  // blocks join the whole image, not only its solid pixels
+  EXPECT_EQ(solids(4)[0].contours, solids(1)[0].contours);
+  expect_box(bounds(solids(4)[1].contours[0]), 0, 1, 0, 1);
+}
+
+TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
+  write("maps/lab.pgm", "P5 4 2 255\n" + std::string("\xfe\xfe\xcd\xfe\xfe\x00\xfe\xfe", 8));
+  write("maps/lab.yaml", "image: lab.pgm\nresolution: 0.5\norigin: [10, 20, 0]\n");
+  const auto spec = load(
+      "unit_length \"cm\"\ndefine plan model( bitmap \"maps/lab.yaml\" )\n"
+      "plan()\nplan( size [1 1 30] pose [0 0 0 90] )\nplan( bitmap_unknown 1 )\n"
+      "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:4: warning: of \"size\" the height alone counts: the map is 2 m x 1 m",
+                  "w.world:6: error: a model with a map of ROS takes no blocks: the map is not stretched"));
+  const engine::PartSpec& plan = type_of(spec, 1).parts[0];
+  EXPECT_EQ(plan.size, Eigen::Vector3d(2, 1, 1));
+  expect_box(bounds_of(plan.solids), 10.5, 11, 20, 20.5);
+  EXPECT_EQ(plan.solids[0].z, (ZInterval{0, 1}));
+  EXPECT_TRUE(plan.floor_plan);
+  EXPECT_EQ(type_of(spec, 2).parts[0].solids[0].z, (ZInterval{0, 0.3}));
+  EXPECT_EQ(spec.bodies[2].pose_world_body.heading, k_pi / 2);                  // of the map's frame
+  expect_box(bounds_of(type_of(spec, 3).parts[0].solids), 10.5, 11.5, 20, 21);  // the unknown cell too
+}
+
+TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
+  write("a.yaml", "image: no.pgm\nresolution: 0\norigin: [0, 0, 0]\n");
+  write("b.yaml", "# where\nimage: no.pgm\nresolution: 1\norigin: [0, 0, 0]\n");
+  write("c.yml", "image: free.pgm\nresolution: 1\norigin: [0, 0, 0]\n");
+  write("free.pgm", "P5 1 1 255\n\xff");
+  load(
+      "model( bitmap \"a.yaml\" )\nmodel( bitmap \"b.yaml\" )\nmodel( bitmap \"c.yml\" )\nmodel( bitmap "
+      "\"d.yml\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("a.yaml:2: error: \"resolution\" needs a length in m, above 0; here is \"0\"",
+                          "b.yaml:2: error: cannot read the image no.pgm",
+                          "w.world:3: error: the map c.yml has no occupied cell",
+                          "w.world:4: error: cannot read the map d.yml"));
+}
+
 TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
   write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
   load("model( bitmap \"white.png\" )");
@@ -409,6 +524,14 @@ TEST_F(StageWorld, ReturnsAndColours) {
   EXPECT_FALSE(type_of(spec, 2).parts[0].color);
   EXPECT_EQ(type_of(spec, 2).parts[1].color, (Color{0, 1, 0, 1}));
   EXPECT_EQ(type_of(spec, 2).parts[2].color, (Color{0, 0, 0.5f, 1}));
+  const auto seen = load(
+      "define m model()\nm( fiducial_return -7 fiducial_key 3 gripper_return 1 blob_return 0 )\nm()\n"
+      "m( fiducial_return 3000000000 )\n");
+  EXPECT_EQ(type_of(seen, 1).parts[0].returns, (engine::Returns{true, 1, -7, 3, true, false}));
+  EXPECT_EQ(type_of(seen, 2).parts[0].returns, (engine::Returns{true, 1, 0, 0, false, true}));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number of 32 bits; "
+                          "here is 3000000000"));
 }
 
 TEST_F(StageWorld, RandomColoursFollowFromSeedAndBody) {
@@ -464,6 +587,49 @@ TEST_F(StageWorld, RangersRunAtStagesPaceUnlessTold) {
   EXPECT_FALSE(type_of(spec, 1).devices[0].active);
   EXPECT_EQ(type_of(spec, 1).devices[0].period_s, 0.1);
   EXPECT_EQ(type_of(spec, 1).drive->period_s, 0.1);
+}
+
+TEST_F(StageWorld, LasersAndSonarsAreRangers) {
+  const auto spec = load(
+      "unit_length \"cm\"\n"
+      "position( laser() )\nposition( sonar() )\n"
+      "position( laser( samples 181 fov 90 range_max 400 range_min 20 pose [10 0 0 45] size [1 1 10] ) )\n"
+      "position( sonar( range [0 300] ) )\n"
+      "position( laser( sensor( samples 4 ) sensor() ) )\n"
+      "define laser ranger( sensor( samples 6 ) )\nposition( laser() )\n");
+  EXPECT_THAT(messages(), IsEmpty());
+  const auto sensor = [&](std::size_t body) { return type_of(spec, body).devices[0]; };
+  EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "ranger:0"));
+  EXPECT_EQ(type_of(spec, 1).parts[1].kind, "ranger");
+  EXPECT_EQ(sensor(1).kind, "ranger");
+  EXPECT_EQ(transducer(sensor(1), 0, "samples").integer(), 180);
+  EXPECT_EQ(transducer(sensor(1), 0, "fov").number(), k_pi);
+  EXPECT_EQ(transducer(sensor(1), 0, "range_max").number(), 8);
+  EXPECT_EQ(transducer_pose(sensor(1), 0, "z"), 0.01);
+  EXPECT_EQ(transducer(sensor(2), 0, "samples").integer(), 1);
+  EXPECT_EQ(transducer(sensor(2), 0, "range_max").number(), 5);
+  EXPECT_EQ(transducer(sensor(3), 0, "samples").integer(), 181);
+  EXPECT_EQ(transducer(sensor(3), 0, "fov").number(), k_pi / 2);
+  EXPECT_EQ(transducer(sensor(3), 0, "range_min").number(), 0.2);
+  EXPECT_EQ(transducer(sensor(3), 0, "range_max").number(), 4);
+  EXPECT_EQ(transducer_pose(sensor(3), 0, "x"), 0);  // its pose is that of the model
+  EXPECT_NEAR(sensor(3).pose_body_sensor.x, 0.1, 1e-15);
+  EXPECT_EQ(transducer(sensor(4), 0, "range_max").number(), 3);
+  EXPECT_EQ(transducer(sensor(5), 0, "samples").integer(), 4);  // with sensors it is a ranger like others
+  EXPECT_EQ(get(ranger_table(), sensor(5).params, "transducers").records().size(), 2u);
+  EXPECT_EQ(transducer(sensor(6), 0, "samples").integer(), 6);  // a macro of the name comes first
+}
+
+TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
+  load("laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 )\nlaser( wibble 3 )\nmap()\nlasr()");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; it is ignored",
+                          "w.world:1: error: \"samples\" must be at least 1; here is 0",
+                          "w.world:2: error: \"range_max\" must be above 0 m; here is -1",
+                          "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
+                          HasSubstr("w.world:5: error: \"map\" is no model type, nor a macro defined before"),
+                          testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is no model type"),
+                                         HasSubstr("(did you mean \"laser\"?)"))));
 }
 
 TEST_F(StageWorld, RefusesWrongTransducers) {
@@ -670,20 +836,17 @@ class StageOwnWorld : public StageTest {
   }
 };
 
-constexpr const char* k_floorplan_1 = "map.inc:17: warning: not supported yet: gripper_return";
-
 TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "blob_return, acceleration_bounds of a position",
-          "simple.world:12: warning: accepted, but only Stage's window would use it: paused, speedup, "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "acceleration_bounds of a position",
+          "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
@@ -718,11 +881,10 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
           "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -739,8 +901,7 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
-                  "irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
+      ElementsAre("irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
                   "irobot.inc:30: warning: not supported yet: bcount of a bumper",
                   "irobot.inc:31: warning: not supported yet: blength of a bumper",
                   "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
@@ -760,12 +921,11 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
@@ -780,17 +940,15 @@ TEST_F(StageOwnWorld, Cave) {
   const auto spec = open("benchmark/cave.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 1 more)",
-          "benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
-          "definition holds",
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
-          "pioneer.inc:144: warning: not supported yet: mass",
-          "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
-          "benchmark/cave.world:11: warning: accepted, but only Stage's window would use it: speedup, "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+      ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
+                  "definition holds",
+                  "pioneer.inc:116: warning: not supported yet: localization of a position",
+                  "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
+                  "pioneer.inc:144: warning: not supported yet: mass",
+                  "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
+                  "threads, acceleration_bounds of a position",
+                  "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
+                  "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
@@ -811,10 +969,9 @@ TEST_F(StageOwnWorld, Hospital) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return",
           "benchmark/hospital.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
           "threads",
-          "benchmark/hospital.world:11: warning: accepted, but only Stage's window would use it: speedup, "
+          "benchmark/hospital.world:13: warning: accepted, but only Stage's window would use it: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
@@ -839,7 +996,6 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 3 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
           "pioneer.inc:144: warning: not supported yet: mass",
@@ -848,14 +1004,14 @@ TEST_F(StageOwnWorld, LspTest) {
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:113: warning: accepted without effect, docs/stage-worlds.md says why: blob_return, "
+          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
           "acceleration_bounds of a position",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
           "blobfinder, channels of a blobfinder"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
-  EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);  // the fiducials they show are no part of a type yet
+  EXPECT_NE(spec.bodies[2].type, spec.bodies[3].type) << "their fiducial_return differs";
   EXPECT_THAT(part_names(type_of(spec, 2)),
               ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));
 }
@@ -872,15 +1028,14 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          k_floorplan_1, "map.inc:18: warning: not supported yet: fiducial_return (and 2 more)",
           "pioneer.inc:116: warning: not supported yet: localization of a position",
           "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
           "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, blob_return, acceleration_bounds of a position",
-          "pioneer_flocking.world:8: warning: accepted, but only Stage's window would use it: speedup, "
+          "threads, acceleration_bounds of a position",
+          "pioneer_flocking.world:10: warning: accepted, but only Stage's window would use it: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "engine/fields.hpp"
+
+#include <cstdint>
+
+namespace troupe::engine {
+
+inline constexpr double k_most_rate = 1e9;
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;
+
+/// How a world asks to be watched while it runs. Nothing of it changes a result.
+struct WatchSpec {
+  bool clock = false;               ///< tell the time as the run goes on
+  std::uint64_t clock_ticks = 100;  ///< how often
+  double rate = 1;      ///< times real time, for who wants the world's own pace; 0: as fast as possible
+  bool paused = false;  ///< who shows the world in a window begins at rest
+  friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
+};
+
+/// The same as a block of parameters, for files: `clock`, `clock_ticks`, `rate`, `paused`.
+const FieldTable& watch_fields();
+Record watch_record(const WatchSpec& watch);
+WatchSpec watch_spec(const Record& record);
+
+/// The window through which a world asks to be seen, Stage's `window`: where its cameras stand, and what is
+/// drawn.
+const FieldTable& window_fields();
+
+}  // namespace troupe::engine

@@ -1,0 +1,195 @@
+#include "engine/world.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/png.hpp"
+#include "worldio/spec_json.hpp"
+#include "worldio/stage_properties.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using worldio::StageRow;
+using worldio::StageSupport;
+
+/// Two worlds that differ in one property alone: `world` with `property` in place of its @, and without.
+/// A property that somebody stops to honour makes them one.
+struct Effect {
+  enum class Where {
+    run,    ///< in the state at some tick
+    grid,   ///< the same, with the ray engine that has cells
+    loaded  ///< in what is loaded: names, colours, and what a viewer or the run itself goes by
+  };
+  std::string_view type, name;  ///< as in the table of properties
+  std::string_view world;
+  std::string_view property;
+  Where where = Where::run;
+};
+
+using enum Effect::Where;
+
+// What looks at a box in front of it, what drives, and what drives by what it sees.
+constexpr std::string_view k_macros =
+    "define eye position( size [0.2 0.2 0.2]\n"
+    "  ranger( alwayson 1 sensor( range [0 8] fov 180 samples 19 ) ) )\n"
+    "define mover position( size [0.2 0.2 0.2] ctrl \"script wave\" )\n"
+    "define wanderer position( size [0.2 0.2 0.2] ctrl \"wander\"\n"
+    "  ranger( sensor( range [0 8] fov 180 samples 19 ) ) )\n";
+
+constexpr Effect k_effects[] = {
+    {"world", "name", "@", "name \"arena\"", loaded},
+    {"world", "interval_sim", "@ mover()", "interval_sim 50"},
+    {"world", "quit_time", "@", "quit_time 7", loaded},
+    {"world", "unit_length", "@ mover( pose [1 0 0 0] )", "unit_length \"cm\""},
+    {"world", "unit_angle", "@ mover( pose [0 0 0 1] )", "unit_angle \"radians\""},
+    {"world", "show_clock", "@", "show_clock 1", loaded},
+    {"world", "show_clock_interval", "@", "show_clock_interval 10", loaded},
+    {"world", "speedup", "@", "speedup 4", loaded},
+    {"world", "seed", "@ wanderer() model( pose [0.5 0.1 0 0] )", "seed 7"},
+    {"world", "resolution", "@ eye() model( pose [2 0.3 0 10] )", "resolution 0.3", grid},
+
+    {"model", "name", "model( @ )", "name \"x\"", loaded},
+    {"model", "pose", "eye() model( pose [2 0 0 0] @ )", "pose [2 0 0 30]"},
+    {"model", "size", "eye() model( pose [2 0 0 0] @ )", "size [1 1 1]"},
+    {"model", "origin", "eye() model( pose [2 0 0 0] @ )", "origin [0.1 0 0 0]"},
+    {"model", "update_interval", "mover( @ )", "update_interval 300"},
+    {"model", "color", "model( @ )", "color \"blue\"", loaded},
+    {"model", "color_rgba", "model( @ )", "color_rgba [0 0 1 1]", loaded},
+    {"model", "bitmap", "eye() model( pose [2 0 0 0] @ )", "bitmap \"corner.png\""},
+    {"model", "bitmap_margins", "eye() model( pose [2 0 0 0] bitmap \"corner.png\" @ )", "bitmap_margins 1"},
+    {"model", "bitmap_unknown", "eye() model( pose [1 0 0 0] bitmap \"map.yaml\" @ )", "bitmap_unknown 1"},
+    {"model", "noblocks", "eye() model( pose [2 0 0 0] @ )", "noblocks 1"},
+    {"model", "boundary", "eye() model( size [4 4 1] noblocks 1 @ )", "boundary 1"},
+    {"model", "stack_children", "eye() model( pose [2 0 0 0] noblocks 1 model() @ )", "stack_children 0"},
+    {"model", "obstacle_return", "mover() model( pose [0.5 0 0 0] @ )", "obstacle_return 0"},
+    {"model", "ranger_return", "eye() model( pose [2 0 0 0] @ )", "ranger_return -1"},
+    {"model", "fiducial_return", "model( @ )", "fiducial_return 7", loaded},
+    {"model", "fiducial_key", "model( @ )", "fiducial_key 7", loaded},
+    {"model", "gripper_return", "model( @ )", "gripper_return 1", loaded},
+    {"model", "blob_return", "model( @ )", "blob_return 0", loaded},
+    {"model", "ctrl", "position( @ )", "ctrl \"script line\""},
+    {"model", "alwayson", "position( ranger( sensor() @ ) )", "alwayson 1"},
+
+    {"block", "points",
+     "eye() model( pose [2 0 0 0] block( points 3 point[0] [0 -1] point[1] [1 -1] point[2] [1 0]\n"
+     "  point[3] [0 1] z [0 1] @ ) )",
+     "points 4"},
+    {"block", "point[k]",
+     "eye() model( pose [2 0 0 0] block( points 3 point[0] [0 0] point[1] [1 -1] point[2] [1 1] z [0 1] @ ) "
+     ")",
+     "point[0] [0 -1]"},
+    {"block", "z",
+     "eye() model( pose [2 0 0 0] block( points 3 point[0] [0 0] point[1] [1 -1] point[2] [1 1] z [0 1] @ ) "
+     ")",
+     "z [0.5 1]"},
+
+    {"position", "drive", "mover( @ )", "drive \"car\""},
+    {"position", "velocity_bounds", "mover( @ )", "velocity_bounds [0 0.1 0 0 0 0 -10 10]"},
+    {"position", "wheelbase", "mover( drive \"car\" @ )", "wheelbase 0.3"},
+
+    {"sensor", "pose",
+     "position( size [0.2 0.2 0.2] ranger( alwayson 1 sensor( @ ) ) ) model( pose [1 0 0 0] )",
+     "pose [0.1 0 0 0]"},
+    {"sensor", "size",
+     "position( size [0.2 0.2 0.2] ranger( alwayson 1 sensor( @ ) ) ) model( pose [1 0 0 0] size [1 1 0.4] )",
+     "size [0.1 0.1 0.6]"},
+    {"sensor", "range", "position( ranger( alwayson 1 sensor( @ ) ) )", "range [0 3]"},
+    {"sensor", "fov",
+     "position( size [0.2 0.2 0.2] ranger( alwayson 1 sensor( samples 3 @ ) ) ) model( pose [1 0 0 0] )",
+     "fov 90"},
+    {"sensor", "samples", "position( ranger( alwayson 1 sensor( @ ) ) )", "samples 3"},
+
+    {"laser", "samples", "position( size [0.2 0.2 0.2] laser( alwayson 1 @ ) ) model( pose [1 0 0 0] )",
+     "samples 7"},
+    {"laser", "fov", "position( size [0.2 0.2 0.2] laser( alwayson 1 samples 3 @ ) ) model( pose [1 0 0 0] )",
+     "fov 20"},
+    {"laser", "range", "position( laser( alwayson 1 @ ) )", "range [0 3]"},
+    {"laser", "range_max", "position( laser( alwayson 1 @ ) )", "range_max 3"},
+    {"laser", "range_min", "position( laser( alwayson 1 @ ) )", "range_min 1", loaded},
+    {"sonar", "samples", "position( size [0.2 0.2 0.2] sonar( alwayson 1 @ ) ) model( pose [1 0 0 0] )",
+     "samples 7"},
+    {"sonar", "fov", "position( size [0.2 0.2 0.2] sonar( alwayson 1 samples 3 @ ) ) model( pose [1 0 0 0] )",
+     "fov 20"},
+    {"sonar", "range", "position( sonar( alwayson 1 @ ) )", "range [0 3]"},
+    {"sonar", "range_max", "position( sonar( alwayson 1 @ ) )", "range_max 3"},
+    {"sonar", "range_min", "position( sonar( alwayson 1 @ ) )", "range_min 1", loaded},
+
+    {"blinkenlight", "period", "position( blinkenlight( alwayson 1 dutycycle 0.5 @ ) )", "period 300"},
+    {"blinkenlight", "dutycycle", "position( blinkenlight( alwayson 1 @ ) )", "dutycycle 0.5"},
+    {"blinkenlight", "enabled", "position( blinkenlight( alwayson 1 @ ) )", "enabled 0"},
+
+    {"gripper", "paddle_size", "eye() gripper( pose [1 0 0 180] size [0.5 0.5 1] @ )",
+     "paddle_size [0.3 0.1 0.4]"},
+};
+
+class StageEffects : public test::ScratchTest {
+ protected:
+  StageEffects() {
+    worldio::Image corner{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 255)};
+    for (const std::size_t pixel : {1u, 2u, 3u}) corner.rgba[4 * pixel] = 0;
+    worldio::write_png(folder_ / "corner.png", corner);
+    write("map.pgm", "P5 2 1 255\n" + std::string("\x00\xcd", 2));
+    write("map.yaml", "image: map.pgm\nresolution: 0.3\norigin: [0, 0, 0]\n");
+  }
+
+  Simulation load(const Effect& effect, std::string_view property) {
+    std::string text = std::string(k_macros) + std::string(effect.world) + "\n";
+    text.replace(text.find('@'), 1, property);
+    SimulationOptions options{.threads = 1};
+    if (effect.where == grid) options.ranging = RangingEngine::grid;
+    return Simulation(write("w.world", text), options);
+  }
+
+  /// What of the world `effect.where` speaks of.
+  std::vector<std::string> shown(const Effect& effect, std::string_view property) {
+    Simulation simulation = load(effect, property);
+    if (effect.where == loaded) {
+      const engine::WorldSpec& spec = simulation.world().spec();
+      std::vector<std::string> all{worldio::spec_to_json(spec, simulation.registry())};
+      for (const engine::BodySpec& body : spec.bodies) {
+        all.push_back(spec.names.text(body.name));
+        for (const float part : {body.color.r, body.color.g, body.color.b})
+          all.push_back(std::to_string(part));
+      }
+      return all;
+    }
+    std::vector<std::string> states;
+    for (int tick = 0; tick < 40; ++tick) {
+      states.push_back(std::to_string(simulation.state_hash()));
+      simulation.step();
+    }
+    return states;
+  }
+};
+
+TEST_F(StageEffects, EachHonouredPropertyChangesTheWorld) {
+  for (const Effect& effect : k_effects) {
+    const auto name = std::string(effect.type) + " " + std::string(effect.name);
+    ASSERT_NO_THROW({
+      EXPECT_TRUE(shown(effect, effect.property) != shown(effect, "")) << name << " is without effect";
+      EXPECT_TRUE(shown(effect, "") == shown(effect, "")) << name << ": the worlds differ without it, too";
+    }) << name;
+  }
+}
+
+TEST_F(StageEffects, EachHonouredPropertyIsTried) {
+  std::set<std::tuple<std::string_view, std::string_view>> tried;
+  for (const Effect& effect : k_effects) tried.emplace(effect.type, effect.name);
+  for (const StageRow& row : worldio::stage_rows()) {
+    const bool is_honoured = row.support == StageSupport::honoured || row.support == StageSupport::fixed;
+    EXPECT_EQ(tried.contains({row.type, row.name}), is_honoured)
+        << row.type << " " << row.name
+        << (is_honoured ? " is honoured: give k_effects a world in which it shows"
+                        : " is tried here, but the table says that it has no effect");
+  }
+}
+
+}  // namespace
+}  // namespace troupe
