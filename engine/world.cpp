@@ -490,15 +490,27 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
 }
 
+/// What bodies of a type look like: this one, or all with their joints at rest.
+FrameType World::look_of(std::size_t t, Row row) const {
+  FrameType look{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
+  for (const PartSpec& part : spec_.types[t].parts)
+    for (const Solid& solid : part.solids) {
+      look.shapes.push_back({solid, part.color});
+      if (part.joint == k_rigid || !row.valid()) continue;
+      const Mount& now = joints(row)[static_cast<std::size_t>(part.joint)].now;
+      Solid& moved = look.shapes.back().solid;
+      for (Ring& ring : moved.contours)
+        for (Vec2& point : ring) point = now.transform * point;
+      moved.z = moved.z.shifted(now.z);
+    }
+  if (row.valid()) look.radius = row_radii_[row.index()];
+  return look;
+}
+
 FrameScene World::frame_scene() const {
   FrameScene scene;
   scene.title = spec_.title;
-  for (std::size_t t = 0; t < types_.size(); ++t) {
-    FrameType type{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
-    for (const PartSpec& part : spec_.types[t].parts)
-      for (const Solid& solid : part.solids) type.shapes.push_back({solid, part.color});
-    scene.types.push_back(std::move(type));
-  }
+  for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
   scene.bounds = scene_.bounds();
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
@@ -515,8 +527,15 @@ Frame World::frame() const {
   frame.mobile.reserve(rows());
   for (std::size_t b = 0; b < body_rows_.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
-    if (const Row r = body_rows_[b]; r.valid())
-      frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const Row r = body_rows_[b];
+    if (!r.valid()) continue;
+    frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const auto has_moved = [](const Links::Joint& joint) {
+      return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
+    };
+    if (type(r).joints.empty() || std::ranges::none_of(joints(r), has_moved)) continue;
+    frame.mobile.back().type = static_cast<std::uint32_t>(types_.size() + frame.types.size());
+    frame.types.push_back(look_of(body.type.value, r));
   }
   return frame;
 }

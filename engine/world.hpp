@@ -248,6 +248,7 @@ class World {
   /// What is derived from a row's pose.
   void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
+  FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);
   /// work(rows of one type, type), in parallel. Where rows look at one another: of rows that lie near one
   /// another in the world.

@@ -186,8 +186,10 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
+/// A step on the way to an end; what rounding leaves of the way is no step of its own.
 double towards(double position, double end, double step) {
-  return position < end ? std::min(end, position + step) : std::max(end, position - step);
+  if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
+  return position < end ? position + step : position - step;
 }
 
 void act(const DeviceBatch& batch) {

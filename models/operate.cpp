@@ -1,5 +1,6 @@
 #include "models/operate.hpp"
 
+#include "base/diagnostics.hpp"
 #include "engine/controller.hpp"
 #include "engine/ticks.hpp"
 #include "models/actuator.hpp"

@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::size_t k_deepest = 200;  // as deep as the parser and the macros go
 
-/// Models that load as bodies, but whose own part is still missing.
-bool is_only_a_body(std::string_view type) {
-  return type != "model" && type != "position" && type != "ranger" && type != "block" && type != "sensor" &&
-         type != "window";
-}
-
 std::string with_article(std::string_view type) {
   if (type == "world") return "the world";
   return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
@@ -51,7 +45,7 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   const auto model = macros_.resolve(entity);
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
-  if (is_only_a_body(model->type))
+  if (macros_.is_only_a_body(model->type))
     values_.warning_once(model->where, fmt::format("not supported yet: what {} does; it is only a body here",
                                                    with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);

@@ -91,6 +91,12 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   return {};
 }
 
+bool StageMacros::is_only_a_body(std::string_view type) const {
+  const engine::ModelKind* kind = registry_.model(type);
+  return kind != nullptr && type != "model" && type != "position" &&
+         registry_.device(kind->device) == nullptr;
+}
+
 void StageMacros::report_unused() {
   struct File {
     std::size_t macros = 0;
