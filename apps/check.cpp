@@ -41,7 +41,7 @@ std::string variant_name(unsigned threads, double tile_size_m) {
 
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
   std::vector<Variant> variants;
-  SimulationOptions simulation = with_stage_path(options.simulation);
+  SimulationOptions simulation = with_environment(options.simulation);
   for (const double tile_size_m : options.tile_sizes_m) {
     for (const unsigned threads : options.threads) {
       simulation.tile_size_m = tile_size_m;
@@ -57,9 +57,9 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
 /// The second time of every decision of a variant.
 class Decisions {
  public:
-  Decisions(Variant& variant, const engine::Registry& registry) : world_(variant.simulation.world()) {
+  explicit Decisions(Variant& variant) : world_(variant.simulation.world()) {
     const FilledStorage filled(k_fills[1]);
-    check_ = std::make_unique<engine::ControllerCheck>(world_, registry);
+    check_ = std::make_unique<engine::ControllerCheck>(world_, variant.simulation.registry());
   }
 
   std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
@@ -147,7 +147,7 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);
   const double end_s = end_of(options, first);
   std::optional<Decisions> decisions;
-  if (options.controllers) decisions.emplace(variants.front(), registry);
+  if (options.controllers) decisions.emplace(variants.front());
 
   const std::vector<std::string> differences =
       step_to_end(variants, decisions ? &*decisions : nullptr, end_s);

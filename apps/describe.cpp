@@ -214,7 +214,9 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (text.empty()) {
-    throw InputError("troupe describe: error: " + unknown_name("kind", name, all_names(registry)));
+    std::string fault = unknown_name("kind", name, all_names(registry));
+    if (registry.other_controllers) registry.other_controllers(name, fault);  // which knows why, too
+    throw InputError("troupe describe: error: " + fault);
   }
   if (text.find("\n  key ") != std::string::npos)
     text +=

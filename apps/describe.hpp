@@ -12,7 +12,8 @@ namespace troupe::apps {
 std::string list_kinds(const engine::Registry& registry);
 
 /// The fields of every kind of this name (a model and a sensor may share one): JSON key with its units,
-/// default, range and meaning. Throws InputError with near names when there is none.
+/// default, range and meaning; also of a controller of a plug-in that the registry finds. Throws InputError
+/// with near names when there is none.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

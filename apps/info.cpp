@@ -2,6 +2,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info_kinds.hpp"
+#include "apps/options.hpp"
 #include "apps/profile.hpp"
 #include "apps/tables.hpp"
 #include "base/diagnostics.hpp"
@@ -91,7 +92,8 @@ bool is_json_world(const std::string& text) {
   return json.is_object() && json.contains("troupe");
 }
 
-std::optional<Summary> summary_of(const fs::path& file) {
+std::optional<Summary> summary_of(const InfoOptions& options) {
+  const fs::path& file = options.file;
   const std::string start = start_of(file);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
   if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_recording(file);
@@ -102,28 +104,30 @@ std::optional<Summary> summary_of(const fs::path& file) {
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first != start.npos && start[first] == '{') {
     const std::string text = all_of(file);
-    if (is_json_world(text)) return summary_of_world(file, text, true);
+    if (is_json_world(text)) return summary_of_world(file, text, true, options.plugin_path);
   } else if (begins_like_a_stage_world(start)) {
-    return summary_of_world(file, all_of(file), false);
+    return summary_of_world(file, all_of(file), false, options.plugin_path);
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-CLI::App* add_info_command(CLI::App& app, fs::path& file) {
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
   CLI::App* command = app.add_subcommand("info", "Tell what a file is and what it holds");
   command->footer(k_footer);
   command
       ->add_option_function<std::string>(
-          "FILE", [&file](const std::string& text) { file = text; }, "Any file of Troupe's")
+          "FILE", [&options](const std::string& text) { options.file = text; }, "Any file of Troupe's")
       ->option_text(" ")
       ->required();
+  add_plugin_path_option(*command, options.plugin_path);
   return command;
 }
 
-ExitCode info(const fs::path& file) {
-  const std::optional<Summary> summary = summary_of(file);
+ExitCode info(const InfoOptions& options) {
+  const fs::path& file = options.file;
+  const std::optional<Summary> summary = summary_of(options);
   if (!summary)
     throw InputError(fmt::format(
         "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a "

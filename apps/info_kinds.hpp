@@ -20,8 +20,9 @@ Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
-/// json: ours, not Stage's.
-Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json);
+/// json: ours, not Stage's. plugins: folders of plug-ins, beside those of the environment.
+Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
+                         const std::vector<std::filesystem::path>& plugins);
 
 /// "0 to 20, 0 to 2 s".
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);

@@ -2,6 +2,7 @@
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ranging_engine.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
 
@@ -30,11 +31,13 @@ std::string box_text(const Box& box) {
 
 }  // namespace
 
-Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json) {
-  const engine::Registry registry = make_registry();
+Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
+                         const std::vector<std::filesystem::path>& plugins) {
+  engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(plugins));
   Diagnostics diagnostics;
   worldio::LoadOptions options;
-  options.search_path = with_stage_path({}).search_path;
+  options.search_path = with_environment({}).search_path;
   const engine::WorldSpec spec = json ? worldio::load_json_world(file, text, registry, options, diagnostics)
                                       : worldio::load_stage_world(file, text, registry, options, diagnostics);
   diagnostics.throw_if_errors();

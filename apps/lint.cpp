@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -27,19 +28,23 @@ Examples:
 
 }  // namespace
 
-CLI::App* add_lint_command(CLI::App& app, std::filesystem::path& world) {
+CLI::App* add_lint_command(CLI::App& app, LintOptions& options) {
   CLI::App* lint = app.add_subcommand("lint", "Look a world over for what is surely not meant");
   lint->footer(k_footer);
   lint->add_option_function<std::string>(
-          "WORLD", [&world](const std::string& text) { world = text; },
+          "WORLD", [&options](const std::string& text) { options.world = text; },
           "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
+  add_plugin_path_option(*lint, options.plugin_path);
   return lint;
 }
 
-ExitCode lint_world(const std::filesystem::path& world) {
-  const std::vector<std::string> findings = lint(world, with_stage_path({}));
+ExitCode lint_world(const LintOptions& options) {
+  const std::filesystem::path& world = options.world;
+  SimulationOptions simulation;
+  simulation.plugin_path = options.plugin_path;
+  const std::vector<std::string> findings = lint(world, with_environment(std::move(simulation)));
   for (const std::string& finding : findings) fmt::print("{}\n", finding);
   if (findings.empty())
     fmt::print("{}: nothing found\n", world.string());

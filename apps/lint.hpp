@@ -3,6 +3,7 @@
 #include "apps/exit_code.hpp"
 
 #include <filesystem>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
@@ -10,10 +11,16 @@ class App;
 
 namespace troupe::apps {
 
-/// Adds `lint` to the program; parsing fills `world`, which must outlive `app`.
-CLI::App* add_lint_command(CLI::App& app, std::filesystem::path& world);
+/// What the command line of `troupe lint` asks for.
+struct LintOptions {
+  std::filesystem::path world;
+  std::vector<std::filesystem::path> plugin_path;
+};
+
+/// Adds `lint` to the program; parsing fills `options`, which must outlive `app`.
+CLI::App* add_lint_command(CLI::App& app, LintOptions& options);
 
 /// Prints what is odd about a world, a line each. Throws InputError where it cannot be loaded.
-ExitCode lint_world(const std::filesystem::path& world);
+ExitCode lint_world(const LintOptions& options);
 
 }  // namespace troupe::apps

@@ -3,10 +3,12 @@
 #include "apps/diff.hpp"
 #include "apps/info.hpp"
 #include "apps/lint.hpp"
+#include "apps/options.hpp"
 #include "apps/repair.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 
@@ -84,16 +86,20 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::filesystem::path cut_off;
   const CLI::App* repair_command = add_repair_command(app, cut_off);
-  std::filesystem::path linted;
+  LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
-  std::filesystem::path shown;
+  InfoOptions shown;
   const CLI::App* info_command = add_info_command(app, shown);
   std::string kind;
   CLI::App* describe =
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
   describe->add_option("KIND", kind, "Model, sensor, drive, controller or measure; all of them if not given")
       ->option_text(" ");
-  describe->footer("\nExamples:\n  troupe describe\n  troupe describe ranger");
+  std::vector<std::filesystem::path> plugin_folders;
+  add_plugin_path_option(*describe, plugin_folders);
+  describe->footer(
+      "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe follow_wall --plugin-path "
+      "build");
 
   try {
     app.parse(argc, argv);
@@ -111,7 +117,8 @@ int troupe_main(int argc, char** argv) {
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {
-    const engine::Registry registry = make_registry();
+    engine::Registry registry = make_registry();
+    add_plugins(registry, plugin_path(plugin_folders));
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));
     return k_finished;
   }

@@ -34,6 +34,18 @@ std::pair<std::string, std::string> assignment(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+/// Those of a list that is separated by colons.
+void append_folders(const std::string& list, std::vector<std::filesystem::path>& folders) {
+  std::istringstream stream(list);
+  for (std::string folder; std::getline(stream, folder, ':');)
+    if (!folder.empty()) folders.emplace_back(folder);
+}
+
 }  // namespace
 
 std::optional<double> finite(std::string_view text) {
@@ -102,6 +114,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
   add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable", options);
+  add_plugin_path_option(app, options.simulation.plugin_path);
 }
 
 void add_end_option(CLI::App& app, WorldOptions& options) {
@@ -128,11 +141,25 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
                                                      : "set quit_time in the world"));
 }
 
-SimulationOptions with_stage_path(SimulationOptions options) {
-  const char* value = std::getenv("STAGEPATH");
-  std::istringstream list(value ? value : "");
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (!folder.empty()) options.search_path.emplace_back(folder);
+void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
+  add_values(app, "--plugin-path", "DIR[:DIR]",
+             "Where plug-ins with controllers are, before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             [&path](const std::string& text) {
+               if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
+                 refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
+               append_folders(text, path);
+             });
+}
+
+std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given) {
+  append_folders(variable("TROUPE_PLUGIN_PATH"), given);
+  append_folders(variable("STAGEPATH"), given);
+  return given;
+}
+
+SimulationOptions with_environment(SimulationOptions options) {
+  append_folders(variable("STAGEPATH"), options.search_path);
+  options.plugin_path = plugin_path(std::move(options.plugin_path));
   return options;
 }
 

@@ -51,7 +51,7 @@ struct WorldOptions {
 };
 /// Adds WORLD and add_run_settings(); `options` must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
-/// Adds --for, --seed, --raytracer, --robots and --set.
+/// Adds --for, --seed, --raytracer, --robots, --set and --plugin-path.
 void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Of these, what a run that is resumed takes too.
 void add_end_option(CLI::App& app, WorldOptions& options);
@@ -59,7 +59,13 @@ void add_set_option(CLI::App& app, const char* help, WorldOptions& options);
 
 /// Where the run ends, s: --for, else where the world asks to. Throws InputError when neither says so.
 double end_of(const WorldOptions& options, const Simulation& simulation);
-/// The options with the folders of STAGEPATH, as Stage's users have them: separated by colons.
-SimulationOptions with_stage_path(SimulationOptions options);
+/// Adds --plugin-path, which adds to `path`; that must outlive `app`.
+void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
+/// The folders given, then those of TROUPE_PLUGIN_PATH, then those of STAGEPATH, where Stage's users have
+/// theirs.
+std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
+/// The options with the folders that the environment names: those of STAGEPATH for worlds, as Stage's users
+/// have them, and plugin_path().
+SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

@@ -48,6 +48,7 @@ Examples:
   troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
   troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
   troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall
+  troupe run apps/examples/plugin/room.json --for 60 --plugin-path build
   troupe run worlds/minimal.world --for 60 --rate 1 --clock
   troupe run worlds/minimal.world worlds/crowd.json --for 10 --hash-log {world}.log)";
 
@@ -292,6 +293,11 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
   resume
       ->add_flag("--across-versions", options.across_versions,
                  "Though another version of Troupe wrote the checkpoint")
+      ->disable_flag_override();
+  add_plugin_path_option(*resume, options.simulation.plugin_path);
+  resume
+      ->add_flag("--across-plugins", options.across_plugins,
+                 "Though its plug-ins have been built anew since it was written")
       ->disable_flag_override();
   add_clock_options(*resume, options);
   add_output_options(*resume, options);

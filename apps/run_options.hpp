@@ -35,6 +35,7 @@ struct RunOptions : WorldOptions {
   bool world_rate = false;                ///< instead: as the world says
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
+  bool across_plugins = false;
   int width = 1280;
   int height = 720;
   bool json = false;

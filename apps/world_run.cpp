@@ -34,8 +34,10 @@ Simulation load(const RunOptions& options) {
     return Simulation::resume(options.world, {.threads = simulation.threads,
                                               .tile_size_m = simulation.tile_size_m,
                                               .set = simulation.set,
-                                              .across_versions = options.across_versions});
-  return Simulation(options.world, with_stage_path(simulation));
+                                              .across_versions = options.across_versions,
+                                              .plugin_path = plugin_path(simulation.plugin_path),
+                                              .across_plugins = options.across_plugins});
+  return Simulation(options.world, with_environment(simulation));
 }
 
 /// How fast the run may be, times real time; 0: as fast as it can.

@@ -15,14 +15,16 @@ foreach(folder base partition engine sensors models worldio render troupe)
   endif()
 endforeach()
 
+list(APPEND libraries troupe_plugin)
 install(TARGETS ${libraries} EXPORT troupe FILE_SET HEADERS DESTINATION ${header_dir})
+install(FILES ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp DESTINATION ${header_dir}/troupe)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in ${PROJECT_BINARY_DIR}/troupeConfig.cmake
                               INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)

@@ -73,24 +73,28 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
   return sum;
 }
 
-/// The controller is shown the sensors below its part only, and chooses among them.
-ControllerKind::Prepared prepare(const ControllerKind& kind, const ControllerSpec& controller,
-                                 const TypeSpec& spec, const BodyType& type, std::vector<bool>& claimed,
-                                 std::string& fault) {
-  std::vector<std::size_t> shown;
-  for (std::size_t s = 0; s < type.devices.size(); ++s)
-    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
-  std::vector<DeviceInfo> infos;
-  std::vector<bool> claimed_shown;
-  for (const std::size_t s : shown) {
-    const BodyType::Device& sensor = type.devices[s];
-    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
-    claimed_shown.push_back(claimed[s]);
+/// What runs on which supply: that of its own part, or else of the nearest one below.
+void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
+  std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
+  for (std::size_t d = 0; d < type.devices.size(); ++d) {
+    const BodyType::Device& device = type.devices[d];
+    if (!device.kind->is_spent) continue;
+    if (supplies[device.part])
+      diagnostics.error(spec.parts[device.part].where,
+                        fmt::format("\"{}\" and \"{}\" both supply one part: give it one of them",
+                                    type.devices[*supplies[device.part]].name, device.name));
+    supplies[device.part] = d;
   }
-  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
-  for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
-  for (std::size_t& s : prepared.devices) s = shown[s];
-  return prepared;
+  for (std::size_t p = 1; p < spec.parts.size(); ++p)  // a part stands on an earlier one
+    if (!supplies[p]) supplies[p] = supplies[spec.parts[p].parent];
+  for (BodyType::Device& device : type.devices) {
+    if (!device.kind->is_spent) device.supply = supplies[device.part];
+    if (device.kind->needs_supply && !device.supply)
+      diagnostics.error(spec.parts[device.part].where,
+                        fmt::format("\"{}\" ({}) needs a power_pack on its part, or on one below it",
+                                    device.name, device.kind->name));
+  }
+  if (type.drive) type.drive->supply = supplies.front();
 }
 
 }  // namespace
@@ -106,8 +110,35 @@ double BodyType::row_bytes() const {
   return sum;
 }
 
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const WorldSpec& world, const TypeSpec& spec,
+                                            const BodyType& type, std::vector<bool>& claimed,
+                                            std::string& fault) {
+  std::vector<std::size_t> shown;
+  for (std::size_t s = 0; s < type.devices.size(); ++s)
+    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+  std::vector<DeviceInfo> infos;
+  std::vector<bool> claimed_shown;
+  for (const std::size_t s : shown) {
+    const BodyType::Device& sensor = type.devices[s];
+    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
+    claimed_shown.push_back(claimed[s]);
+  }
+  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
+  for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
+  for (std::size_t& s : prepared.devices) {
+    if (s < shown.size())
+      s = shown[s];
+    else
+      fault = fmt::format("chose sensor {} of {}", s, shown.size());  // a slip of its author's
+  }
+  if (fault.empty() && kind.look) fault = kind.look(prepared.data, world, spec, controller.part);
+  return prepared;
+}
+
+BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics) {
+  const double tick_s = world.tick_s;
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type, diagnostics);
@@ -130,9 +161,12 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
   }
   if (spec.drive) {
     if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
-      if (const std::string fault = kind->fault(spec.drive->params); !fault.empty())
-        diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
-      type.drive = {kind, kind->prepare(spec.drive->params), period_ticks(spec.drive->period_s, tick_s)};
+      const Record& params = spec.drive->params;
+      for (const std::string& fault : {kind->fault(params), localization_fault(kind->params, params)})
+        if (!fault.empty())
+          diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
+      type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s),
+                    read_localization(kind->params, params)};
     } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }
@@ -169,12 +203,26 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
           fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
-    type.devices.push_back({name, kind, kind->prepare(sensor.params, sensor.pose_body_sensor),
-                            period_ticks(sensor.period_s, tick_s), sensor.active, sensor.part,
-                            sensor.joint, sensor.moves, stream});
+    DeviceKind::Prepared prepared = kind->prepare(sensor.params, sensor.pose_body_sensor);
+    if (kind->mount)
+      if (const std::string fault = kind->mount(prepared.data, spec, sensor.part); !fault.empty()) {
+        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+        continue;
+      }
+    type.devices.push_back({name,
+                            kind,
+                            std::move(prepared),
+                            period_ticks(sensor.period_s, tick_s),
+                            sensor.active,
+                            sensor.part,
+                            sensor.joint,
+                            sensor.moves,
+                            stream,
+                            {}});
     type.carries = type.carries || kind->carries;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
+  connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);
   for (std::size_t c = 0; c < spec.controllers.size(); ++c) {
@@ -190,7 +238,8 @@ BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double t
       continue;
     }
     std::string fault;
-    ControllerKind::Prepared prepared = prepare(*kind, controller, spec, type, claimed, fault);
+    ControllerKind::Prepared prepared =
+        prepare_controller(*kind, controller, world, spec, type, claimed, fault);
     if (!fault.empty()) {
       diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
       continue;

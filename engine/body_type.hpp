@@ -45,6 +45,9 @@ struct BodyType {
     const DriveKind* kind;
     std::any data;
     std::uint64_t period;  ///< ticks
+    Localization localization;
+    std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
+    std::optional<std::size_t> supply = std::nullopt;          ///< what it runs on: index into `devices`
   };
   std::optional<Drive> drive;
 
@@ -58,6 +61,7 @@ struct BodyType {
     std::int32_t joint;                        ///< of the type, that it stands on
     std::int32_t moves;                        ///< first of the joints that it moves
     std::uint32_t stream;                      ///< of its random numbers
+    std::optional<std::size_t> supply;         ///< what it runs on: index into `devices`
     std::size_t table = 0;                     ///< its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };
@@ -83,8 +87,15 @@ struct BodyType {
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
+/// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
+/// among them. Why it cannot have what it needs stands in `fault`.
+ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
+                                            const WorldSpec& world, const TypeSpec& spec,
+                                            const BodyType& type, std::vector<bool>& claimed,
+                                            std::string& fault);
+
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
-BodyType make_body_type(const TypeSpec& spec, const Registry& registry, double tick_s,
+BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 
 }  // namespace troupe::engine

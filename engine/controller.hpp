@@ -2,6 +2,7 @@
 
 #include "engine/kinds.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -86,17 +87,51 @@ struct MemoryOf<C> {
   using type = typename C::Memory;
 };
 
+template <class C>
+C make(const Record& params) {
+  if constexpr (requires { C::make(params); })
+    return C::make(params);
+  else
+    return C{};
+}
+
+template <class C>
+std::vector<std::size_t> choose(C& controller, std::span<const DeviceInfo> devices,
+                                std::vector<bool>& claimed, std::string& fault) {
+  if constexpr (requires { controller.choose(devices, claimed, fault); }) {
+    return controller.choose(devices, claimed, fault);
+  } else {
+    std::vector<std::size_t> chosen;
+    if constexpr (requires { C::k_uses; }) {
+      for (const std::string_view kind : C::k_uses) {
+        std::size_t d = 0;
+        while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
+        if (d == devices.size()) {
+          fault = chosen.empty() ? "needs, on its robot: " : "needs, on its robot, one more: ";
+          fault += kind;
+          return {};
+        }
+        chosen.push_back(d);
+      }
+    } else {
+      for (std::size_t d = 0; d < devices.size(); ++d) chosen.push_back(d);
+    }
+    return chosen;
+  }
+}
+
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<Readings, k_most_devices_read> readings;
   std::array<std::byte*, k_most_devices_read> devices;
-  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}};
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}, {}};
   for (std::size_t i = 0; i < batch.size(); ++i) {
     percept.body = batch.body(i);
     for (std::size_t s = 0; s < batch.devices; ++s) {
       readings[s] = batch.readings(s, i);
       devices[s] = batch.device_command(s, i);
     }
+    percept.estimate = batch.estimate(i);
     Random random = batch.random(i);
     Actions actions{batch.command(i), {devices.data(), batch.devices}};
     if constexpr (std::is_same_v<Memory, NoMemory>)
@@ -141,11 +176,16 @@ std::vector<StateField> memory_fields() {
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
 ///   static constexpr bool needs_drive = false;      (optional: else it drives)
-///   static C make(const Record& params);
+///   static C make(const Record& params);            (optional: else it is C{})
 ///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
-///   fault);
-///   void operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else
-///   void operator()(const DecideBatch&) const;                               for many at once
+///   fault);                                         (optional: else it uses all, and claims none)
+///   static constexpr std::array k_uses{std::string_view("ranger")};
+///                                                   (optional, without choose: kinds of the devices it
+///                                                   uses, in this order)
+///   std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);    (optional: what it must
+///   know) static constexpr std::array<std::string_view, N> brings;   (optional: ControllerKind::brings) void
+///   operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else void
+///   operator()(const DecideBatch&) const;                               for many at once
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;
@@ -156,10 +196,15 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
   kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                     std::string& fault) {
-    C controller = C::make(record);
-    std::vector<std::size_t> chosen = controller.choose(devices, claimed, fault);
+    C controller = detail::make<C>(record);
+    std::vector<std::size_t> chosen = detail::choose(controller, devices, claimed, fault);
     return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
   };
+  if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
+  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) { c.look(world, type, 0u); })
+    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type, std::uint32_t part) {
+      return std::any_cast<C>(&data)->look(world, type, part);
+    };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);
     if constexpr (requires { controller(batch); })

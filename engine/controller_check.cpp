@@ -48,6 +48,19 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
+/// The controllers of a type once more, each on a stack of junk: a type is made on what the making of its
+/// other parts has left there, which may be the same each time.
+void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type) {
+  std::vector<bool> claimed(type.devices.size(), false);
+  for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+    std::string fault;
+    spoil_stack();
+    type.controllers[c].data =
+        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed, fault)
+            .data;
+  }
+}
+
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -77,10 +90,11 @@ std::string finding_text(const World& world, const ControllerFinding& finding) {
 ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world_(world) {
   Diagnostics diagnostics;
   for (const TypeSpec& type : world.spec().types) {
-    spoil_stack();
-    fresh_types_.push_back(make_body_type(type, registry, world.tick_s(), diagnostics));
+    fresh_types_.push_back(make_body_type(type, world.spec(), registry, diagnostics));
   }
   diagnostics.throw_if_errors();
+  for (std::size_t t = 0; t < fresh_types_.size(); ++t)
+    make_afresh(world.spec(), world.spec().types[t], fresh_types_[t]);
   for (const BodyType& type : world.types()) {
     watched_.emplace_back();
     for (const BodyType::Controller& controller : type.controllers)
@@ -161,6 +175,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
     }
   };
   note(here.commands_before, here.written_before);
+  for (std::size_t i = 0; i < batch.size(); ++i) here.estimates.push_back(batch.estimate(i));
   for (std::size_t k = 0; k < kept; ++k) {
     const StateTable& table = *batch.percepts[watched.kept[k]];
     for (std::size_t i = 0; i < batch.size(); ++i)
@@ -174,6 +189,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
   Decisions& taken = watched.taken;
   taken.given = batch;
   append(taken.rows, here.rows);
+  append(taken.estimates, here.estimates);
   append(taken.commands_before, here.commands_before);
   append(taken.commands_after, here.commands_after);
   for (std::size_t w = 0; w < written; ++w) {
@@ -194,6 +210,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // of a thread that we have not seen before
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  estimates_.assign(world_.rows(), Pose{k_nan, k_nan, k_nan, k_nan});
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < watched_.size(); ++t) {
     for (std::size_t c = 0; c < watched_[t].size(); ++c) {
@@ -217,9 +234,13 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   DecideBatch batch = taken.given;
   std::size_t slots = 0;
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
+  static const Localization k_as_noted;
   batch.commands = commands_;
-  for (std::size_t i = 0; i < taken.rows.size(); ++i)
+  batch.estimates = {&k_as_noted, estimates_, {}};
+  for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     commands_[taken.rows[i].index()] = taken.commands_before[i];
+    estimates_[taken.rows[i].index()] = taken.estimates[i];
+  }
   written_.resize(watched.written.size());
   for (std::size_t w = 0; w < written_.size(); ++w) {
     const Written& written = watched.written[w];

@@ -75,6 +75,7 @@ class ControllerCheck {
     DecideBatch given;  // but for what is here
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
+    std::vector<Pose> estimates;  // of the time, which the world no longer knows
     std::vector<std::vector<std::byte>> written_before, written_after;  // of each of `written`
     std::vector<std::vector<std::byte>> percepts;                       // of each of `kept`
   };
@@ -108,6 +109,7 @@ class ControllerCheck {
   std::uint64_t decisions_ = 0;
   // What the repetitions write: as large as the world's own tables.
   std::vector<Command> commands_;
+  std::vector<Pose> estimates_;
   std::vector<std::vector<std::byte>> written_;
   // What they read in place of what has changed since.
   std::vector<StateTable> percepts_;

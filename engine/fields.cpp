@@ -32,7 +32,13 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   static constexpr std::array<UnitSuffix, 2> seconds{{{"_s", "s", 1}, {"_ms", "ms", 0.001}}};
   static constexpr std::array<UnitSuffix, 1> speed{{{"_mps", "m/s", 1}}};
   static constexpr std::array<UnitSuffix, 2> turn{{{"_radps", "rad/s", 1}, {"_degps", "deg/s", k_deg}}};
+  static constexpr std::array<UnitSuffix, 1> acceleration{{{"_mps2", "m/s^2", 1}}};
+  static constexpr std::array<UnitSuffix, 2> turn_acceleration{
+      {{"_radps2", "rad/s^2", 1}, {"_degps2", "deg/s^2", k_deg}}};
   static constexpr std::array<UnitSuffix, 1> rate{{{"_per_s", "1/s", 1}}};
+  static constexpr std::array<UnitSuffix, 2> mass{{{"_kg", "kg", 1}, {"_g", "g", 0.001}}};
+  static constexpr std::array<UnitSuffix, 2> energy{{{"_J", "J", 1}, {"_kJ", "kJ", 1000}}};
+  static constexpr std::array<UnitSuffix, 1> power{{{"_W", "W", 1}}};
   static constexpr std::array<UnitSuffix, 1> bare{{{"", "", 1}}};
   switch (unit) {
     case Unit::meters: return meters;
@@ -40,7 +46,12 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
     case Unit::seconds: return seconds;
     case Unit::meters_per_second: return speed;
     case Unit::radians_per_second: return turn;
+    case Unit::meters_per_second_squared: return acceleration;
+    case Unit::radians_per_second_squared: return turn_acceleration;
     case Unit::per_second: return rate;
+    case Unit::kilograms: return mass;
+    case Unit::joules: return energy;
+    case Unit::watts: return power;
     case Unit::none: break;
   }
   return bare;

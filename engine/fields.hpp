@@ -44,7 +44,20 @@ struct Value {
 
 /// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or
 /// `fov_deg`, `range` (m) is `range_m`, `range_cm` or `range_mm`; fields without a dimension stand bare.
-enum class Unit { none, meters, radians, seconds, meters_per_second, radians_per_second, per_second };
+enum class Unit {
+  none,
+  meters,
+  radians,
+  seconds,
+  meters_per_second,
+  radians_per_second,
+  meters_per_second_squared,
+  radians_per_second_squared,
+  per_second,
+  kilograms,
+  joules,
+  watts
+};
 
 enum class FieldType {
   boolean,

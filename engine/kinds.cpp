@@ -1,5 +1,7 @@
 #include "engine/kinds.hpp"
 
+#include "base/diagnostics.hpp"
+
 #include <algorithm>
 
 namespace troupe::engine {
@@ -16,7 +18,22 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
 const DeviceKind* Registry::device(std::string_view name) const { return find(devices, name); }
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
-const ControllerKind* Registry::controller(std::string_view name) const { return find(controllers, name); }
+const ControllerKind* Registry::controller(std::string_view name) const {
+  std::string ignored;
+  return controller(name, ignored);
+}
+const ControllerKind* Registry::controller(std::string_view name, std::string& fault) const {
+  if (const ControllerKind* kind = find(controllers, name)) return kind;
+  fault = unknown_name("controller", name, controller_names());
+  return other_controllers && !preset(name) ? other_controllers(name, fault) : nullptr;
+}
+std::vector<std::string_view> Registry::controller_names() const {
+  std::vector<std::string_view> names;
+  for (const ControllerKind& kind : controllers) names.push_back(kind.name);
+  for (const Preset& each : presets) names.push_back(each.name);
+  std::ranges::sort(names);
+  return names;
+}
 const Registry::Preset* Registry::preset(std::string_view name) const { return find(presets, name); }
 const MeasureKind* Registry::measure(std::string_view name) const { return find(measures, name); }
 

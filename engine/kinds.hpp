@@ -6,6 +6,7 @@
 #include "base/random.hpp"
 #include "engine/effects.hpp"
 #include "engine/fields.hpp"
+#include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
 #include "engine/mount.hpp"
 #include "engine/state_table.hpp"
@@ -24,6 +25,8 @@ namespace troupe::engine {
 
 class World;
 struct Links;
+struct TypeSpec;
+struct WorldSpec;
 
 /// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
 /// A kind turns its parameters once, when the world is built, into whatever it likes to run with
@@ -100,6 +103,7 @@ struct DeviceKind {
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
+    double watts = 0;                  ///< drawn from its supply while it runs
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -107,6 +111,9 @@ struct DeviceKind {
     std::vector<double> transducer_headings;
   };
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
+  /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
+  /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
+  std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// Where its joints are at tick 0, which stand at rest unless this says otherwise.
@@ -124,21 +131,46 @@ struct DeviceKind {
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
 
+  /// Of a kind that supplies others, as a power pack does: whether a row has nothing left, so that what runs
+  /// on it stops. The part that carries it runs on it and what stands on that, down to parts with a supply of
+  /// their own; so does the drive, where the root carries it. Null: it supplies nobody.
+  bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
+
+  bool needs_supply = false;  ///< it is of no use where nothing supplies it
+
   /// True where it does nothing but look: what people call a sensor.
   bool is_sensor() const { return act == nullptr && apply == nullptr; }
 };
 
-/// What a controller asks of its drive: metres and radians a second, or a steering angle for `car`.
+/// What the numbers of a command are.
+enum class ControlMode : std::uint8_t {
+  velocity,      ///< speeds, m/s and rad/s; for a `car` turn is the steering angle, rad
+  acceleration,  ///< m/s^2 and rad/s^2; for a `car` turn is the steering angle, rad
+  position,      ///< a goal in the frame of the estimate, m and rad
+};
+inline constexpr std::size_t k_control_modes = 3;
+
+/// What a controller asks of its drive, in the body's frame (a goal: in the estimate's): forward, left,
+/// counter-clockwise. To assign `{x, y, turn}` commands a speed; to change one number keeps the mode.
 struct Command {
   double x = 0;
   double y = 0;
   double turn = 0;
+  ControlMode mode = ControlMode::velocity;
 };
 
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
   double y = 0;     ///< m/s, body frame, left
   double turn = 0;  ///< rad/s
+};
+
+/// Drives of robots of one type that are due in a tick; sizes are equal.
+struct DriveBatch {
+  std::span<const Command> commands;
+  std::span<Velocity> velocities;   ///< in: of the last tick, where `estimates` are given; out: of this one
+  std::span<const Pose> estimates;  ///< empty where all commands are speeds
+  double elapsed_s = 0;             ///< since they were due before
 };
 
 struct DriveKind {
@@ -148,8 +180,10 @@ struct DriveKind {
   std::any (*prepare)(const Record& params);
   /// What is wrong with the parameters taken together; empty when nothing is.
   std::string (*fault)(const Record& params);
-  /// Velocities of a batch from their commands, bounds applied. Sizes are equal.
-  void (*drive)(const std::any& data, std::span<const Command> commands, std::span<Velocity> velocities);
+  /// Velocities of a batch from their commands, bounds applied.
+  void (*drive)(const std::any& data, const DriveBatch& batch);
+  /// With which a robot moves until its drive is due for the first time. Null: it stands.
+  Velocity (*start)(const std::any& data) = nullptr;
 };
 
 /// Sensors and other devices that one controller can use.
@@ -184,6 +218,8 @@ struct Percept {
   std::uint32_t body = 0;
   /// The sensors and other devices it asked for in `prepare`, in that order.
   std::span<const Readings> devices;
+  /// Where it believes to be: engine/localization.hpp.
+  Pose estimate;
 
   /// Of a ranger, m.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
@@ -195,6 +231,18 @@ struct Actions {
   /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
   /// commands.
   std::span<std::byte* const> devices;
+
+  /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
+  void set_speed(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::velocity};
+  }
+  /// m/s^2 and rad/s^2: speeds change by as much a second until replaced; of a car `turn` is the steering
+  /// angle.
+  void accelerate(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::acceleration};
+  }
+  /// To a pose in the frame of Percept::estimate, m and rad; it stays there until it is told otherwise.
+  void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
   /// Of a device whose kind takes commands of this struct.
   template <class DeviceCommand>
@@ -214,6 +262,7 @@ struct DecideBatch {
   std::span<const BodyId> ids;  ///< a row each, as are:
   std::span<const std::uint32_t> slots;
   std::span<Command> commands;
+  Estimates estimates;
 
   /// A row of a table each slot.
   struct Rows {
@@ -231,6 +280,7 @@ struct DecideBatch {
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
   Command& command(std::size_t i) const { return commands[rows[i].index()]; }
+  Pose estimate(std::size_t i) const { return estimates.of(rows[i], slots[rows[i].index()]); }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
@@ -270,6 +320,15 @@ struct ControllerKind {
   /// own. Returns an error text in `fault` where the type lacks what the controller needs.
   Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                       std::string& fault);
+  /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is, what
+  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not
+  /// know.
+  std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                      std::uint32_t part) = nullptr;
+  /// What it adds to a Stage model that has it, before the world is built. Null: nothing.
+  void (*furnish)(const Record& params, std::uint64_t seed, TypeSpec& type, std::uint32_t part) = nullptr;
+  /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
+  std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };
@@ -291,10 +350,19 @@ struct Registry {
   };
   std::vector<Preset> presets;
 
+  /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
+  /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
+  /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
+  std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
+
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
+  /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.
+  const ControllerKind* controller(std::string_view name, std::string& fault) const;
+  /// Names of the controllers and presets that stand in the lists, sorted.
+  std::vector<std::string_view> controller_names() const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
 

@@ -10,9 +10,17 @@ namespace troupe::engine {
 namespace {
 
 // Rows a task: a crowded tile is split, small ones are joined, and a task is worth waking a thread for.
-constexpr std::size_t k_batch = 64;      // that look about them
-constexpr std::size_t k_block = 256;     // that look at themselves
-constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
+constexpr std::size_t k_batch = 64;   // that look about them
+constexpr std::size_t k_block = 256;  // that look at themselves
+
+std::string_view asked_for(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::velocity: break;
+    case ControlMode::acceleration: return "an acceleration";
+    case ControlMode::position: return "to a goal";
+  }
+  return "a speed";
+}
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
@@ -89,13 +97,18 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
-/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones.
+/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones; but
+/// not those that have nothing left to run on.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   if (!due(tick_, device.period)) return;
-  if (device.active) return work(rows);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (row_subscribed_[rows[i].index()]) work(rows.subspan(i, 1));
+  if (device.active && !device.supply) return work(rows);
+  for (std::size_t i = 0; i < rows.size();) {  // those that follow one another go together
+    std::size_t end = i;
+    while (end < rows.size() && runs(rows[end], device)) ++end;
+    if (end > i) work(rows.subspan(i, end - i));
+    i = end + 1;
+  }
 }
 
 void World::sense() {
@@ -116,6 +129,7 @@ void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
+    if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
         for_running(rows, device,
@@ -124,8 +138,8 @@ void World::decide() {
       if (due(tick_, controller.period)) decide(rows, type, controller);
   });
   if (const BodyId id(faulty.load()); id.valid()) {
-    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded a speed that is not a finite number",
-                                tick_, spec_.name(id)));
+    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
+                                spec_.name(id), asked_for(commands()[row(id).index()].mode)));
   }
 }
 
@@ -153,8 +167,26 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
                   std::atomic<std::uint32_t>& faulty) {
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
-  for (std::size_t i = 0; i < rows.size(); ++i) commands[i] = as<Command>(k_command)[rows[i].index()];
-  drive.kind->drive(drive.data, {commands.data(), rows.size()}, {velocities.data(), rows.size()});
+  bool speeds_only = true;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    commands[i] = as<Command>(k_command)[rows[i].index()];
+    speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
+  }
+  DriveBatch batch{.commands = {commands.data(), rows.size()},
+                   .velocities = {velocities.data(), rows.size()},
+                   .estimates = {},
+                   .elapsed_s = static_cast<double>(drive.period) * spec_.tick_s};
+  if (speeds_only) {
+    drive.kind->drive(drive.data, batch);
+  } else {
+    std::array<Pose, k_block> estimates;
+    batch.estimates = {estimates.data(), rows.size()};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
+      estimates[i] = estimate(rows[i]);
+    }
+    drive.kind->drive(drive.data, batch);
+  }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity& v = velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
@@ -169,6 +201,12 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
 }
 
+/// Whose pack is empty stands still, whatever it is asked.
+void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
+  for (const Row row : rows)
+    if (!is_supplied(row, drive.supply)) as<Velocity>(k_velocity)[row.index()] = {};
+}
+
 void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {
   DecideBatch batch{.tick = tick_,
                     .time_s = time_s(),
@@ -178,7 +216,8 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
                     .rows = rows,
                     .ids = row_bodies_,
                     .slots = row_slots_,
-                    .commands = as<Command>(k_command)};
+                    .commands = as<Command>(k_command),
+                    .estimates = estimates(type)};
   const auto rows_of = [this](std::size_t table) {
     return DecideBatch::Rows{tables_[table].row(0), tables_[table].row_bytes()};
   };
@@ -197,9 +236,8 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  const Box bounds = spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
   conflicts_.settle(
-      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds},
+      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds()},
       scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
@@ -268,12 +306,14 @@ void World::commit() {
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     std::size_t refused_here = 0;
     std::size_t held_here = 0;
+    const bool has_odometry = type.drive && type.drive->odometry_table;
     for (const Row row : rows) {
       const Conflicts::Outcome outcome = conflicts_.outcome(row.index());
       if (outcome == Conflicts::Outcome::moved) {
         const Motion& motion = motions_[row.index()];
         as<Pose>(k_pose)[row.index()] = motion.to;
         put(row, type, motion.there());
+        if (has_odometry) count_way(row, *type.drive);
       }
       const bool is_refused = outcome == Conflicts::Outcome::refused;
       const bool is_held = outcome == Conflicts::Outcome::held;
@@ -286,6 +326,13 @@ void World::commit() {
   });
   stalled_ = stalled;
   held_ = held;
+}
+
+void World::count_way(Row row, const BodyType::Drive& drive) {
+  const Velocity& v = velocities()[row.index()];
+  const double dt = spec_.tick_s;
+  as<Odometry>(*drive.odometry_table)[slot(row)].advance(
+      drive.localization, row_odometry_errors_[row.index()], v.x * dt, v.y * dt, v.turn * dt);
 }
 
 void World::put(Row row, const BodyType& type, const Transform& transform) {

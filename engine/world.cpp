@@ -14,6 +14,11 @@ namespace troupe::engine {
 namespace {
 
 constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
+const Localization k_true_pose;        // what is known of a body that no drive moves
+
+bool is_finite(const Pose& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
+}
 
 /// Cells an eighth of how far robots see, in the mean, so that what a body looks up, and its own width, end
 /// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
@@ -51,7 +56,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     : spec_(std::move(spec)), parallel_(options.threads) {
   double beams = 0;
   for (const TypeSpec& type : spec_.types) {
-    types_.push_back(make_body_type(type, registry, spec_.tick_s, diagnostics));
+    types_.push_back(make_body_type(type, spec_, registry, diagnostics));
     for (const BodyType::Device& sensor : types_.back().devices)
       beams += static_cast<double>(sensor.prepared.beams);
     if (beams <= k_most_beams) continue;
@@ -189,11 +194,6 @@ void World::build_scene() {
 
 void World::build_tables() {
   using Layout = StateTable::Layout;
-  const auto speeds = [](std::string_view forward_text) {
-    return std::vector<StateField>{{"x", Element::f64, 1, "m/s", std::string(forward_text)},
-                                   {"y", Element::f64, 1, "m/s", "left"},
-                                   {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}};
-  };
   tables_.emplace_back(
       "pose", HashGroup::pose, Layout::rows,
       std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
@@ -201,10 +201,20 @@ void World::build_tables() {
                               {"z", Element::f64, 1, "m", "world frame"},
                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
       row_bodies_);
-  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows, speeds("forward, of this tick"),
+  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows,
+                       std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, of this tick"},
+                                               {"y", Element::f64, 1, "m/s", "left"},
+                                               {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
-  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, speeds("forward, asked of the drive"),
-                       row_bodies_);
+  tables_.emplace_back(
+      "command", HashGroup::velocity, Layout::rows,
+      std::vector<StateField>{
+          {"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
+          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
+          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
+          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
+           offsetof(Command, mode), true}},
+      row_bodies_, sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
@@ -238,6 +248,16 @@ void World::build_tables() {
                                   {"z", Element::f64, 1, "m", "from its rest"},
                                   {"heading", Element::f64, 1, "rad", "from its rest; not wrapped"}},
           bodies[t]);
+    }
+    if (auto& drive = types_[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
+      drive->odometry_table = tables_.size();
+      tables_.emplace_back(
+          "odometry", HashGroup::memory, Layout::rows,
+          std::vector<StateField>{{"x", Element::f64, 1, "m", "where the robot believes to be"},
+                                  {"y", Element::f64, 1, "m", ""},
+                                  {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
+          bodies[t]);
+      row_odometry_errors_.resize(rows());
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
@@ -283,6 +303,7 @@ void World::start() {
   for (std::size_t r = 0; r < rows(); ++r) {
     const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
     as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+    if (const auto& drive = type(Row(r)).drive) start(Row(r), *drive);
   }
   derive();
 }
@@ -301,14 +322,28 @@ void World::start_joints(const BodyType& type) {
   }
 }
 
+void World::start(Row row, const BodyType::Drive& drive) {
+  if (drive.kind->start) as<Velocity>(k_velocity)[row.index()] = drive.kind->start(drive.data);
+  if (!drive.odometry_table) return;
+  const Localization& how = drive.localization;
+  row_odometry_errors_[row.index()] = how.error_of(spec_.seed, body(row));
+  const Pose& pose = poses()[row.index()];
+  const Pose believed = relative_to(how.origin.value_or(pose), pose);
+  as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
+}
+
 void World::derive() {
   std::ranges::fill(motions_, Motion());
   std::ranges::fill(free_circles_, FreeCircle());
-  held_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_held}));
-  stalled_ = held_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_refused}));
+  count_stalls();
   derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
+}
+
+void World::count_stalls() {
+  held_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_held}));
+  stalled_ = held_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_refused}));
 }
 
 void World::build_ray_grid(Diagnostics& diagnostics) {
@@ -413,6 +448,71 @@ Pose World::pose(BodyId body) const {
   return r.valid() ? poses()[r.index()] : spec_.bodies[body.index()].pose_world_body;
 }
 
+Estimates World::estimates(const BodyType& type) const {
+  if (!type.drive) return {&k_true_pose, poses(), {}};
+  Estimates estimates{&type.drive->localization, poses(), {}};
+  if (type.drive->odometry_table) estimates.odometries = as<Odometry>(*type.drive->odometry_table);
+  return estimates;
+}
+
+void World::set_estimate(Row row, const Pose& pose) {
+  const auto& drive = type(row).drive;
+  if (!drive || !drive->odometry_table)
+    throw std::logic_error(
+        fmt::format("\"{}\" has no odometry: it knows its true pose", spec_.name(body(row))));
+  if (!is_finite(pose)) throw std::invalid_argument("an estimate must be finite");
+  as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
+                                                     wrap_angle(pose.heading) + 0.0};
+}
+
+void World::set_poses(std::span<const Placed> placed) {
+  restore_fp_environment();  // as before a step
+  const Box inside = bounds();
+  for (const Placed& place : placed) {
+    const Pose& p = place.pose;
+    if (!is_finite(p) || !inside.contains(p.position()))
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be put at x {}, y {}, z {} (m), heading {} (rad): {}",
+                      spec_.name(body(place.row)), p.x, p.y, p.z, p.heading,
+                      is_finite(p) ? "that is outside the world's bounds" : "these must be finite numbers"));
+    if (const std::optional<BodyId> by = carrier(place.row))
+      throw std::invalid_argument(fmt::format("\"{}\" cannot be put elsewhere: \"{}\" carries it",
+                                              spec_.name(body(place.row)), spec_.name(*by)));
+  }
+  for (const auto& [row, p] : placed) {
+    const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+    as<Pose>(k_pose)[row.index()] = pose;
+    stall()[row.index()] = k_free;
+    motions_[row.index()] = Motion();
+    free_circles_[row.index()] = FreeCircle();
+    put(row, type(row), Transform(pose));
+  }
+  if (links_.any()) carry();
+  count_stalls();
+  index_bodies();
+}
+
+bool World::is_free(Row row, const Pose& pose) const {
+  if (!is_finite(pose) || !bounds().contains(pose.position())) return false;
+  const partition::ObstacleShape& shape = *row_shapes_[row.index()];
+  if (shape.empty()) return true;
+  if (scene_.has_obstacles() && !scene_.overlapping(shape, pose).empty()) return false;
+  bool free = true;
+  index_.for_each_near(Box::around(pose.position(), shape.radius), [&](const partition::BodyCircle& other) {
+    const std::uint32_t r = other.row;
+    if (!free || r == row.index() || row_shapes_[r]->empty()) return;
+    // The lower id first, as in the rule of motions.
+    free = row_ids_[row.index()] < row_ids_[r] ? !overlap(shape, pose, *row_shapes_[r], poses()[r])
+                                               : !overlap(*row_shapes_[r], poses()[r], shape, pose);
+  });
+  return free;
+}
+
+Box World::bounds() const {
+  constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
+  return spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
+}
+
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
 bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 
@@ -436,7 +536,11 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
            std::isfinite(pose.heading);
   };
-  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) || !links_hold()) {
+  const auto has_mode = [](const Command& command) {
+    return static_cast<std::size_t>(command.mode) < k_control_modes;
+  };
+  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
+      !std::ranges::all_of(commands(), has_mode) || !links_hold()) {
     start();
     return false;
   }

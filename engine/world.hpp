@@ -119,6 +119,11 @@ class World {
   /// Whether its last motion was refused or would have left the world; and whether the latter.
   bool stalled(Row row) const;
   bool held(Row row) const;
+  /// Where a robot believes to be: engine/localization.hpp.
+  Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
+  Estimates estimates(const BodyType& type) const;
+  /// From now on a robot with odometry believes to be there. Throws std::logic_error for one without.
+  void set_estimate(Row row, const Pose& pose);
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
   /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
@@ -145,8 +150,18 @@ class World {
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Leaves a body where it is, to itself.
   void release(Row cargo);
-  /// The state of a device, for DeviceKind::apply.
-  StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
+  /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
+  /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
+  /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
+  /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
+  /// carried, and for a pose that is not finite or not within the world's bounds. Each call indexes all bodies anew: move many at once.
+  struct Placed {
+    Row row;
+    Pose pose;  ///< world frame; the heading is wrapped
+  };
+  void set_poses(std::span<const Placed> placed);
+  /// Whether a body would stand at this pose within the world's bounds and free of everything solid.
+  bool is_free(Row row, const Pose& pose) const;
   /// Percepts of one sensor of a type.
   const StateTable& percepts(const BodyType::Device& sensor) const { return tables_[sensor.table]; }
   /// Runs every sensor of this body from now on; before the first step.
@@ -157,6 +172,17 @@ class World {
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
+  /// Whether what the row's device, or drive, runs on has something left; true where it runs on nothing.
+  bool is_supplied(Row row, std::optional<std::size_t> supply) const {
+    if (!supply) return true;
+    const BodyType::Device& device = type(row).devices[*supply];
+    return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
+  }
+  bool runs(Row row, const BodyType::Device& device) const {
+    return senses(row, device) && is_supplied(row, device.supply);
+  }
+  /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
+  StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
@@ -201,19 +227,26 @@ class World {
   /// Fills the tables, and what is derived from them, with the state that the spec describes.
   void start();
   void start_joints(const BodyType& type);
+  void start(Row row, const BodyType::Drive& drive);
   /// All that is derived from the tables.
   void derive();
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
+  /// Where motions may end.
+  Box bounds() const;
+  void count_stalls();
 
   void sense();
   void decide();
   DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
+  void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
   void propose();
   void commit();
+  /// The odometry of a robot that has moved as proposed.
+  void count_way(Row row, const BodyType::Drive& drive);
   void apply_effects();
 
   // engine/links.cpp
@@ -281,6 +314,7 @@ class World {
   std::vector<std::uint32_t> row_ids_;
   std::vector<std::size_t> outline_begins_;
   std::size_t robots_ = 0;
+  std::vector<Localization::Error> row_odometry_errors_;  // empty where nobody has odometry
 
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;

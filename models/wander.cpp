@@ -81,6 +81,8 @@ struct Wander {
       else
         right = std::min(right, scan[i]);
     }
+    // Whatever was commanded from outside before, it is speeds from now on.
+    actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {cruise, 0, 0};
       return;

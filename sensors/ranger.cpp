@@ -149,6 +149,8 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
   ranger.reach = ranger.spread + farthest;
   for (BeamGroup& group : ranger.groups) finish(group, ranger.common_origin);
 
+  constexpr double k_watts = 0.2;  // a transducer, as in Stage
+  out.watts = k_watts * static_cast<double>(transducers.size());
   out.beams = ranger.count;
   out.reach_m = ranger.reference.norm() + ranger.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);

@@ -52,7 +52,7 @@ THIRD_PARTY = [
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
     # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
-    (r"(dlfcn|fcntl|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    (r"(dlfcn|fcntl|link|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 
@@ -113,8 +113,9 @@ def include_fault(root, folder, path, quote, name):
             return f'"{name}" is no file of ours, named from the root'
         if quote == "<" and folder in LIBRARY:
             return f"<{name}> is ours: use quotes"
-        if path.parts[:2] == ("apps", "examples") and (quote, name) != ("<", "troupe/troupe.hpp"):
-            return f'an example shows the public face: <troupe/troupe.hpp>, not "{name}"'
+        faces = [("<", "troupe/troupe.hpp"), ("<", "troupe/plugin.hpp")]
+        if path.parts[:2] == ("apps", "examples") and (quote, name) not in faces:
+            return f'an example shows the public face: <troupe/troupe.hpp> or <troupe/plugin.hpp>, not "{name}"'
         if first != folder and first not in BELOW[folder]:
             return f'"{name}": {folder} must not know {first}'
         return None

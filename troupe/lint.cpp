@@ -3,6 +3,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
 #include "sensors/ranger_beams.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
 
@@ -247,7 +248,8 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
 std::vector<std::string> lint(const std::filesystem::path& file, const SimulationOptions& options) {
   restore_fp_environment();  // before anything is computed from the file
   Diagnostics diagnostics(true);
-  const engine::Registry registry = make_registry();
+  engine::Registry registry = make_registry();
+  const std::shared_ptr<const Plugins> plugins = add_plugins(registry, options.plugin_path);
   const worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path,
                                   options.threads};
   engine::WorldSpec spec = worldio::load_world(file, registry, load, diagnostics);
@@ -260,6 +262,7 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
                            [](const Finding& f) { return std::tuple(f.where.file, f.where.line); });
   std::vector<std::string> lines;
   for (const Finding& finding : findings) lines.push_back(diagnostics.text(finding));
+  for (const std::string& warning : plugins->warnings()) lines.push_back(warning);
   return lines;
 }
 

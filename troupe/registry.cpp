@@ -2,16 +2,23 @@
 
 #include "models/actuator.hpp"
 #include "models/coverage.hpp"
+#include "models/demos.hpp"
+#include "models/depots.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/flags.hpp"
+#include "models/flocking.hpp"
+#include "models/forager.hpp"
 #include "models/gripper.hpp"
 #include "models/light.hpp"
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
 #include "models/nearness.hpp"
 #include "models/operate.hpp"
+#include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "models/waypoints.hpp"
 #include "sensors/ranger.hpp"
 
 namespace troupe {
@@ -19,11 +26,19 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind(),
-                      models::actuator_kind(), models::gripper_kind()};
-  registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-  registry.controllers = {models::expand_controller(), models::wander_controller(),
                           models::script_controller(), models::operate_controller()};
+                      models::actuator_kind(), models::gripper_kind()};
+                      models::power_pack_kind(), models::power_contact_kind(), models::flags_kind()};
+      models::dynamic_controller(),   models::rasterize_controller()};
+      models::expand_controller(),    models::wander_controller(),   models::script_controller(),
+      models::fasr_controller(),      models::fasr2_controller(),    models::pioneer_flocking_controller(),
+      models::waypoints_controller(), models::source_controller(),   models::sink_controller(),
+  registry.controllers = {
+  registry.controllers = {models::expand_controller(), models::wander_controller(),
+  registry.devices = {sensors::ranger_kind(),    models::blinkenlight_kind(),  models::lightindicator_kind(),
+  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind(),
+  registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
+  registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

@@ -6,6 +6,7 @@
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
@@ -47,10 +48,44 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
       is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
 }
 
+constexpr std::string_view k_plugin = "plugin ";  // keys of a header: plugin NAME
+
+/// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless they are wanted;
+/// a warning for each then.
+std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
+                                      bool across_plugins) {
+  std::vector<std::string> warnings;
+  for (const auto& [key, contents] : checkpoint.header()) {
+    if (!key.starts_with(k_plugin)) continue;
+    const std::string name = key.substr(k_plugin.size());
+    std::string fault;
+    const Plugins::Library* library = plugins.load(name, fault);
+    if (!library)
+      throw InputError(fmt::format("{}: error: the run needs plug-in \"{}\": {}", checkpoint.file().string(),
+                                   name, fault));
+    if (hex(library->contents) == contents) continue;
+    const std::string text =
+        fmt::format("{} is another build of plug-in \"{}\" than the one that the run was saved with",
+                    library->file.string(), name);
+    if (!across_plugins)
+      throw InputError(
+          fmt::format("{}: error: {} (its hash is {}, not {}): it may go on with other bits; "
+                      "--across-plugins resumes it all the same",
+                      checkpoint.file().string(), text, hex(library->contents), contents));
+    warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
+  }
+  return warnings;
+}
+
+void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
+  lines.insert(lines.end(), more.begin(), more.end());
+}
+
 }  // namespace
 
 struct Simulation::Impl {
   engine::Registry registry;
+  std::shared_ptr<Plugins> plugins;  ///< the registry's
   std::unique_ptr<engine::World> world;
   std::vector<std::string> warnings;
   std::filesystem::path file;  ///< that the world was loaded from
@@ -73,6 +108,13 @@ struct Model::Place {
   Row row() const {
     const Row row = world->row(body);
     if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
+    return row;
+  }
+  /// The row of a model that is moved as a whole.
+  Row whole() const {
+    if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a model: move that", name));
+    const Row row = world->row(body);
+    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" never moves", name));
     return row;
   }
   const engine::BodyType& type() const {
@@ -119,9 +161,21 @@ Eigen::Vector3d Model::size() const {
   return spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part].size;
 }
 
-void Model::set_speed(double forward, double left, double turn) {
+void Model::command(engine::ControlMode mode, double x, double y, double turn) {
   if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
-  place_->world->set_command(place_->row(), {forward, left, turn});
+  place_->world->set_command(place_->row(), {x, y, turn, mode});
+}
+
+void Model::set_speed(double forward, double left, double turn) {
+  command(engine::ControlMode::velocity, forward, left, turn);
+}
+
+void Model::accelerate(double forward, double left, double turn) {
+  command(engine::ControlMode::acceleration, forward, left, turn);
+}
+
+void Model::go_to(double x, double y, double heading) {
+  command(engine::ControlMode::position, x, y, heading);
 }
 
 Model::Speed Model::speed() const {
@@ -130,6 +184,17 @@ Model::Speed Model::speed() const {
 }
 
 bool Model::stalled() const { return place_->world->stalled(place_->row()); }
+
+Pose Model::estimate() const { return place_->world->estimate(place_->row()); }
+
+void Model::set_estimate(const Pose& pose) { place_->world->set_estimate(place_->row(), pose); }
+
+void Model::set_pose(const Pose& pose) {
+  const engine::World::Placed placed{place_->whole(), pose};
+  place_->world->set_poses({&placed, 1});
+}
+
+bool Model::is_free(const Pose& pose) const { return place_->world->is_free(place_->whole(), pose); }
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
@@ -159,6 +224,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   for (const auto& [pointer, value] : options.set) impl_->changes.emplace_back("set " + pointer, value);
   impl_->file = file;
   impl_->registry = std::move(registry);
+  impl_->plugins = add_plugins(impl_->registry, options.plugin_path);
   Diagnostics diagnostics;
   worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
   engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
@@ -168,6 +234,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
                                                  engine::WorldOptions{options.threads, options.tile_size_m},
                                                  diagnostics);
   impl_->warnings = diagnostics.warnings();
+  append(impl_->warnings, impl_->plugins->warnings());
 }
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -184,6 +251,9 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
     impl->warnings.push_back(warning);
   impl->registry = std::move(registry);
+  impl->plugins = add_plugins(impl->registry, options.plugin_path);
+  append(impl->warnings, load_plugins(checkpoint, *impl->plugins, options.across_plugins));
+  append(impl->warnings, impl->plugins->warnings());
   impl->file = checkpoint.header("world");
   Diagnostics diagnostics;
   engine::WorldSpec spec = checkpoint.spec(impl->registry, options.set, diagnostics);
@@ -244,6 +314,8 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
   };
   if (spec.ranging == RangingEngine::grid)
     out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));
+  for (const Plugins::Library& library : impl_->plugins->libraries())
+    out.emplace_back(fmt::format("{}{}", k_plugin, library.name), hex(library.contents));
   for (const auto& [key, value] : impl_->changes) out.emplace_back(key, value);
   if (impl_->resumed_at) out.emplace_back("resumed_at_tick", fmt::format("{}", *impl_->resumed_at));
   return out;
@@ -304,6 +376,17 @@ Model Simulation::find(std::string_view name) {
   const std::vector<std::string_view> names(known.begin(), known.end());
   throw std::out_of_range(
       fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
+}
+
+void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
+  std::vector<engine::World::Placed> placed;
+  placed.reserve(poses.size());
+  for (const auto& [model, pose] : poses) {
+    if (model.place_->world != impl_->world.get())
+      throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+    placed.push_back({model.place_->whole(), pose});
+  }
+  impl_->world->set_poses(placed);
 }
 
 std::vector<std::string> Simulation::robot_names() const {

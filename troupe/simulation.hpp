@@ -20,6 +20,7 @@
 namespace troupe::engine {
 class World;
 struct Registry;
+enum class ControlMode : std::uint8_t;
 }  // namespace troupe::engine
 
 namespace troupe {
@@ -43,6 +44,8 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
   std::vector<std::filesystem::path> search_path;
+  /// Directories searched for plug-ins with the controllers that Troupe has not (docs/controllers.md).
+  std::vector<std::filesystem::path> plugin_path;
 };
 
 /// How a saved run goes on. Nothing here but `set` changes a result.
@@ -57,6 +60,10 @@ struct ResumeOptions {
   /// Takes a checkpoint of another version of Troupe, which may go on with other bits than the version that
   /// made it.
   bool across_versions = false;
+  /// As in SimulationOptions; the run's plug-ins must be on it.
+  std::vector<std::filesystem::path> plugin_path;
+  /// Takes other builds of the plug-ins than those with which the checkpoint was made.
+  bool across_plugins = false;
 };
 
 /// The phases of a tick, in their order: engine/phase.hpp.
@@ -92,6 +99,14 @@ class Model {
   /// them.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
+  /// Lets its speeds grow: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad), from the next
+  /// tick on, within the drive's bounds of acceleration and speed, until replaced.
+  void accelerate(double forward, double left, double turn);
+  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }
+  /// Sends it to a pose in the frame of estimate(), m and rad, where it stays until replaced. How each drive
+  /// goes there: docs/driving.md.
+  void go_to(double x, double y, double heading);
+  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }
   /// Velocity of the last tick, body frame.
   struct Speed {
     double forward = 0, left = 0, turn = 0;
@@ -99,6 +114,21 @@ class Model {
   Speed speed() const;
   /// True when the last motion was refused.
   bool stalled() const;
+  /// Where it believes to be, m and rad: its true pose with localization `gps`, what its wheels counted with
+  /// `odom`, in the frame of the world's localization_origin.
+  Pose estimate() const;
+  /// From now on it believes to be there. Throws std::logic_error where it has no `odom`.
+  void set_estimate(const Pose& pose);
+
+  /// Puts it elsewhere in the world's frame, between two steps. That is no motion: its odometry does not see
+  /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
+  /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
+  /// Throws std::invalid_argument for a pose that is not finite or outside the world's bounds, and
+  /// std::logic_error for a part of a model and for what never moves. To move many at once, see
+  /// Simulation::set_poses.
+  void set_pose(const Pose& pose);
+  /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
+  bool is_free(const Pose& pose) const;
 
   /// Names of its sensors, in the order of the world: of a robot those of all its parts, of a part its own.
   std::vector<std::string> sensors() const;
@@ -114,6 +144,7 @@ class Model {
   friend class Simulation;
   struct Place;
   explicit Model(std::shared_ptr<const Place> place);
+  void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
 };
 
@@ -139,7 +170,7 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// What the loader warned of, as `file:line: warning: ...`.
+  /// What the loader warned of, as `file:line: warning: ...`, of plug-ins as `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// Options as they took effect, `key=value` each, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
@@ -185,6 +216,9 @@ class Simulation {
   /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives
   /// or the one that Stage would generate. Throws std::out_of_range with near names when there is none.
   Model find(std::string_view name);
+  /// Model::set_pose of many, at little more than the cost of one: bodies are indexed once. Where one of them
+  /// cannot be put none is.
+  void set_poses(std::span<const std::pair<Model, Pose>> poses);
   /// Names of all robots, in id order.
   std::vector<std::string> robot_names() const;
   /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.

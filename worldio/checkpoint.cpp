@@ -149,9 +149,14 @@ void read_table(const Hdf5Group& group, StateTable& table) {
   const std::vector<std::size_t> rows = rows_by_id(table);
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
     group.fail("is of other robots than the world has");
-  if (group.names().size() != table.fields().size() + 1) group.fail("has other fields than the world's");
+  const std::vector<std::string> names = group.names();
+  std::size_t known = 1;  // the ids
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const StateField& field = table.fields()[f];
+    // A state from before there was such a field has it at zero.
+    const bool is_there = std::ranges::find(names, hdf5_name(field.name)) != names.end();
+    if (!is_there && field.sparse) continue;
+    ++known;
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
@@ -166,6 +171,7 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     for (std::size_t i = 0; i < rows.size(); ++i)
       std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
   }
+  if (names.size() != known) group.fail("has other fields than the world's");
 }
 
 std::uint64_t hash_of(const std::string& text) {

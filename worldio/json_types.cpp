@@ -90,17 +90,18 @@ bool read_boolean(JsonObject& object, std::string_view name, bool fallback) {
   return value.given() ? value.boolean() : fallback;
 }
 
-/// Looks up the `kind` that an object names; null, and reported, where there is none of this name.
+/// Looks up the `kind` that an object names; null, and reported, where there is none of this name. A `find`
+/// that knows why says so in `fault`.
 template <class Find>
 auto read_kind(JsonObject& object, std::string_view what, const std::vector<std::string_view>& known,
-               Find find) -> decltype(find(std::string_view())) {
+               Find find, const std::string& fault = {}) -> decltype(find(std::string_view())) {
   const JsonNode* node = object.require("kind", fmt::format("one of {}", comma_list(known)));
   if (!node) return nullptr;
   const JsonCursor cursor(object.at(), "kind", *node);
   const std::string* name = read_text(cursor, fmt::format("the name of a {}", what));
   if (!name) return nullptr;
   const auto kind = find(*name);
-  if (!kind) cursor.error(unknown_name(what, *name, known));
+  if (!kind) cursor.error(fault.empty() ? unknown_name(what, *name, known) : fault);
   return kind;
 }
 
@@ -248,14 +249,14 @@ void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& 
 void read_controller(const JsonCursor& at, const engine::Registry& registry,
                      std::vector<engine::ControllerSpec>& controllers) {
   JsonObject object(at);
-  std::vector<std::string_view> known = names(registry.controllers);
-  for (const std::string_view preset : names(registry.presets)) known.push_back(preset);
-  std::ranges::sort(known);
   const engine::Registry::Preset* preset = nullptr;
-  const engine::ControllerKind* kind = read_kind(object, "controller", known, [&](std::string_view name) {
+  std::string fault;
+  const auto find = [&](std::string_view name) {
     preset = registry.preset(name);
-    return registry.controller(preset ? preset->kind : name);
-  });
+    return registry.controller(preset ? preset->kind : name, fault);
+  };
+  const engine::ControllerKind* kind =
+      read_kind(object, "controller", registry.controller_names(), find, fault);
   if (!kind) return;
   engine::ControllerSpec controller{.kind = std::string(kind->name), .where = at.where()};
   using Params = std::span<const std::pair<std::string_view, Value>>;
@@ -308,7 +309,12 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
   if (one && many) at.error_at(many->where, "give \"controller\" or \"controllers\", not both");
   each_of("controllers",
           [&](const JsonCursor& cursor) { read_controller(cursor, registry, type.spec.controllers); });
-  if (const JsonNode* moved = one ? one : many; moved && object.is_object() && !object.find("drive"))
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {
+    const engine::ControllerKind* kind = registry.controller(controller.kind);
+    return kind == nullptr || kind->needs_drive;
+  };
+  if (const JsonNode* moved = one ? one : many; moved && object.is_object() && !object.find("drive") &&
+                                                std::ranges::any_of(type.spec.controllers, needs_drive))
     at.error_at(moved->where, "a controller needs a \"drive\" to command");
   object.finish();
   return type;

@@ -105,6 +105,8 @@ class SpecReader {
   engine::Record params(JsonObject& object, std::string_view what, const std::string& kind,
                         const Kinds& kinds);
   engine::JointSpec joint(const JsonCursor& at);
+  /// By the kind's table; null where there is none.
+  engine::Record params(JsonObject& object, const engine::FieldTable* table);
   engine::DriveSpec drive(const JsonCursor& at);
   engine::DeviceSpec sensor(const JsonCursor& at);
   engine::ControllerSpec controller(const JsonCursor& at);
@@ -358,18 +360,22 @@ engine::PartSpec SpecReader::part(const JsonCursor& at) {
 template <class Kinds>
 engine::Record SpecReader::params(JsonObject& object, std::string_view what, const std::string& name,
                                   const Kinds& kinds) {
-  const JsonNode* node = require(object, "params");
   const auto kind = std::ranges::find(kinds, std::string_view(name), &Kinds::value_type::name);
   if (kind == kinds.end()) {
     std::vector<std::string_view> known;
     for (const auto& each : kinds) known.push_back(each.name);
     object.at().error(unknown_name(what, name, std::move(known)));
-    return {};
   }
-  if (!node) return kind->params.defaults();
+  return params(object, kind == kinds.end() ? nullptr : &kind->params);
+}
+
+engine::Record SpecReader::params(JsonObject& object, const engine::FieldTable* table) {
+  const JsonNode* node = require(object, "params");
+  if (!table) return {};
+  if (!node) return table->defaults();
   const JsonCursor cursor(object.at(), "params", *node);
   JsonObject fields(cursor);
-  engine::Record record = read_fields(fields, kind->params);
+  engine::Record record = read_fields(fields, *table);
   fields.finish();
   return record;
 }
@@ -418,7 +424,10 @@ engine::ControllerSpec SpecReader::controller(const JsonCursor& at) {
   controller.kind = text(object, "kind");
   controller.part = index(object, "part");
   controller.period_s = number(object, "period_s", 0, k_most_s, 0);
-  controller.params = params(object, "controller", controller.kind, registry_.controllers);
+  std::string fault;
+  const engine::ControllerKind* kind = registry_.controller(controller.kind, fault);
+  if (!kind) at.error(fault);
+  controller.params = params(object, kind ? &kind->params : nullptr);
   controller.where = where(object);
   object.finish();
   return controller;

@@ -329,20 +329,9 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     values_.error(spec.where, unknown_name("drive", spec.kind, names_of(registry_.drives)));
     return {};
   }
-  const double quarter_turn = radians(90);
-  std::vector<double> bounds{-1,          1, -1, 1, -1, 1, -quarter_turn,
-                             quarter_turn};  // Stage's defaults, m/s and rad/s
-  if (const StageProperty* property = model.find(document_, "velocity_bounds")) {
-    auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");
-    if (!v) return {};
-    for (std::size_t i = 0; i < bounds.size(); ++i)
-      bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
-    for (std::size_t i = 0; i < bounds.size(); i += 2)
-      if (bounds[i] > bounds[i + 1]) {
-        values_.error(values_.where(*property), "\"velocity_bounds\" needs each minimum at most its maximum");
-        return {};
-      }
-  }
+  const auto speeds = drive_bounds(model, "velocity_bounds");
+  const auto accelerations = drive_bounds(model, "acceleration_bounds");
+  if (!speeds || !accelerations) return {};
   double wheelbase = 1;
   if (const StageProperty* property = model.find(document_, "wheelbase")) {
     const auto given = values_.number(*property);
@@ -355,15 +344,92 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     }
   }
   spec.params = kind->params.defaults();
-  set(kind->params, spec.params, "velocity_min_x", bounds[0]);
-  set(kind->params, spec.params, "velocity_max_x", bounds[1]);
-  set(kind->params, spec.params, "velocity_min_y", bounds[2]);
-  set(kind->params, spec.params, "velocity_max_y", bounds[3]);
-  set(kind->params, spec.params, "turn_min", bounds[6]);
-  set(kind->params, spec.params, "turn_max", bounds[7]);
-  set(kind->params, spec.params, "wheelbase", wheelbase);
+  const auto set_param = [&](std::string_view name, Value value) {
+    set(kind->params, spec.params, name, std::move(value));
+  };
+  set_param("velocity_min_x", (*speeds)[0]);
+  set_param("velocity_max_x", (*speeds)[1]);
+  set_param("velocity_min_y", (*speeds)[2]);
+  set_param("velocity_max_y", (*speeds)[3]);
+  set_param("turn_min", (*speeds)[6]);
+  set_param("turn_max", (*speeds)[7]);
+  set_param("acceleration_min_x", (*accelerations)[0]);
+  set_param("acceleration_max_x", (*accelerations)[1]);
+  set_param("acceleration_min_y", (*accelerations)[2]);
+  set_param("acceleration_max_y", (*accelerations)[3]);
+  set_param("turn_acceleration_min", (*accelerations)[6]);
+  set_param("turn_acceleration_max", (*accelerations)[7]);
+  set_param("wheelbase", wheelbase);
+  if (const StageProperty* property = model.find(document_, "velocity")) {
+    const auto v = values_.tuple(*property, 4, 4, "[x y z a]");
+    if (!v) return {};
+    set_param("start_x", (*v)[0] * values_.length_unit());
+    set_param("start_y", (*v)[1] * values_.length_unit());
+    set_param("start_turn", (*v)[3] * values_.angle_unit());
+  }
+  if (!localize(model, kind->params, spec.params)) return {};
   spec.period_s = period_s(model);
   return spec;
+}
+
+std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
+  const double quarter_turn = radians(90);
+  std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};  // Stage's, m and rad
+  const StageProperty* property = model.find(document_, key);
+  if (!property) return bounds;
+  const auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");
+  if (!v) return {};
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
+  for (std::size_t i = 0; i < bounds.size(); i += 2)
+    if (bounds[i] > bounds[i + 1]) {
+      values_.error(values_.where(*property),
+                    fmt::format("\"{}\" needs each minimum at most its maximum", key));
+      return {};
+    }
+  return bounds;
+}
+
+bool StageKinds::localize(const StageModel& model, const FieldTable& table, Record& params) {
+  bool is_right = true;
+  const auto choose = [&](std::string_view key, std::string fallback, std::vector<std::string_view> choices) {
+    const StageProperty* property = model.find(document_, key);
+    if (!property) return fallback;
+    const auto given = values_.text(*property);
+    if (given && std::ranges::find(choices, *given) != choices.end()) return std::string(*given);
+    if (given)
+      values_.error(values_.where(*property),
+                    fmt::format("\"{}\" must be {}; here is \"{}\"", key,
+                                fmt::format("\"{}\" or \"{}\"", choices[0], choices[1]), *given));
+    is_right = false;
+    return fallback;
+  };
+  const std::string kind = choose("localization", "gps", {"gps", "odom"});
+  set(table, params, "localization", kind);
+  set(table, params, "odom_heading", choose("odom_heading", "new", {"old", "new"}));
+
+  const StageProperty* honours = model.find(document_, "gps_origin");
+  const bool gps_has_origin = honours && values_.flag(*honours).value_or(false);
+  if (const StageProperty* property = model.find(document_, "localization_origin")) {
+    const auto origin = values_.pose(*property);
+    is_right = is_right && origin;
+    if (kind == "gps" && !gps_has_origin && origin && *origin != Pose())
+      values_.warning_once(values_.where(*property),
+                           "with localization \"gps\" poses are the world's, whatever the origin, as in "
+                           "Stage; \"gps_origin 1\" honours it");
+    else if (origin && (kind != "gps" || gps_has_origin)) {
+      set(table, params, "localization_origin", std::vector<double>{origin->x, origin->y});
+      set(table, params, "localization_origin_heading", origin->heading);
+    }
+  }
+  if (const StageProperty* property = model.find(document_, "odom_error")) {
+    const auto error = values_.tuple(*property, 4, 4, "[x y z a]");
+    is_right = is_right && error;
+    if (error)
+      set(table, params, "odom_error",
+          std::vector<double>{(*error)[0], (*error)[1], (*error)[3] * values_.angle_unit()});
+  }
+  return is_right;
 }
 
 std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& model) {
@@ -379,18 +445,17 @@ std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& mo
 
 std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view call, Where where) {
   const std::vector<std::string_view> words = words_of(call);
-  std::vector<std::string_view> known = names_of(registry_.controllers);
-  for (const engine::Registry::Preset& preset : registry_.presets) known.push_back(preset.name);
-  std::ranges::sort(known);
   if (words.empty()) {
-    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}", comma_list(known)));
+    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}",
+                                     comma_list(registry_.controller_names())));
     return {};
   }
   const std::string_view name = words[0];
   const engine::Registry::Preset* preset = registry_.preset(name);
-  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name);
+  std::string fault;
+  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name, fault);
   if (!kind) {
-    values_.error(where, unknown_name("controller", name, known));
+    values_.error(where, fault);
     return {};
   }
   const std::vector<Field>& fields = kind->params.fields;

@@ -33,6 +33,11 @@ class StageKinds {
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:
+  /// [xmin xmax ymin ymax zmin zmax amin amax], m and rad a second or a second squared; Stage's where the
+  /// model does not say, empty where it says them wrongly.
+  std::optional<std::vector<double>> drive_bounds(const StageModel& model, std::string_view key);
+  /// How the robot knows its pose; false where the model says it wrongly.
+  bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
                                      int column);

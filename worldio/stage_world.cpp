@@ -6,6 +6,7 @@
 #include "worldio/stage_lint.hpp"
 #include "worldio/stage_models.hpp"
 #include "worldio/stage_parser.hpp"
+#include "worldio/stage_power.hpp"
 #include "worldio/stage_properties.hpp"
 #include "worldio/stage_values.hpp"
 #include "worldio/stage_watch.hpp"
@@ -148,7 +149,8 @@ class StageWorld {
         macros_(document, registry, values_),
         lint_(document, macros_, values_),
         bodies_(document, file_.parent_path(), values_, diagnostics),
-        kinds_(document, registry, values_) {}
+        kinds_(document, registry, values_),
+        power_(document, registry, values_) {}
 
   void read(WorldSpec& spec) {
     spec_ = &spec;
@@ -214,6 +216,8 @@ class StageWorld {
   bool is_without_body(const StageModel& model);
   engine::Returns returns(const StageModel& model);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
+  void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                     TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   /// Of several windows the first counts, wherever it stands.
@@ -233,6 +237,7 @@ class StageWorld {
   StageLint lint_;
   StageBodies bodies_;
   StageKinds kinds_;
+  StagePower power_;
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
@@ -399,6 +404,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   Draft draft{.where = model->where};
   add_part(*model, Place{}, draft);
   if (draft.broken) return prototype;
+  power_.finish(draft.type);
   prototype.global_parts = std::move(draft.global_parts);
   prototype.type = share_type(std::move(draft.type), model->names);
   prototype.usable = true;
@@ -537,6 +543,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
         engine::add_device_body(draft.type, d, *device_kind);
     }
   }
+  power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
   add_children(model, below, height, holds->children, draft);
 }
@@ -593,7 +600,29 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
       continue;
     }
     controller.part = part;
+    if (kind != nullptr) bring_devices(*kind, controller, draft.type);
+    if (kind != nullptr && kind->furnish)
+      kind->furnish(controller.params, spec_->seed, draft.type, controller.part);
     draft.type.controllers.push_back(std::move(controller));
+  }
+}
+
+/// What a controller works with that Stage gives to every model.
+void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                               TypeSpec& type) {
+  for (const std::string_view name : kind.brings) {
+    const engine::DeviceKind* device = registry_.device(name);
+    const bool is_there = std::ranges::any_of(type.devices, [&](const engine::DeviceSpec& spec) {
+      return spec.kind == name && spec.part == controller.part;
+    });
+    if (device == nullptr || is_there) continue;
+    const std::string& below = type.parts[controller.part].name;
+    type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
+                            .kind = std::string(name),
+                            .part = controller.part,
+                            .params = device->params.defaults(),
+                            .period_s = controller.period_s,
+                            .where = controller.where});
   }
 }
 

@@ -6,7 +6,8 @@ from .table import Progress, print_row
 TICKS = 300
 QUICK_TICKS = 50
 WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
-          World("crowd.json", weight=0.2, ranging="grid"))
+          World("crowd.json", weight=0.2, ranging="grid"), World("errands.json", weight=0.05),
+          World("energy.json", weight=0.1), World("foraging.json", weight=0.1))
 
 
 def hold(world, proofs, ticks, folder, golden=None):

@@ -66,6 +66,15 @@ def surroundings(base, folder):
     return Proof("T0 hostile surroundings", "fast maths, rounding up, locale, folder", variants)
 
 
+def plugin(base):
+    """A controller's library that was linked with -ffast-math (tests/plugins), of a type that no robot has: loading it
+    switches denormal numbers off, and is all that it does."""
+    idle = '{"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "walker"}}'
+    options = ("--set", f"/types/plugged={idle}", "--plugin-path", ROOT / "build" / "release" / "plugins" / "fast")
+    variants = tuple(replace(base, label=f"plug-in of fast maths, {n} threads", threads=n, options=options) for n in (1, 2))
+    return Proof("T0 hostile plug-in", "linked with fast maths, loaded with the world", variants)
+
+
 def observers(base, folder):
     """With everything that looks on; the files are written anew by each variant."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",

@@ -43,11 +43,14 @@ struct Scene {
 };
 
 class WarmStep : public ::testing::TestWithParam<Scene> {};
-INSTANTIATE_TEST_SUITE_P(World, WarmStep,
-                         ::testing::Values(Scene{"hospital", "hospital.json", 20, 100},
-                                           Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
-                                           Scene{"crowd", "crowd.json", 100, 100}),
-                         [](const auto& scene) { return scene.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    World, WarmStep,
+    ::testing::Values(Scene{"hospital", "hospital.json", 20, 100},
+                      Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
+                      Scene{"crowd", "crowd.json", 100, 100},
+                      // No floor plan says where they will go: the index makes room as they do.
+                      Scene{"errands", "errands.json", 400, 100}),
+    [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {
   const Scene& scene = GetParam();

@@ -84,6 +84,20 @@ TEST(ControllerCheck, FindsNothingInAFunction) {
   EXPECT_EQ(check.decisions(), 5 * k_robots);
 }
 
+TEST(ControllerCheck, RepeatsWithWhatRobotsBelievedThen) {
+  for (const char* localization : {"gps", "odom"}) {
+    WorldSpec spec = Swarm::make({"believer"});
+    spec.types.back().drive = test::drive("omni", {{"localization", localization}});
+    Diagnostics diagnostics;
+    World world(std::move(spec), registry(), {.threads = 2}, diagnostics);
+    ControllerCheck check(world, registry());
+    for (int tick = 1; tick <= 7; ++tick) {
+      world.step();
+      ASSERT_THAT(on_another_thread(check), IsEmpty()) << localization << ", tick " << tick;
+    }
+  }
+}
+
 TEST(ControllerCheck, ChangesNoResult) {
   Swarm alone({"honest"});
   Swarm watched({"honest"});

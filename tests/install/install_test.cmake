@@ -62,4 +62,21 @@ run(IN ${SOURCE} OUTPUT printed ${SCRATCH}/consumer/minimal worlds/minimal.world
 if(NOT printed MATCHES "^r0 is at \\(-1\\.80[0-9]*, 0\\.98[0-9]*\\) m, the nearest thing [0-9.]+ m away\n$")
   message(FATAL_ERROR "the example printed:\n${printed}")
 endif()
+
+# The plug-in of the examples, far from the source tree, runs in the installed program and in a program of one's own.
+file(COPY ${SOURCE}/apps/examples/plugin DESTINATION ${SCRATCH})
+run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/plugin -B ${SCRATCH}/plugin/build -G ${GENERATOR}
+    -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS}
+    -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/plugin/build)
+run(IN ${SCRATCH}/plugin OUTPUT described ${SCRATCH}/prefix/bin/troupe describe follow_wall --plugin-path build)
+if(NOT described MATCHES "controller follow_wall: keep a wall at the left\n.*distance_m")
+  message(FATAL_ERROR "troupe describe follow_wall printed:\n${described}")
+endif()
+run(IN ${SCRATCH}/plugin OUTPUT summary ${SCRATCH}/prefix/bin/troupe run room.json --for 10 --plugin-path build --quiet --json)
+run(IN ${SCRATCH}/plugin OUTPUT hash ${SCRATCH}/consumer/runs_plugin room.json build)
+string(STRIP "${hash}" hash)
+if(NOT hash MATCHES "^[0-9a-f]+$" OR NOT summary MATCHES "\"state_hash\":\"${hash}\"")
+  message(FATAL_ERROR "the program ends at ${hash}, troupe run with:\n${summary}")
+endif()
 file(REMOVE_RECURSE ${SCRATCH})

@@ -264,5 +264,44 @@ TEST(Script, TimedWithoutLegsIsAFault) {
   EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");
 }
 
+engine::Record goals(std::vector<engine::Record> poses, bool again) {
+  return test::record(test::registry().controller("waypoints")->params,
+                      {{"goals", std::move(poses)}, {"again", again}});
+}
+
+TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
+  for (const bool again : {true, false}) {
+    test::SceneBuilder scene;
+    const TypeId type = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+    scene[type].controllers.push_back(
+        {.kind = "waypoints", .params = goals({{1.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.5}}, again)});
+    const BodyId body = scene.body("r", type);
+    engine::World world = scene.world();
+    // 1 m at 0.4 m/s, slower within 0.4 m: at the first goal, within 0.1 m, after some 3 s; so each metre.
+    while (world.tick() < 28) world.step();
+    EXPECT_EQ(world.pose(body).y, 0);
+    while (world.tick() < 58) world.step();
+    EXPECT_NEAR(world.pose(body).x, 1, 0.1);
+    EXPECT_NEAR(world.pose(body).y, 0.85, 0.15);
+    while (world.tick() < 88) world.step();
+    EXPECT_NEAR(world.pose(body).y, again ? 0.1 : 1, again ? 0.1 : 0.02);
+    EXPECT_NEAR(world.pose(body).heading, again ? 0.1 : 0.5, again ? 0.1 : 0.02);
+  }
+}
+
+TEST(Waypoints, NeedsGoals) {
+  std::string fault;
+  std::vector<bool> claimed;
+  test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed, fault);
+  EXPECT_EQ(fault, "needs goals: without them it has nowhere to go");
+}
+
+TEST(Wander, TakesOverARobotThatWasSentSomewhere) {
+  Decision decide(Decision::scanner(31), "wander", test::registry().controller("wander")->params.defaults());
+  decide.command = {3, 4, 0.5, engine::ControlMode::position};
+  // In its way, so that it changes single numbers of the command.
+  EXPECT_EQ(decide(std::vector<float>(31, 0.1f)).mode, engine::ControlMode::velocity);
+}
+
 }  // namespace
 }  // namespace troupe::models

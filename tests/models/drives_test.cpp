@@ -5,19 +5,30 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
 
 namespace troupe::models {
 namespace {
 
 using engine::Command;
+using engine::ControlMode;
 using engine::Velocity;
 
+constexpr auto k_accelerate = ControlMode::acceleration;
+constexpr auto k_go_to = ControlMode::position;
+
 struct Robot {
+  /// Parameters that the kind does not have are left out.
   explicit Robot(const std::string& kind,
                  std::initializer_list<std::pair<std::string_view, engine::Value>> params = {},
                  double period_s = 0) {
     const TypeId type = scene.robot("robot", {Solid{{test::box_ring(0.4, 0.4)}, {0, 1}}}, kind);
-    scene[type].drive = test::drive(kind, params);
+    const engine::FieldTable& table = test::registry().drive(kind)->params;
+    for (const auto& [name, value] : params)
+      if (const int at = table.find(name); at >= 0)
+        scene[type].drive->params[static_cast<std::size_t>(at)] = value;
     scene[type].drive->period_s = period_s;
     body = scene.body("r", type);
   }
@@ -121,6 +132,186 @@ TEST(Drives, ASpeedThatIsNoNumberNamesRobotAndTick) {
     FAIL() << "a speed that is no number was taken";
   } catch (const engine::StepError& error) {
     EXPECT_STREQ(error.what(), "tick 2: robot \"r\" was commanded a speed that is not a finite number");
+  }
+}
+
+TEST(Drives, AnAccelerationOrAGoalThatIsNoNumberNamesRobotAndTick) {
+  const std::pair<ControlMode, const char*> asked[] = {
+      {k_accelerate, "tick 1: robot \"r\" was commanded an acceleration that is not a finite number"},
+      {k_go_to, "tick 1: robot \"r\" was commanded to a goal that is not a finite number"}};
+  for (const auto& [mode, text] : asked) {
+    for (const char* kind : {"diff", "omni", "car"}) {
+      Robot robot(kind);
+      engine::World world = robot.scene.world();
+      world.set_command(world.row(robot.body), {std::nan(""), 0, 0, mode});
+      try {
+        world.step();
+        FAIL() << kind << ": it was taken";
+      } catch (const engine::StepError& error) {
+        EXPECT_STREQ(error.what(), text);
+      }
+    }
+  }
+}
+
+TEST(Drives, AccelerationGrowsWithinItsBoundsAndThoseOfSpeed) {
+  Robot robot("diff",
+              {{"acceleration_max_x", 0.5}, {"velocity_max_x", 0.12}, {"turn_acceleration_min", -2.0}});
+  engine::World world = robot.scene.world();
+  const Row row = world.row(robot.body);
+  world.set_command(row, {3, 3, -1, k_accelerate});
+  // 0.5 m/s^2 and -1 rad/s^2 over ticks of 0.1 s; what lies across a diff is nothing.
+  for (const double speed : {0.05, 0.10, 0.12, 0.12}) {
+    world.step();
+    EXPECT_NEAR(robot.velocity(world).x, speed, 1e-12);
+    EXPECT_EQ(robot.velocity(world).y, 0);
+  }
+  EXPECT_NEAR(robot.velocity(world).turn, -0.4, 1e-12);
+  // A speed is one at once, whatever the bounds of accelerations.
+  world.set_command(row, {-1, 0, 0});
+  world.step();
+  EXPECT_EQ(robot.velocity(world).x, -1);
+}
+
+TEST(Drives, OmniAcceleratesSideways) {
+  Robot robot("omni", {{"acceleration_min_y", -0.3}});
+  engine::World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {0.1, -1, 0.2, k_accelerate});
+  for (int i = 0; i < 3; ++i) world.step();
+  EXPECT_NEAR(robot.velocity(world).x, 0.03, 1e-12);
+  EXPECT_NEAR(robot.velocity(world).y, -0.09, 1e-12);
+  EXPECT_NEAR(robot.velocity(world).turn, 0.06, 1e-12);
+}
+
+TEST(Drives, ACarAcceleratesItsFrontWheels) {
+  Robot robot("car", {{"wheelbase", 0.5}});
+  engine::World world = robot.scene.world();
+  const Row row = world.row(robot.body);
+  world.set_command(row, {-0.5, 0, 0.3, k_accelerate});
+  for (int i = 0; i < 4; ++i) world.step();  // the wheels roll at -0.2 m/s
+  EXPECT_NEAR(robot.velocity(world).x, -0.2 * std::cos(0.3), 1e-12);
+  EXPECT_NEAR(robot.velocity(world).turn, -0.2 * std::sin(0.3) / 0.5, 1e-12);
+  // Straight on they roll as fast.
+  world.set_command(row, {0, 0, 0, k_accelerate});
+  world.step();
+  EXPECT_NEAR(robot.velocity(world).x, -0.2, 1e-12);
+}
+
+TEST(Drives, AccelerationCountsTheTimeBetweenUpdates) {
+  // Stage adds a tick's worth an update, however rarely those come.
+  Robot robot("diff", {}, 0.3);
+  engine::World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {0.5, 0, 0, k_accelerate});
+  for (int i = 0; i < 6; ++i) world.step();
+  EXPECT_NEAR(robot.velocity(world).x, 0.3, 1e-12);
+}
+
+/// Where a robot is after so many seconds of going to a goal.
+Pose gone_to(const std::string& kind, const Pose& from, const Pose& goal, int seconds, double period_s = 0) {
+  Robot robot(kind, {{"wheelbase", 0.5}}, period_s);
+  robot.scene.spec.bodies.back().pose_world_body = from;
+  engine::World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {goal.x, goal.y, goal.heading, k_go_to});
+  for (int i = 0; i < 10 * seconds; ++i) world.step();
+  return world.pose(robot.body);
+}
+
+TEST(Drives, EachGoesToItsGoalAndStaysThere) {
+  for (const char* kind : {"diff", "omni", "car"})
+    for (const Pose& from :
+         {Pose{0, 0, 0, 0}, Pose{3, 1, 0, 3}, Pose{1.4, -2.2, 0, -1}, Pose{-2, -6, 0, 2.9}})
+      for (const double period_s : {0.0, 0.5, 3.0}) {
+        const Pose goal{1.5, -2, 0, 2};
+        const Pose at = gone_to(kind, from, goal, 90, period_s);
+        EXPECT_NEAR(at.x, goal.x, 0.02) << kind << " from " << from.x << ", every " << period_s;
+        EXPECT_NEAR(at.y, goal.y, 0.02) << kind << " from " << from.x << ", every " << period_s;
+        EXPECT_NEAR(at.heading, goal.heading, 0.01) << kind << " from " << from.x << ", every " << period_s;
+      }
+}
+
+TEST(Drives, DiffTurnsBothWaysNoFasterThanItMay) {
+  // Stage loses the upper limit: to the left it turns by all that is missing a second.
+  for (const double side : {1.0, -1.0}) {
+    Robot robot("diff");
+    engine::World world = robot.scene.world();
+    world.set_command(world.row(robot.body), {-1, side * 0.5, 0, k_go_to});
+    world.step();
+    EXPECT_EQ(robot.velocity(world).turn, side);
+    EXPECT_EQ(robot.velocity(world).x, 0);
+  }
+  // Ahead it drives, 0.4 m/s at most, and slows down before the goal.
+  Robot robot("diff");
+  engine::World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {3, 0, 0, k_go_to});
+  world.step();
+  EXPECT_EQ(robot.velocity(world).x, 0.4);
+  world.set_command(world.row(robot.body), {world.pose(robot.body).x + 0.1, 0, 0, k_go_to});
+  world.step();
+  EXPECT_NEAR(robot.velocity(world).x, 0.1, 1e-12);
+}
+
+TEST(Drives, OmniGoesStraightWhateverItsHeading) {
+  // Stage takes the way in the world for one in the body's frame, and has no lower limits.
+  Robot robot("omni");
+  robot.scene.spec.bodies.back().pose_world_body.heading = k_pi / 2;
+  engine::World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {2, -0.2, k_pi / 2, k_go_to});
+  world.step();
+  EXPECT_NEAR(robot.velocity(world).x, -0.2, 1e-12);
+  EXPECT_NEAR(robot.velocity(world).y, -0.4, 1e-12);
+  EXPECT_NEAR(robot.velocity(world).turn, 0, 1e-12);
+  EXPECT_NEAR(world.pose(robot.body).x, 0.04, 1e-12);
+}
+
+TEST(Drives, ACarDrivesInACurveAndSwingsRoundToWhatLiesBehind) {
+  Robot robot("car", {{"wheelbase", 0.5}});
+  engine::World world = robot.scene.world();
+  const Row row = world.row(robot.body);
+  world.set_command(row, {1, 0.5, 0, k_go_to});
+  world.step();
+  const double off = std::atan2(0.5, 1);
+  EXPECT_NEAR(robot.velocity(world).x, 0.4 * std::cos(off), 1e-9);
+  EXPECT_NEAR(robot.velocity(world).turn, 2 * off, 1e-9);
+  world.set_command(row, {-1, 0.5, 0, k_go_to});
+  world.step();
+  EXPECT_EQ(robot.velocity(world).x, 0);
+  EXPECT_EQ(robot.velocity(world).turn, 1);
+}
+
+TEST(Drives, GoalsAreBoundedByTheDrive) {
+  Robot robot("diff", {{"velocity_max_x", 0.3}, {"turn_max", 0.2}});
+  engine::World world = robot.scene.world();
+  const Row row = world.row(robot.body);
+  world.set_command(row, {5, 0, 0, k_go_to});
+  world.step();
+  EXPECT_EQ(robot.velocity(world).x, 0.3);
+  world.set_command(row, {0, 5, 0, k_go_to});
+  world.step();
+  EXPECT_EQ(robot.velocity(world).turn, 0.2);
+}
+
+TEST(Drives, TheStartingVelocityLastsUntilTheFirstUpdate) {
+  // Updates every 0.3 s: it acts in the first two ticks. With one every tick it never does.
+  for (const auto& [period_s, way] : {std::pair(0.3, 0.4), std::pair(0.0, 0.0)}) {
+    Robot robot("omni", {{"start_x", 2.0}, {"start_y", 0.5}, {"start_turn", 0.0}}, period_s);
+    engine::World world = robot.scene.world();
+    EXPECT_EQ(robot.velocity(world).x, 2.0);
+    for (int i = 0; i < 5; ++i) world.step();
+    EXPECT_NEAR(world.pose(robot.body).x, way, 1e-12);
+    EXPECT_NEAR(world.pose(robot.body).y, way / 4, 1e-12);
+    world.reset();
+    EXPECT_EQ(robot.velocity(world).x, 2.0);
+  }
+}
+
+TEST(Drives, BoundsOfAccelerationsMustNotStandTheWrongWayRound) {
+  for (const auto& [low, high, name] :
+       {std::tuple("acceleration_min_x", "acceleration_max_x", "acceleration_x"),
+        std::tuple("acceleration_min_y", "acceleration_max_y", "acceleration_y"),
+        std::tuple("turn_acceleration_min", "turn_acceleration_max", "turn_acceleration")}) {
+    const engine::DriveSpec spec = test::drive("car", {{low, 2.0}, {high, 1.0}});
+    EXPECT_EQ(car_drive().fault(spec.params),
+              "the bounds of " + std::string(name) + " stand the wrong way round: the lower must come first");
   }
 }
 

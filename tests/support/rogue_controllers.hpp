@@ -40,6 +40,17 @@ struct Honest : Parameterless {
   }
 };
 
+/// Honest, too: by where it believes to be, which has moved on when the decision is taken again.
+struct Believer : Parameterless {
+  static Believer make(const engine::Record&) { return {}; }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    actions.set_speed(0.1 + 0.01 * percept.estimate.x, 0.02 * percept.estimate.y,
+                      0.1 * percept.estimate.heading);
+    if (percept.tick % 3 == 0) actions.go_to(percept.estimate.x + 1, percept.estimate.y, 0);
+    if (percept.tick % 3 == 1) actions.accelerate(percept.estimate.x, 0, 0);
+  }
+};
+
 struct CallsRand : Parameterless {
   static CallsRand make(const engine::Record&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
@@ -188,6 +199,7 @@ inline engine::ControllerKind starts_half() {
 inline std::vector<engine::ControllerKind> rogue_controllers() {
   using engine::make_controller_kind;
   return {make_controller_kind<Honest>("honest", "", {}),
+          make_controller_kind<Believer>("believer", "", {}),
           make_controller_kind<CallsRand>("calls_rand", "", {}),
           make_controller_kind<KeepsAStatic>("keeps_a_static", "", {}),
           make_controller_kind<KeepsAThreadLocal>("keeps_a_thread_local", "", {}),

@@ -2,9 +2,12 @@
 
 #include "engine/kinds.hpp"
 #include "engine/world_spec.hpp"
+#include "models/depots.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/flags.hpp"
 #include "models/model_kinds.hpp"
+#include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "sensors/ranger.hpp"
@@ -25,9 +28,11 @@ inline const engine::Registry& test_registry() {
   static const engine::Registry registry = [] {
     engine::Registry r;
     r.models = models::model_kinds();
-    r.devices = {sensors::ranger_kind()};
+    r.devices = {sensors::ranger_kind(), models::power_pack_kind(), models::power_contact_kind(),
+                 models::flags_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller()};
+    r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller(),
+                     models::source_controller()};
     r.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
     return r;
   }();

@@ -139,7 +139,7 @@ TEST_F(StageParser, ConformanceVector14MissingController) {
   load("position(\n ctrl \"wandr 1\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: unknown controller \"wandr\"; known: expand, expand_pioneer, "
-                          "expand_swarm, script, wander (did you mean \"wander\"?)"));
+                          "expand_swarm, script, source, wander (did you mean \"wander\"?)"));
 }
 
 TEST_F(StageParser, ConformanceVector14PiecesInWrongPlaces) {

@@ -37,8 +37,8 @@ TEST(StageProperties, NumbersInNamesDoNotMatter) {
 }
 
 TEST(StageProperties, OnlyWhatHasNoEffectAnywhereIsWithoutEffect) {
-  EXPECT_TRUE(is_without_effect("mass"));
-  EXPECT_TRUE(is_without_effect("watts"));
+  EXPECT_TRUE(is_without_effect("bcount"));
+  EXPECT_FALSE(is_without_effect("mass"));
   EXPECT_FALSE(is_without_effect("fiducial_return"));
   EXPECT_FALSE(is_without_effect("fov"));  // a sensor's is honoured, a fiducial's not
   EXPECT_FALSE(is_without_effect("size"));

@@ -167,16 +167,11 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load(
-      "define a model( mass 2 )\na()\na()\nmodel( mass 3 watts 1 )\nfiducial( fov 3 )\n"
-      "position( localization \"odom\" )");
+  load("\n\n\n\nfiducial( fov 3 )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: not supported yet: mass (and 1 more)",
-                          "w.world:4: warning: not supported yet: watts",
-                          "w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
+              ElementsAre("w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
                           "here",
-                          "w.world:5: warning: not supported yet: fov of a fiducial",
-                          "w.world:6: warning: not supported yet: localization of a position"));
+                          "w.world:5: warning: not supported yet: fov of a fiducial"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -675,6 +670,64 @@ TEST_F(StageWorld, PositionsDrive) {
   EXPECT_FALSE(type_of(spec, 4).drive);
 }
 
+TEST_F(StageWorld, DrivesHaveAccelerationsAndAStart) {
+  const auto spec = load(
+      "unit_length \"cm\"\nposition( acceleration_bounds [-50 60 -10 20 0 0 -360 270] velocity [30 -20 0 "
+      "450] )\n"
+      "position()");
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_min_x"), -0.5);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_max_x"), 0.6);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_min_y"), -0.1);
+  EXPECT_EQ(drive_param(spec, 1, "acceleration_max_y"), 0.2);
+  EXPECT_NEAR(drive_param(spec, 1, "turn_acceleration_min"), -2 * k_pi, 1e-15);
+  EXPECT_NEAR(drive_param(spec, 1, "turn_acceleration_max"), 1.5 * k_pi, 1e-15);
+  EXPECT_EQ(drive_param(spec, 1, "start_x"), 0.3);
+  EXPECT_EQ(drive_param(spec, 1, "start_y"), -0.2);
+  EXPECT_NEAR(drive_param(spec, 1, "start_turn"), 2.5 * k_pi, 1e-15);
+  EXPECT_EQ(drive_param(spec, 2, "acceleration_max_x"), 1);
+  EXPECT_EQ(drive_param(spec, 2, "turn_acceleration_max"), radians(90));
+  EXPECT_EQ(drive_param(spec, 2, "start_x"), 0);
+}
+
+TEST_F(StageWorld, DrivesKnowWhereTheyAre) {
+  const auto spec = load(
+      "position( localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n"
+      "position( localization \"odom\" localization_origin [1 2 0 90] odom_heading \"old\" )\n"
+      "position( localization_origin [1 2 0 90] gps_origin 1 )\n"
+      "position( localization \"gps\" localization_origin [0 0 0 0] )\n"
+      "position( localization_origin [1 2 0 90] )");
+  const auto value = [&](std::size_t body, std::string_view name) {
+    return engine::get(test_registry().drive("diff")->params, type_of(spec, body).drive->params, name);
+  };
+  using Numbers = std::vector<double>;
+  EXPECT_EQ(value(1, "localization").text(), "odom");
+  EXPECT_EQ(value(1, "odom_error").numbers(), (Numbers{0.1, 0.2, radians(0.3)}));  // an angle, as in Stage
+  EXPECT_EQ(value(1, "localization_origin").numbers(), Numbers());
+  EXPECT_EQ(value(1, "odom_heading").text(), "new");
+  EXPECT_EQ(value(2, "localization_origin").numbers(), (Numbers{1, 2}));
+  EXPECT_NEAR(value(2, "localization_origin_heading").number(), k_pi / 2, 1e-15);
+  EXPECT_EQ(value(2, "odom_heading").text(), "old");
+  EXPECT_EQ(value(3, "localization").text(), "gps");
+  EXPECT_EQ(value(3, "localization_origin").numbers(), (Numbers{1, 2}));
+  EXPECT_EQ(value(5, "localization_origin").numbers(), Numbers());
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: with localization \"gps\" poses are the world's, whatever the "
+                          "origin, as in Stage; \"gps_origin 1\" honours it"));
+}
+
+TEST_F(StageWorld, RefusesWrongLocalisation) {
+  load(
+      "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
+      "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
+      "position( velocity [1 0 0] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\"; here is \"gsp\"",
+                          "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
+                          "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\"; here is \"newer\"",
+                          "w.world:4: error: \"acceleration_bounds\" needs each minimum at most its maximum",
+                          "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
+}
+
 TEST_F(StageWorld, RefusesWrongDrives) {
   load("position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( wheelbase 0 )");
   EXPECT_THAT(
@@ -732,8 +785,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
       messages(),
       ElementsAre(
           "w.world:1: error: \"ctrl\" names no controller; known: expand, expand_pioneer, expand_swarm, "
-          "script, "
-          "wander",
+          "script, source, wander",
           "w.world:2: error: controller \"wander\" takes no more than 5 arguments",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
@@ -768,7 +820,7 @@ TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
       "define blue rob( color \"blue\" )\n"
       "red( pose [1 0 0 0] )\nblue( name \"x\" )\nposition( ranger( sensor( samples 4 ) ) color_rgba [0 0 0 "
       "1] )\n"
-      "red( mass 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
+      "red( friction 3 )\nred( size [0.1 0.1 0.1] )\nred( ranger( sensor() ) )\nred( alwayson 1 )");
   EXPECT_THAT(messages(), SizeIs(1));
   ASSERT_THAT(spec.bodies, SizeIs(8));
   for (const std::size_t b : {2u, 3u, 4u, 7u}) EXPECT_EQ(spec.bodies[b].type, spec.bodies[1].type) << b;
@@ -825,14 +877,8 @@ TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 2 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "acceleration_bounds of a position",
-          "simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
-          "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
+      ElementsAre("simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
+                  "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);
@@ -865,15 +911,9 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 2 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
-          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "acceleration_bounds of a position",
-          "pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
-          "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-          "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
+      ElementsAre("pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
+                  "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
@@ -890,8 +930,6 @@ TEST_F(StageOwnWorld, Roomba) {
                   "irobot.inc:30: warning: not supported yet: bcount of a bumper",
                   "irobot.inc:31: warning: not supported yet: blength of a bumper",
                   "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
-                  "roomba.world:43: warning: not supported yet: localization of a position",
-                  "roomba.world:44: warning: not supported yet: localization_origin of a position",
                   "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
                   "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
                   "gui_nose, gui_grid, gui_move, gui_outline"));
@@ -906,12 +944,7 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
-          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "acceleration_bounds of a position",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
@@ -927,11 +960,8 @@ TEST_F(StageOwnWorld, Cave) {
       messages(),
       ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
                   "definition holds",
-                  "pioneer.inc:116: warning: not supported yet: localization of a position",
-                  "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
-                  "pioneer.inc:144: warning: not supported yet: mass",
                   "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-                  "threads, acceleration_bounds of a position",
+                  "threads",
                   "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
                   "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
@@ -981,16 +1011,11 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:116: warning: not supported yet: localization of a position (and 1 more)",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position (and 1 more)",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
           "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
           "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
           "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "pioneer.inc:127: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "acceleration_bounds of a position",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
@@ -1005,7 +1030,7 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   open("pioneer_flocking.world");
   EXPECT_THAT(messages(),
               testing::Contains("pioneer_flocking.world:40: error: unknown controller \"pioneer_flocking\"; "
-                                "known: expand, expand_pioneer, expand_swarm, script, wander"));
+                                "known: expand, expand_pioneer, expand_swarm, script, source, wander"));
 
   engine::Registry registry = test_registry();
   registry.presets.push_back({.name = "pioneer_flocking", .kind = "expand"});
@@ -1013,13 +1038,10 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer.inc:116: warning: not supported yet: localization of a position",
-          "pioneer.inc:117: warning: not supported yet: localization_origin of a position",
-          "pioneer.inc:144: warning: not supported yet: mass",
           "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
           "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
-          "threads, acceleration_bounds of a position",
+          "threads",
           "pioneer_flocking.world:10: warning: accepted, but only Stage's window would use it: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));

@@ -1,0 +1,7 @@
+# troupe_add_plugin(NAME SOURCE...): a plug-in NAME.so with the controllers of these sources (docs/controllers.md). Only
+# its one symbol is seen from outside, so that no two plug-ins meet.
+function(troupe_add_plugin name)
+  add_library(${name} MODULE ${ARGN})
+  target_link_libraries(${name} PRIVATE troupe::plugin)
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()

@@ -1,0 +1,362 @@
+#include "models/forager.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/flags.hpp"
+#include "models/floor_plan.hpp"
+#include "models/power.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceInfo;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+using engine::WorldSpec;
+
+// What Stage's foragers do, m, m/s, rad/s, updates.
+constexpr double k_cruise = 0.4;
+constexpr double k_avoid_speed = 0.05;
+constexpr double k_avoid_turn = 0.5;
+constexpr float k_min_front = 0.7f;
+constexpr float k_stop = 0.5f;
+constexpr std::uint32_t k_wait = 20;
+constexpr double k_fetch_radius = 2;
+constexpr double k_deliver_radius = 1;
+constexpr double k_full = 0.95;
+constexpr double k_creep_within = 0.5;
+constexpr double k_creep = 0.02;
+constexpr double k_docked = 0.08;
+constexpr double k_back_off = 0.3;
+constexpr double k_back_speed = 0.1;
+constexpr double k_abandon = 0.0005;  // the chance, an update
+constexpr std::int32_t k_charger_mark = 2;
+
+// And what is ours.
+constexpr int k_steps_ahead = 2;        // cells
+constexpr double k_turn_gain = 1;       // 1/s
+constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on the spot
+constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
+constexpr std::size_t k_least_samples = 9;
+
+/// Where flags come from, where they go, where energy is.
+struct Goal {
+  BodyId body;
+  Vec2 at;
+  std::shared_ptr<const WaysTo> ways;
+};
+struct Task {
+  Goal source, sink;
+};
+
+/// Where a charger is seen, or known to be.
+struct Sight {
+  double range = 0;    // m
+  double bearing = 0;  // rad, from straight ahead
+};
+
+double bearing_of(const Pose& from, const Vec2& to) {
+  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
+}
+
+struct Forager {
+  enum Mode : std::uint8_t { working, refuelling, leaving };
+  struct Memory {
+    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
+    std::uint32_t near_updates = 0;  ///< in a row, within reach of the source or the sink
+    std::uint32_t task = 0;
+    std::uint32_t charger = 0;
+    std::uint8_t mode = working;
+    std::uint8_t started = 0;
+    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, mode, started)
+  };
+  static constexpr std::array<std::string_view, 1> brings{"flags"};
+  static constexpr std::size_t k_scanner = 0;
+  static constexpr std::size_t k_flags = 1;
+
+  std::vector<std::pair<std::string, std::string>> names;  // of source and sink, each task
+  std::string map;
+  double low = 0;
+  bool abandons = false;
+  std::size_t samples = 0;
+  std::optional<std::size_t> pack, finder;  // among the devices it chose
+  std::vector<Task> tasks;
+  std::vector<Goal> chargers;
+
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault);
+  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
+
+ private:
+  void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
+  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
+  std::uint32_t nearest_charger(const Pose& from) const;
+  bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+};
+
+std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                         std::string& fault) {
+  std::vector<std::size_t> chosen;
+  const auto take = [&](auto&& fits) {
+    for (std::size_t d = 0; d < devices.size(); ++d) {
+      if (claimed[d] || !fits(devices[d])) continue;
+      claimed[d] = true;
+      chosen.push_back(d);
+      return true;
+    }
+    return false;
+  };
+  const auto of_kind = [](std::string_view kind) {
+    return [kind](const DeviceInfo& device) { return device.kind == kind; };
+  };
+  const bool has_scanner = take([this](const DeviceInfo& device) {
+    const auto& layout = device.prepared;
+    if (layout.transducers.empty()) return false;
+    samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
+    return samples >= k_least_samples;
+  });
+  if (!has_scanner) fault = "needs a ranger whose first transducer has more than 8 samples";
+  if (fault.empty() && !take(of_kind("flags"))) fault = "needs a device of kind \"flags\"";
+  if (!fault.empty()) return {};
+  if (take(of_kind("power_pack"))) pack = chosen.size() - 1;
+  if (take(of_kind("fiducial"))) finder = chosen.size() - 1;
+  return chosen;
+}
+
+std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+  const FloorPlan plan = FloorPlan::of_world(world, map);
+  const auto goal = [&](BodyId body) {
+    const Vec2 at = world.bodies[body.index()].pose_world_body.position();
+    const std::array<int, 1> cells{plan.cell(at)};
+    return Goal{body, at, std::make_shared<const WaysTo>(plan, cells)};
+  };
+  for (const auto& [source, sink] : names) {
+    const BodyId from = find_body(world, source);
+    const BodyId to = find_body(world, sink);
+    if (!from.valid() || !to.valid())
+      return fmt::format("needs a model \"{}\"", from.valid() ? sink : source);
+    tasks.push_back({goal(from), goal(to)});
+  }
+  for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
+    for (const engine::PartSpec& part : world.types[world.bodies[b].type.index()].parts)
+      if (part.returns.fiducial == k_charger_mark) {
+        chargers.push_back(goal(BodyId(b)));
+        break;
+      }
+  return {};
+}
+
+/// As `wander`, with a narrower window ahead. True where it takes the command.
+bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
+                     engine::Actions& actions) const {
+  const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
+  const std::size_t n = scan.size();
+  bool obstruction = false;
+  bool stop = false;
+  float left = std::numeric_limits<float>::infinity();
+  float right = left;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > n / 4 && i < n - n / 4) {
+      obstruction = obstruction || scan[i] < k_min_front;
+      stop = stop || scan[i] < k_stop;
+    }
+    float& side = i > n / 2 ? left : right;
+    side = std::min(side, scan[i]);
+  }
+  if (!obstruction && !stop && memory.avoid_updates == 0) return false;
+  actions.command.x = stop ? 0 : k_avoid_speed;
+  actions.command.y = 0;
+  if (memory.avoid_updates < 1) {
+    memory.avoid_updates = 10 + static_cast<std::int32_t>(random.below(10));
+    actions.command.turn = left < right ? -k_avoid_turn : k_avoid_turn;
+  }
+  --memory.avoid_updates;
+  return true;
+}
+
+std::uint32_t Forager::nearest_charger(const Pose& from) const {
+  const auto distance2 = [&](const Goal& goal) { return (goal.at - from.position()).squaredNorm(); };
+  return static_cast<std::uint32_t>(std::ranges::min_element(chargers, {}, distance2) - chargers.begin());
+}
+
+/// By the finder, where it has one that sees a charger; else by where the world says one stands.
+Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
+  constexpr std::size_t k_count = 0, k_id = 1, k_range = 3, k_bearing = 4;  // of fiducial finders
+  if (finder) {
+    const engine::Readings& seen = percept.devices[*finder];
+    const std::span<const std::int32_t> ids = seen.field<std::int32_t>(k_id);
+    const std::size_t count = std::min<std::size_t>(seen.field<std::uint32_t>(k_count)[0], ids.size());
+    for (std::size_t i = 0; i < count; ++i)  // the nearest first
+      if (ids[i] == k_charger_mark) return {seen.field<float>(k_range)[i], seen.field<float>(k_bearing)[i]};
+  }
+  const Vec2& at = chargers[memory.charger].at;
+  return {(at - percept.estimate.position()).norm(), bearing_of(percept.estimate, at)};
+}
+
+void Forager::operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if (memory.started == 0) {
+    memory.started = 1;
+    memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  }
+  if (memory.mode == working && pack && !chargers.empty() &&
+      percept.devices[*pack].as<PowerPackState>().proportion_remaining() < low) {
+    memory.mode = refuelling;
+    memory.near_updates = 0;
+    memory.charger = nearest_charger(percept.estimate);
+  }
+  switch (memory.mode) {
+    case working: return work(memory, percept, random, actions);
+    case refuelling: return refuel(memory, percept, random, actions);
+    default: return leave(memory, percept, actions);
+  }
+}
+
+void Forager::work(Memory& memory, const engine::Percept& percept, Random& random,
+                   engine::Actions& actions) const {
+  const bool has_flag = percept.devices[k_flags].field<std::uint32_t>(k_flag_count)[0] > 0;
+  const Task& task = tasks[memory.task];
+  const Goal& goal = has_flag ? task.sink : task.source;
+  const double radius = has_flag ? k_deliver_radius : k_fetch_radius;
+  const double away = (goal.at - percept.estimate.position()).norm();
+  memory.near_updates = away < radius ? memory.near_updates + 1 : 0;
+  if (memory.near_updates > k_wait) {
+    memory.near_updates = 0;
+    actions.device<FlagCommand>(k_flags).ask(has_flag ? FlagCommand::give : FlagCommand::take,
+                                             goal.body.value);
+    if (has_flag) memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  } else if (abandons && memory.near_updates > 0 && random.uniform() < k_abandon) {
+    if (!has_flag) memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  }
+  if (avoids(memory, percept, random, actions)) return;
+  if (away < radius / 2) {
+    actions.command = {};
+    return;
+  }
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& random,
+                     engine::Actions& actions) const {
+  const auto& state = percept.devices[*pack].as<PowerPackState>();
+  if (state.proportion_remaining() > k_full) {
+    memory.mode = leaving;
+    return leave(memory, percept, actions);
+  }
+  const Goal& charger = chargers[memory.charger];
+  const Sight sight = charger_in_sight(memory, percept);
+  const bool is_near = (charger.at - percept.estimate.position()).norm() < k_dock_within;
+  if (!is_near) {
+    if (avoids(memory, percept, random, actions)) return;
+    const double off =
+        bearing_of(percept.estimate, charger.ways->ahead(percept.estimate.position(), k_steps_ahead));
+    actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+    return;
+  }
+  memory.avoid_updates = 0;
+  if (abandons && state.charging == 0 && random.uniform() < k_abandon)
+    memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
+  if (sight.range < k_docked || (state.charging != 0 && sight.range < k_creep_within)) {
+    actions.command = {};
+    return;
+  }
+  const bool is_aligned = std::abs(sight.bearing) < 0.2;
+  const double speed = sight.range < k_creep_within ? k_creep : 0.5 * k_cruise;
+  // Who stands before it charges there: it waits.
+  const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
+  const bool is_free = scan[samples / 2] > k_creep_within || sight.range < k_creep_within;
+  actions.command = {is_aligned && is_free ? speed : 0, 0, k_turn_gain * sight.bearing};
+}
+
+void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
+  if (charger_in_sight(memory, percept).range > k_back_off) memory.mode = working;
+  actions.command = {-k_back_speed, 0, 0};
+}
+
+FieldTable with_plan(std::vector<engine::Field> fields) {
+  fields.push_back({.name = "map",
+                    .type = FieldType::text,
+                    .fallback = "cave",
+                    .text = "the model that is the floor plan; where there is none of this name, the first "
+                            "image"});
+  return {std::move(fields)};
+}
+
+struct Fasr : Forager {
+  static Fasr make(const Record& p) {
+    Fasr forager;
+    forager.names = {{p[0].text(), p[1].text()}};
+    forager.map = p[2].text();
+    forager.low = 0.25;
+    return forager;
+  }
+};
+
+constexpr std::size_t k_most_tasks = 8;
+
+struct Fasr2 : Forager {
+  static Fasr2 make(const Record& p) {
+    Fasr2 forager;
+    for (std::size_t i = 0; i < k_most_tasks; ++i)
+      if (!p[i].text().empty()) forager.names.emplace_back(p[i].text() + "_source", p[i].text() + "_sink");
+    forager.map = p[k_most_tasks].text();
+    forager.low = 0.2;
+    forager.abandons = true;
+    return forager;
+  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    if (names.empty()) fault = "needs a task: of \"red\" the models are red_source and red_sink";
+    return fault.empty() ? Forager::choose(devices, claimed, fault) : std::vector<std::size_t>();
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind fasr_controller() {
+  return engine::make_controller_kind<Fasr>("fasr",
+                                            "fetch flags from a source, bring them to a sink, and charge",
+                                            with_plan({{.name = "source",
+                                                        .type = FieldType::text,
+                                                        .fallback = "source",
+                                                        .text = "the model that holds flags to be fetched"},
+                                                       {.name = "sink",
+                                                        .type = FieldType::text,
+                                                        .fallback = "sink",
+                                                        .text = "the model that they are brought to"}}));
+}
+
+engine::ControllerKind fasr2_controller() {
+  static constexpr std::array<std::string_view, k_most_tasks> k_names{"task",  "task2", "task3", "task4",
+                                                                      "task5", "task6", "task7", "task8"};
+  std::vector<engine::Field> fields;
+  for (const std::string_view name : k_names)
+    fields.push_back({.name = name,
+                      .type = FieldType::text,
+                      .fallback = "",
+                      .text = "\"red\": from model red_source to model red_sink"});
+  return engine::make_controller_kind<Fasr2>(
+      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge",
+      with_plan(std::move(fields)));
+}
+
+}  // namespace troupe::models

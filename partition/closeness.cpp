@@ -1,0 +1,55 @@
+#include "partition/closeness.hpp"
+
+#include <algorithm>
+
+namespace troupe::partition {
+namespace {
+
+double squared_distance(const Vec2& point, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (point - (a + t * along)).squaredNorm();
+}
+
+bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const double ac = cross(b - a, c - a), ad = cross(b - a, d - a);
+  const double ca = cross(d - c, a - c), cb = cross(d - c, b - c);
+  return ((ac > 0) != (ad > 0)) && ((ca > 0) != (cb > 0));
+}
+
+template <class P>
+bool holds(const P& polygon, const Vec2& point) {
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
+    if (cross(polygon[i] - polygon[j], point - polygon[j]) < 0) return false;
+  return true;
+}
+
+template <class P, class Q>
+bool rings_come_within(const P& p, const Q& q, double distance2) {
+  if (holds(p, q[0]) || holds(q, p[0])) return true;
+  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
+    const Vec2 a = p[j], b = p[i];
+    for (std::size_t k = 0, l = q.size() - 1; k < q.size(); l = k++) {
+      const Vec2 c = q[l], d = q[k];
+      if (squared_distance(a, c, d) <= distance2 || squared_distance(c, a, b) <= distance2 ||
+          cross_each_other(a, b, c, d))
+        return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool come_within(const PlacedShape& a, const PlacedShape& b, double distance) {
+  const double reach = a.shape().radius + b.shape().radius + distance + k_rounding_m;
+  if ((a.position() - b.position()).squaredNorm() > reach * reach) return false;
+  return a.any_piece([&](const ConvexPrism&, const auto& ring_a) {
+    return b.any_piece([&](const ConvexPrism&, const auto& ring_b) {
+      return rings_come_within(ring_a, ring_b, distance * distance);
+    });
+  });
+}
+
+}  // namespace troupe::partition

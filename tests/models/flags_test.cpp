@@ -1,0 +1,156 @@
+#include "models/flags.hpp"
+
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::World;
+using test::box;
+using test::SceneBuilder;
+
+engine::DeviceSpec flags(int most, int yellow = 0) {
+  return {
+      .name = "flags",
+      .kind = "flags",
+      .params = test::record(test::registry().device("flags")->params, {{"most", most}, {"yellow", yellow}})};
+}
+
+/// A holder, in reach of a program: commands as a controller gives them.
+struct Holder {
+  World& world;
+  BodyId body;
+
+  const engine::BodyType::Device& device() const {
+    for (const engine::BodyType::Device& d : world.type(world.row(body)).devices)
+      if (d.kind->name == "flags") return d;
+    throw std::out_of_range("no flags");
+  }
+  std::size_t slot() const { return world.slot(world.row(body)); }
+  std::uint32_t count() const {
+    return world.percepts(device()).cell<std::uint32_t>(slot(), k_flag_count)[0];
+  }
+  std::uint64_t received() const {
+    return world.percepts(device()).cell<std::uint64_t>(slot(), k_flag_received)[0];
+  }
+  std::vector<std::uint32_t> colors() const {
+    const auto all = world.percepts(device()).cell<std::uint32_t>(slot(), k_flag_colors);
+    return {all.begin(), all.begin() + count()};
+  }
+};
+
+/// Asks for what its parameters say, once, in the first tick.
+struct Asker {
+  static constexpr bool needs_drive = false;
+  FlagCommand::Verb verb;
+  std::uint32_t target;
+  std::uint32_t color;
+
+  static Asker make(const engine::Record& p) {
+    return {static_cast<FlagCommand::Verb>(p[0].integer()), static_cast<std::uint32_t>(p[1].integer()),
+            static_cast<std::uint32_t>(p[2].integer())};
+  }
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&, std::string&) {
+    return {0};
+  }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    if (percept.tick == 1) actions.device<FlagCommand>(0).ask(verb, target, {color, 0.1f});
+  }
+};
+
+const engine::Registry& registry_with_asker() {
+  static const engine::Registry registry = [] {
+    engine::Registry kinds = make_registry();
+    const auto number = [](std::string_view name) {
+      return engine::Field{.name = name, .type = engine::FieldType::integer, .fallback = 0};
+    };
+    kinds.controllers.push_back(engine::make_controller_kind<Asker>(
+        "asker", "", {{number("verb"), number("target"), number("color")}}));
+    return kinds;
+  }();
+  return registry;
+}
+
+/// Bodies that hold flags; those with a verb ask for it in the first tick.
+struct Crowd {
+  SceneBuilder scene;
+  BodyId add(int most, int yellow, FlagCommand::Verb verb = FlagCommand::nothing, std::uint32_t target = 0,
+             int color = 0) {
+    const auto n = scene.spec.bodies.size();
+    const TypeId type = scene.type("t" + std::to_string(n), {box(0.2, 0.2)});
+    scene[type].devices = {flags(most, yellow)};
+    if (verb != FlagCommand::nothing)
+      scene[type].controllers = {
+          {.kind = "asker", .params = {int{verb}, static_cast<int>(target), color}, .where = {}}};
+    return scene.body("b" + std::to_string(n), type, {static_cast<double>(n), 0, 0, 0});
+  }
+  World world() {
+    Diagnostics diagnostics;
+    return {scene.spec, registry_with_asker(), {.threads = 2}, diagnostics};
+  }
+};
+
+TEST(Flags, ArePushedToTheFrontAndPoppedOnceForEachRequest) {
+  Crowd crowd;
+  const BodyId pusher = crowd.add(3, 1, FlagCommand::push, 0, 7);
+  const BodyId full = crowd.add(2, 2, FlagCommand::push, 0, 7);
+  const BodyId popper = crowd.add(3, 2, FlagCommand::pop);
+  const BodyId empty = crowd.add(3, 0, FlagCommand::pop);
+  World world = crowd.world();
+  world.step();
+  EXPECT_EQ((Holder{world, pusher}.count()), 1);  // asked for in this tick, done in the next
+  for (int t = 0; t < 3; ++t) world.step();
+  EXPECT_THAT((Holder{world, pusher}.colors()), testing::ElementsAre(7, k_yellow_flag.color));
+  EXPECT_THAT((Holder{world, full}.colors()), testing::ElementsAre(k_yellow_flag.color, k_yellow_flag.color));
+  EXPECT_EQ((Holder{world, popper}.count()), 1);
+  EXPECT_EQ((Holder{world, empty}.count()), 0);
+}
+
+TEST(Flags, ChangeHandsAndNoneIsLost) {
+  Crowd crowd;
+  const BodyId store = crowd.add(8, 2);
+  std::vector<BodyId> takers;
+  for (int i = 0; i < 4; ++i) takers.push_back(crowd.add(2, 0, FlagCommand::take, store.value));
+  const BodyId giver = crowd.add(2, 1, FlagCommand::give, takers[3].value);
+  const BodyId full = crowd.add(1, 1, FlagCommand::take, store.value);
+  const BodyId from_nobody = crowd.add(2, 1, FlagCommand::give, 0);  // the ground
+  World world = crowd.world();
+  for (int t = 0; t < 4; ++t) world.step();
+  EXPECT_EQ((Holder{world, store}.count()), 0);
+  EXPECT_EQ((Holder{world, takers[0]}.count()), 1);  // the two lowest ids
+  EXPECT_EQ((Holder{world, takers[1]}.count()), 1);
+  EXPECT_EQ((Holder{world, takers[2]}.count()), 0);
+  EXPECT_EQ((Holder{world, takers[3]}.count()), 1);
+  EXPECT_EQ((Holder{world, takers[3]}.received()), 1);
+  EXPECT_EQ((Holder{world, giver}.count()), 0);
+  EXPECT_EQ((Holder{world, full}.count()), 1);
+  EXPECT_EQ((Holder{world, from_nobody}.count()), 1);
+}
+
+TEST(Depots, ASourceFillsUpAndASinkCountsAndEmpties) {
+  SceneBuilder scene;
+  const TypeId source_type = scene.type("source", {box(1, 1)});
+  scene[source_type].devices = {flags(16)};
+  scene[source_type].controllers = {test::controller("source", {{"capacity", 3}})};
+  const BodyId source = scene.body("source", source_type);
+  const TypeId sink_type = scene.type("sink", {box(1, 1)});
+  scene[sink_type].devices = {flags(16, 5)};
+  scene[sink_type].controllers = {test::controller("sink")};
+  const BodyId sink = scene.body("sink", sink_type, {3, 0, 0, 0});
+  World world = scene.world();
+  for (int t = 0; t < 3; ++t) world.step();
+  EXPECT_EQ((Holder{world, source}.count()), 2);
+  EXPECT_EQ((Holder{world, sink}.count()), 3);
+  for (int t = 0; t < 9; ++t) world.step();
+  EXPECT_EQ((Holder{world, source}.count()), 3);
+  EXPECT_EQ((Holder{world, sink}.count()), 0);
+}
+
+}  // namespace
+}  // namespace troupe::models

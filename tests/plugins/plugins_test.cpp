@@ -1,0 +1,329 @@
+#include "troupe/plugins.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/fp_environment.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/lint.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// In a program that links troupe::troupe and exports nothing for plug-ins, as a user's does.
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Key;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::Pair;
+
+fs::path folder_of(std::string_view name) { return fs::path(TROUPE_BINARY_DIR) / "plugins" / name; }
+
+class PluginsTest : public test::ScratchTest {
+ protected:
+  /// Twelve robots whose controller is `call`, from line 3 on.
+  fs::path stage_world(std::string_view call) const {
+    std::string text = "interval_sim 100\ndefine bot position (\n  ctrl \"" + std::string(call) + "\"\n)\n";
+    for (int i = 0; i < 12; ++i)
+      text += "bot( pose [" + std::to_string(i % 4) + " " + std::to_string(i / 4) + " 0 0] )\n";
+    return write("w.world", text);
+  }
+  fs::path json_world(std::string_view controller) const {
+    return write("w.json", R"({"troupe": 1,
+      "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+        "controller": )" + std::string(controller) +
+                               R"(}},
+      "populations": [{"name": "r", "type": "bot", "count": 12,
+                       "place": {"rule": "grid", "region_m": [[0, 0], [4, 4]], "pitch_m": 1}}]})");
+  }
+  static SimulationOptions options(const std::vector<fs::path>& path, unsigned threads = 2) {
+    SimulationOptions made;
+    made.threads = threads;
+    made.plugin_path = path;
+    return made;
+  }
+  static std::vector<std::string> log(Simulation& simulation, int ticks) {
+    std::vector<std::string> lines{simulation.hash_log_line()};
+    for (int i = 0; i < ticks; ++i) {
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    return lines;
+  }
+  std::vector<std::string> log_with(std::string_view folder, unsigned threads = 2) const {
+    Simulation simulation(stage_world("walker"), options({folder_of(folder)}, threads));
+    return log(simulation, 20);
+  }
+  static std::string fault_of(const fs::path& world, const SimulationOptions& with) {
+    try {
+      const Simulation simulation(world, with);
+      ADD_FAILURE() << "loaded";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  std::string fault_of(std::string_view call, std::string_view folder = "unusable") const {
+    const std::string world = stage_world(call).string();
+    const std::string fault = fault_of(world, options({folder_of(folder)}));
+    EXPECT_TRUE(fault.starts_with(world + ":3: error: ")) << fault;
+    return fault.substr(fault.find("error: "));
+  }
+  static std::string file(std::string_view folder, std::string_view name) {
+    return (folder_of(folder) / name).string() + ".so ";
+  }
+};
+
+TEST_F(PluginsTest, AreFoundByStageWorlds) {
+  Simulation simulation(stage_world("walker speed=0.2"), options({folder_of("plugins")}));
+  EXPECT_THAT(simulation.warnings(), IsEmpty());
+  EXPECT_THAT(simulation.effective_options(), Contains(Pair("plugin walker", MatchesRegex("[0-9a-f]{16}"))));
+  EXPECT_THAT(simulation.hash_log_header(), HasSubstr("\n# plugin walker: "));
+  simulation.run_for(1);
+  EXPECT_GT(simulation.statistics().mean_displacement_m, 0.05);
+  EXPECT_LT(simulation.statistics().mean_displacement_m, 0.2 + 1e-9) << "no faster than the parameter says";
+}
+
+TEST_F(PluginsTest, AreFoundByJsonWorlds) {
+  Simulation fast(json_world(R"({"kind": "walker", "speed_mps": 0.9})"), options({folder_of("plugins")}));
+  Simulation slow(json_world(R"({"kind": "walker"})"), options({folder_of("plugins")}));
+  fast.run_for(0.5);
+  slow.run_for(0.5);
+  EXPECT_GT(fast.statistics().mean_displacement_m, 2 * slow.statistics().mean_displacement_m);
+  EXPECT_THAT(fault_of(json_world(R"({"kind": "walker", "speed_mps": -1})"), options({folder_of("plugins")})),
+              HasSubstr("speed_mps: must be at least 0 m/s"));
+}
+
+TEST_F(PluginsTest, GiveTheSameBitsOnAnyThreads) {
+  EXPECT_EQ(log_with("plugins", 1), log_with("plugins", 3));
+}
+
+TEST_F(PluginsTest, MayHoldSeveralControllers) {
+  Simulation simulation(write("w.json", R"({"troupe": 1,
+        "types": {
+          "a": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "swarm:leader"}},
+          "b": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "swarm:follower"}}},
+        "models": [{"name": "one", "type": "a"}, {"name": "two", "type": "b", "pose": {"y_m": 1}}]})"),
+                        options({folder_of("plugins")}));
+  simulation.run_for(1);
+  EXPECT_NEAR(simulation.find("one").speed().forward, 0.1, 1e-12);
+  EXPECT_NEAR(simulation.find("two").pose().x, 0.2 * 0.9, 1e-9) << "a command takes effect a tick later";
+  EXPECT_THAT(simulation.effective_options(), Contains(Key("plugin swarm")));
+  EXPECT_EQ(simulation.registry().controller("swarm:leader")->name, "swarm:leader");
+  EXPECT_EQ(simulation.registry().controller("leader"), nullptr);
+}
+
+TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
+  Simulation own(json_world(R"({"kind": "script", "law": "wave"})"), options({folder_of("unusable")}));
+  EXPECT_THAT(own.effective_options(), Not(Contains(Key("plugin script"))));
+  const auto first_of = [&](const std::vector<fs::path>& path) {
+    Simulation simulation(stage_world("walker"), options(path));
+    return log(simulation, 5).back();
+  };
+  const std::string here = first_of({folder_of("plugins")});
+  const std::string there = first_of({folder_of("other")});
+  EXPECT_NE(here, there) << "two builds with classes of one name are two, side by side";
+  EXPECT_EQ(first_of({"/nowhere", folder_of("plugins"), folder_of("other")}), here);
+  EXPECT_EQ(first_of({folder_of("other"), folder_of("plugins")}), there);
+}
+
+TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
+  const std::string world = stage_world("wonder").string();
+  const std::string known = world + ":3: error: unknown controller \"wonder\"; known: ";
+  EXPECT_THAT(fault_of(world, options({"/nowhere", folder_of("other")})),
+              AllOf(testing::StartsWith(known),
+                    EndsWith("; there is no wonder.so in /nowhere, " + folder_of("other").string())));
+  EXPECT_THAT(
+      fault_of(stage_world("walker"), {}).substr(world.size()),
+      AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
+            EndsWith(" (did you mean \"wander\"?); no --plugin-path says where to look for walker.so")));
+  EXPECT_THAT(fault_of(stage_world("../plugins/walker"), options({folder_of("other")})),
+              Not(HasSubstr(".so")))
+      << "a name is no path";
+  write("libgo.so", "");
+  EXPECT_THAT(fault_of(stage_world("go"), options({folder_})),
+              EndsWith(" (a plug-in's name has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
+}
+
+TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
+  const auto about = [](std::string_view name) {
+    return "error: controller \"" + std::string(name) + "\": " + file("unusable", name);
+  };
+  EXPECT_THAT(fault_of("of_stage"),
+              AllOf(testing::StartsWith(about("of_stage") + "is a controller of Stage (it has Init"),
+                    HasSubstr("docs/controllers.md")));
+  EXPECT_EQ(fault_of("nothing"),
+            about("nothing") +
+                "is no plug-in of Troupe: it has no symbol troupe_plugin, which TROUPE_CONTROLLER makes");
+  EXPECT_THAT(fault_of("undefined_symbol"),
+              AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
+                    HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
+  EXPECT_THAT(fault_of("another_version"),
+              MatchesRegex(about("another_version") +
+                           "was built for troupe 99.1.0 .interface 1., this is troupe 0.1.0 "
+                           ".interface 1.: build it again"));
+  EXPECT_THAT(fault_of("another_build"),
+              MatchesRegex(about("another_build") +
+                           "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
+  EXPECT_THAT(fault_of("other_headers"),
+              HasSubstr("was built with the headers of another state of troupe 0.1.0"));
+  EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
+  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller"));
+  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what its controllers are: a table is missing"));
+  EXPECT_THAT(fault_of("clash"), EndsWith("has two controllers \"clash:idle\""));
+  EXPECT_THAT(fault_of("expand:expand"),
+              EndsWith("has a controller \"expand\", a name that Troupe's own has: give it another"));
+  EXPECT_EQ(fault_of("swarm", "plugins"),
+            "error: " + file("plugins", "swarm") +
+                "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
+  EXPECT_THAT(fault_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
+  EXPECT_THAT(fault_of("swarm:needy", "plugins"),
+              EndsWith("controller \"swarm:needy\" needs, on its robot: ranger"));
+}
+
+TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
+  write("text.so", "troupe_plugin");
+  write("cut.so",
+        content(folder_of("plugins") / "walker.so").substr(0, 3000) + std::string("troupe_plugin\0", 14));
+  EXPECT_THAT(fault_of(stage_world("text"), options({folder_})), EndsWith("text.so is no shared library"));
+  EXPECT_THAT(fault_of(stage_world("cut"), options({folder_})), EndsWith("cut.so is cut off"));
+}
+
+#if defined(__x86_64__)
+TEST_F(PluginsTest, CompiledWithFusedMultiplicationAreRefused) {
+  if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "the processor has no such instruction";
+  EXPECT_THAT(fault_of("walker", "by_hand"), HasSubstr("was compiled so that a * b + c is rounded once"));
+}
+#endif
+
+TEST_F(PluginsTest, LinkedWithFastMathsChangeNoBit) {
+  const std::vector<std::string> expected = log_with("plugins");
+  Simulation simulation(stage_world("walker"), options({folder_of("fast")}));
+  EXPECT_EQ(fp_environment_fault(), "");
+  // Whether the start-up code is linked at all is the compiler's choice: gcc's is, of shared libraries, until
+  // gcc 13.
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 13 && defined(__x86_64__)
+  EXPECT_THAT(simulation.warnings(),
+              ElementsAre(testing::StartsWith(folder_of("fast").string() +
+                                              "/walker.so: warning: was linked with "
+                                              "-ffast-math, which changed the arithmetic")));
+#endif
+  EXPECT_EQ(log(simulation, 20), expected);
+}
+
+TEST_F(PluginsTest, ThatWereBuiltAgainNeedAnotherProcess) {
+  fs::copy_file(folder_of("plugins") / "walker.so", folder_ / "walker.so");
+  { const Simulation simulation(stage_world("walker"), options({folder_})); }
+  fs::remove(folder_ / "walker.so");
+  fs::copy_file(folder_of("other") / "walker.so", folder_ / "walker.so");
+  EXPECT_THAT(fault_of(stage_world("walker"), options({folder_})),
+              EndsWith("walker.so was built again since this process loaded it: start it again"));
+}
+
+TEST_F(PluginsTest, AreFoundByLintAndByARegistry) {
+  EXPECT_THAT(lint(stage_world("walker"), options({folder_of("plugins")})), IsEmpty());
+  engine::Registry registry = make_registry();
+  const auto plugins = add_plugins(registry, {folder_of("plugins")});
+  const engine::ControllerKind* kind = registry.controller("walker");
+  ASSERT_NE(kind, nullptr);
+  EXPECT_EQ(kind->text, "walk in wiggles");
+  EXPECT_EQ(kind->params.fields.size(), 1u);
+  EXPECT_EQ(kind->memory.size(), 3u);
+  EXPECT_EQ(registry.controller("walker"), kind);
+  const std::vector<Plugins::Library> libraries = plugins->libraries();
+  ASSERT_EQ(libraries.size(), 1u);
+  EXPECT_EQ(libraries[0].file, folder_of("plugins") / "walker.so");
+}
+
+/// The example of docs/controllers.md.
+TEST_F(PluginsTest, TheExampleFollowsTheWallsOfItsRoom) {
+  Simulation simulation(fs::path(TROUPE_SOURCE_DIR) / "apps/examples/plugin/room.json",
+                        options({folder_of("plugins")}));
+  Model robot = simulation.find("r0");
+  double farthest_m = 0;
+  bool seen[4] = {};
+  while (simulation.time_s() < 100) {
+    simulation.step();
+    const Pose pose = robot.pose();
+    ASSERT_FALSE(robot.stalled()) << "at " << simulation.time_s() << " s";
+    seen[(pose.x > 0) + 2 * (pose.y > 0)] = true;
+    const double to_wall_m = std::min(3.9 - std::abs(pose.x), 2.9 - std::abs(pose.y));
+    farthest_m = std::max(farthest_m, to_wall_m);
+  }
+  EXPECT_THAT(seen, testing::Each(true)) << "once around";
+  EXPECT_LT(farthest_m, 0.8);
+}
+
+class PluginsResumed : public PluginsTest {
+ protected:
+  void SetUp() override {
+    if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+    Simulation simulation(stage_world("walker"), options({folder_of("plugins")}));
+    expected_ = log(simulation, 10);
+    Simulation saved(stage_world("walker"), options({folder_of("plugins")}));
+    saved.run_for(0.4);
+    saved.save(folder_ / "c.h5");
+    fs::remove(folder_ / "w.world");
+  }
+  Simulation resumed(std::string_view folder, bool across = false) const {
+    ResumeOptions from;
+    from.plugin_path = {folder_of(folder)};
+    from.across_plugins = across;
+    return Simulation::resume(folder_ / "c.h5", from);
+  }
+  std::string fault_of_resume(std::string_view folder) const {
+    try {
+      resumed(folder);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  std::vector<std::string> expected_;
+};
+
+TEST_F(PluginsResumed, GoOn) {
+  Simulation simulation = resumed("plugins");
+  EXPECT_THAT(simulation.warnings(), IsEmpty());
+  EXPECT_THAT(simulation.effective_options(), Contains(Key("plugin walker")));
+  simulation.run_for(0.6);
+  EXPECT_EQ(simulation.hash_log_line(), expected_.back());
+}
+
+TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
+  EXPECT_THAT(fault_of_resume("other"),
+              AllOf(testing::StartsWith(
+                        (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
+                        "is another build of plug-in \"walker\" than the one that the run was saved with"),
+                    EndsWith("--across-plugins resumes it all the same")));
+  Simulation simulation = resumed("other", true);
+  EXPECT_THAT(simulation.warnings(), ElementsAre(HasSubstr(": warning: ")));
+  simulation.run_for(0.6);
+  EXPECT_NE(simulation.hash_log_line(), expected_.back()) << "it does go another way";
+}
+
+TEST_F(PluginsResumed, WithoutThemSayWhichIsMissing) {
+  EXPECT_EQ(fault_of_resume("nowhere"), (folder_ / "c.h5").string() +
+                                            ": error: the run needs plug-in \"walker\": there is no "
+                                            "walker.so in " +
+                                            folder_of("nowhere").string());
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,189 @@
+#include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+std::string folder_of(const std::string& name) { return std::string(TROUPE_BINARY_DIR) + "/plugins/" + name; }
+
+/// An environment variable, for as long as a test.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+class PluginProgram : public ProgramTest {
+ protected:
+  PluginProgram() {
+    unsetenv("TROUPE_PLUGIN_PATH");
+    unsetenv("STAGEPATH");
+    write_world("walker");
+  }
+  void write_world(const std::string& controller) {
+    write("w.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+        "controller": {"kind": ")" +
+                        controller + R"("}}},
+      "populations": [{"name": "r", "type": "bot", "count": 10,
+                       "place": {"rule": "grid", "region_m": [[0, 0], [4, 4]], "pitch_m": 1}}]})");
+  }
+  Outcome run(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"run", "w.json", "--for", "0.5"});
+    return troupe(more);
+  }
+};
+
+TEST_F(PluginProgram, TakesFoldersFromTheCommandLineThenFromTheEnvironment) {
+  const Outcome expected = run({"--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(expected.code, 0) << expected.err;
+  EXPECT_THAT(expected.out, HasSubstr("  plugin walker "));
+  const auto hash_of = [](const Outcome& outcome) {
+    const auto at = outcome.out.find("plugin walker");
+    return at == std::string::npos ? "none: " + outcome.err : outcome.out.substr(at + 14, 22);
+  };
+  EXPECT_EQ(hash_of(run({"--plugin-path", "/nowhere:" + folder_of("plugins")})), hash_of(expected));
+  EXPECT_EQ(hash_of(run({"--plugin-path", "/nowhere", "--plugin-path", folder_of("plugins")})),
+            hash_of(expected));
+  {
+    const Variable stage("STAGEPATH", "/nowhere:" + folder_of("plugins"));
+    EXPECT_EQ(hash_of(run({})), hash_of(expected));
+    const Variable ours("TROUPE_PLUGIN_PATH", "/nowhere:" + folder_of("other"));
+    EXPECT_NE(hash_of(run({})), hash_of(expected)) << "before STAGEPATH";
+    EXPECT_EQ(hash_of(run({"--plugin-path", folder_of("plugins")})), hash_of(expected)) << "before both";
+  }
+  const Outcome none = run({"--hash-log", "run.log"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(
+      none.err,
+      AllOf(StartsWith("w.json:2: error: /types/bot/controller/kind: unknown controller \"walker\"; known: "),
+            EndsWith("; no --plugin-path says where to look for walker.so\n")));
+  EXPECT_THAT(files(), ElementsAre("w.json"));
+  EXPECT_EQ(run({"--plugin-path", ":"}).code, 2);
+}
+
+TEST_F(PluginProgram, DescribesThem) {
+  const Outcome outcome = troupe({"describe", "walker", "--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("controller walker: walk in wiggles"), HasSubstr("speed_mps"),
+                                 HasSubstr("on the way")));
+  const Outcome missing = troupe({"describe", "swarm", "--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_EQ(missing.err,
+            "troupe describe: error: " + folder_of("plugins") +
+                "/swarm.so has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy\n");
+}
+
+TEST_F(PluginProgram, LintsAndTellsOfWorldsThatNeedThem) {
+  EXPECT_EQ(troupe({"lint", "w.json"}).code, 2);
+  EXPECT_EQ(troupe({"lint", "w.json", "--plugin-path", folder_of("plugins")}).out, "w.json: nothing found\n");
+  EXPECT_THAT(troupe({"info", "w.json", "--plugin-path", folder_of("plugins")}).out,
+              HasSubstr("diff, walker"));
+}
+
+TEST_F(PluginProgram, WarnsOfFastMathsAndKeepsTheHash) {
+  const Outcome fast = run({"--plugin-path", folder_of("fast"), "--hash-log", "fast.log"});
+  EXPECT_EQ(fast.code, 0);
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 13 && defined(__x86_64__)
+  EXPECT_THAT(fast.err, StartsWith(folder_of("fast") + "/walker.so: warning: was linked with -ffast-math"));
+#endif
+  EXPECT_EQ(run({"--plugin-path", folder_of("plugins"), "--hash-log", "slow.log"}).code, 0);
+  const auto state_of = [&](const std::string& log) {
+    const std::string text = read(log);
+    return text.substr(text.find("\n0 "));
+  };
+  EXPECT_EQ(state_of("fast.log"), state_of("slow.log"));
+  const Outcome diff = troupe({"diff", "fast.log", "slow.log"});
+  EXPECT_EQ(diff.code, 2) << "the builds are two";
+  EXPECT_THAT(diff.err, HasSubstr("plugin walker is "));
+  EXPECT_EQ(troupe({"diff", "fast.log", "slow.log", "--across-runs"}).code, 0);
+}
+
+TEST_F(PluginProgram, GoesOnFromACheckpoint) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  const std::string path = folder_of("plugins");
+  EXPECT_EQ(troupe({"run", "w.json", "--for", "1", "--hash-log", "whole.log", "--plugin-path", path}).code,
+            0);
+  EXPECT_EQ(
+      run({"--checkpoint", "c.h5", "--hash-log", "parts.log", "--record", "r.h5", "--plugin-path", path})
+          .code,
+      0);
+  EXPECT_THAT(troupe({"info", "c.h5"}).out, HasSubstr("plugin walker"));
+  EXPECT_THAT(troupe({"info", "r.h5"}).out, HasSubstr("plugin walker"));
+  const auto resume = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"resume", "c.h5", "--for", "1"});
+    return troupe(more);
+  };
+  EXPECT_EQ(resume({"--hash-log", "parts.log", "--plugin-path", path}).code, 0);
+  EXPECT_EQ(troupe({"diff", "whole.log", "parts.log"}).code, 0);
+
+  EXPECT_EQ(
+      resume({}).err,
+      "c.h5: error: the run needs plug-in \"walker\": no --plugin-path says where to look for walker.so\n");
+  const Outcome other = resume({"--plugin-path", folder_of("other")});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("--across-plugins resumes it all the same"));
+  const Outcome across =
+      resume({"--plugin-path", folder_of("other"), "--across-plugins", "--hash-log", "parts.log"});
+  EXPECT_EQ(across.code, 0) << across.err;
+  EXPECT_THAT(across.err, StartsWith("c.h5: warning: "));
+  EXPECT_EQ(troupe({"diff", "whole.log", "parts.log"}).code, 1) << "it goes another way";
+}
+
+TEST_F(PluginProgram, AnHonestOnePassesTheCheck) {
+  const Outcome outcome = troupe({"check", "w.json", "--for", "0.3", "--threads", "2", "--tile-size", "auto",
+                                  "--controllers", "--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("30 decisions, thrice +3  same bits  -"));
+}
+
+struct Rogue {
+  std::string controller;
+  std::string finding;
+};
+
+void PrintTo(const Rogue& rogue, std::ostream* out) { *out << rogue.controller; }
+
+class PluginRogue : public PluginProgram, public ::testing::WithParamInterface<Rogue> {};
+
+TEST_P(PluginRogue, IsCaughtWithItsField) {
+  const std::string name = "rogue:" + GetParam().controller;
+  write_world(name);
+  const Outcome outcome = troupe({"check", "w.json", "--for", "0.3", "--threads", "2", "--tile-size", "auto",
+                                  "--controllers", "--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out).back(),
+              StartsWith("  controller \"" + name + "/0\": " + GetParam().finding));
+}
+
+INSTANTIATE_TEST_SUITE_P(Controllers, PluginRogue,
+                         ::testing::Values(Rogue{"calls_rand", "command turn"},
+                                           Rogue{"keeps_a_static", "memory calls"},
+                                           Rogue{"reads_the_clock", "memory now_s"},
+                                           Rogue{"leaves_a_member_unset", "command x"}),
+                         [](const auto& rogue) {
+                           std::string name = rogue.param.controller;
+                           std::erase(name, '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,91 @@
+#include "engine/world.hpp"
+#include "models/flags.hpp"
+#include "models/power.hpp"
+#include "tests/support/slow_build.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+
+/// The state of the first device of a kind of a body, by its name.
+const engine::BodyType::Device& device_of(const engine::World& world, BodyId body, std::string_view kind) {
+  for (const engine::BodyType::Device& device : world.type(world.row(body)).devices)
+    if (device.kind->name == kind) return device;
+  throw std::out_of_range(std::string(kind));
+}
+const models::PowerPackState& pack_of(const Simulation& simulation, std::string_view name) {
+  const engine::World& world = simulation.world();
+  const BodyId body = world.find(name);
+  return world.percepts(device_of(world, body, "power_pack"))
+      .as<models::PowerPackState>(world.slot(world.row(body)));
+}
+std::uint64_t flags_received(const Simulation& simulation, std::string_view name) {
+  const engine::World& world = simulation.world();
+  const BodyId body = world.find(name);
+  return world.percepts(device_of(world, body, "flags"))
+      .cell<std::uint64_t>(world.slot(world.row(body)), models::k_flag_received)[0];
+}
+
+TEST(EnergyScene, TheShuttleChargesAndTheWalkerStandsWhereItsPackRanOut) {
+  Simulation simulation(k_worlds / "energy.json", {.threads = 1});
+  simulation.run_for(60);
+  // docs/energy.md: 1 W at rest, 5 W while it drove for 5 s, 1.5 W from the dock since tick 52.
+  EXPECT_NEAR(pack_of(simulation, "shuttle").stored, 47.35, 1e-9);
+  EXPECT_NEAR(simulation.find("shuttle").pose().x, -3 + 2.5, 1e-9);
+  EXPECT_EQ(pack_of(simulation, "walker").stored, 0);
+  EXPECT_NEAR(simulation.find("walker").pose().x, -3 + 20 * 0.05, 1e-9);
+}
+
+TEST(EnergyScene, NothingIsLostBetweenGiversAndTakers) {
+  Simulation simulation(k_worlds / "energy.json", {.threads = 2});
+  simulation.run_for(test::k_slow_build ? 5 : 60);
+  double given = 0;
+  double received = 0;
+  const engine::World& world = simulation.world();
+  for (std::size_t r = 0; r < world.rows(); ++r) {
+    const Row row(r);
+    const std::string name = world.spec().name(world.body(row));
+    const models::PowerPackState& pack = pack_of(simulation, name);
+    given += pack.given;
+    received += pack.received;
+    EXPECT_GE(pack.stored, 0) << name;
+    EXPECT_LE(pack.stored, pack.capacity) << name;
+  }
+  EXPECT_NEAR(given, received, 1e-9);
+  EXPECT_GT(given, 0);
+}
+
+TEST(EnergyScene, DependsOnNeitherThreadsNorTiles) {
+  for (const char* world : {"energy.json", "foraging.json"}) {
+    if (test::k_slow_build && std::string(world) == "foraging.json") continue;  // its ways take long to find
+    std::string first;
+    for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(8u, 0.7), std::pair(2u, 20.0)}) {
+      Simulation simulation(k_worlds / world, {.threads = threads, .tile_size_m = tile_m});
+      simulation.run_for(test::k_slow_build ? 2 : 20);
+      if (first.empty()) first = simulation.hash_log_line();
+      EXPECT_EQ(simulation.hash_log_line(), first) << world << ", " << threads << " threads";
+    }
+  }
+}
+
+TEST(ForagingScene, FlagsArriveAtTheSink) {
+  if (test::k_slow_build) GTEST_SKIP() << "it takes minutes";
+  Simulation simulation(k_worlds / "foraging.json", {.threads = 1});
+  simulation.run_for(300);
+  EXPECT_GE(flags_received(simulation, "sink"), 12);  // more than one each
+  double received = 0;
+  for (const std::string& name : simulation.robot_names()) received += pack_of(simulation, name).received;
+  EXPECT_GT(received, 1000);
+}
+
+}  // namespace
+}  // namespace troupe

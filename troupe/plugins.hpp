@@ -1,0 +1,62 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe {
+
+/// Controllers in shared libraries (docs/controllers.md), found by name: "dancer" is the controller of that
+/// name in dancer.so, "swarm:leader" one of those in swarm.so; the file is the first of its name on a path.
+///
+/// A library that was loaded stays loaded as long as the process lives. After each load the floating-point
+/// environment of the calling thread is what it was: a library linked with -ffast-math switches denormal
+/// numbers off. Not thread-safe.
+class Plugins {
+ public:
+  /// A library in use.
+  struct Library {
+    std::string name;  ///< of the file, without .so
+    std::filesystem::path file;
+    std::uint64_t contents = 0;  ///< hash of the file's bytes
+  };
+
+  /// Looks in these folders, in their order. Names in `taken` are not given away again.
+  Plugins(std::vector<std::filesystem::path> path, std::vector<std::string_view> taken);
+  ~Plugins();
+  Plugins(const Plugins&) = delete;
+  Plugins& operator=(const Plugins&) = delete;
+
+  /// Registry::other_controllers.
+  const engine::ControllerKind* find(std::string_view name, std::string& fault);
+  /// The library of this name, loaded; null where there is none that can be used, with the reason in `fault`:
+  /// `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
+  const Library* load(std::string_view name, std::string& fault);
+
+  /// Those in use, in the order of their names.
+  std::vector<Library> libraries() const;
+  /// What loading them did that should not be, as `dancer.so: warning: ...`.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  struct Loaded;
+  Loaded& loaded(std::string_view name);
+  void open(Loaded& library);
+  void read_controllers(Loaded& library, void (*list)(std::vector<engine::ControllerKind>&)) const;
+
+  std::vector<std::filesystem::path> path_;
+  std::vector<std::string> taken_;
+  std::vector<std::unique_ptr<Loaded>> loaded_;
+  std::vector<std::string> warnings_;
+};
+
+/// Lets a registry, and its copies, find controllers on this path.
+std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
+
+}  // namespace troupe
