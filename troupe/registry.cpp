@@ -26,19 +26,15 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-                          models::script_controller(), models::operate_controller()};
-                      models::actuator_kind(), models::gripper_kind()};
-                      models::power_pack_kind(), models::power_contact_kind(), models::flags_kind()};
-      models::dynamic_controller(),   models::rasterize_controller()};
-      models::expand_controller(),    models::wander_controller(),   models::script_controller(),
-      models::fasr_controller(),      models::fasr2_controller(),    models::pioneer_flocking_controller(),
-      models::waypoints_controller(), models::source_controller(),   models::sink_controller(),
-  registry.controllers = {
-  registry.controllers = {models::expand_controller(), models::wander_controller(),
   registry.devices = {sensors::ranger_kind(),    models::blinkenlight_kind(),  models::lightindicator_kind(),
-  registry.devices = {sensors::ranger_kind(), models::blinkenlight_kind(), models::lightindicator_kind(),
+                      models::power_pack_kind(), models::power_contact_kind(), models::flags_kind(),
+                      models::actuator_kind(),   models::gripper_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-  registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
+  registry.controllers = {
+      models::expand_controller(),    models::wander_controller(),   models::script_controller(),
+      models::waypoints_controller(), models::source_controller(),   models::sink_controller(),
+      models::fasr_controller(),      models::fasr2_controller(),    models::pioneer_flocking_controller(),
+      models::dynamic_controller(),   models::rasterize_controller(), models::operate_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
