@@ -26,7 +26,8 @@ void add_device_body(TypeSpec& type, std::size_t d, const DeviceKind& kind) {
   std::vector<PartSpec> moving;
   for (std::size_t j = 0; j < kind.joints.size(); ++j) {
     PartSpec part = type.parts[device.part];
-    part.name = part.name.empty() ? std::string(kind.joints[j]) : fmt::format("{}.{}", part.name, kind.joints[j]);
+    part.name =
+        part.name.empty() ? std::string(kind.joints[j]) : fmt::format("{}.{}", part.name, kind.joints[j]);
     part.alias.clear();
     part.parent = device.part;
     part.joint = device.moves + static_cast<std::int32_t>(j);

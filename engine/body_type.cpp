@@ -25,7 +25,8 @@ std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
   std::vector<std::int32_t> joints;
   for (const PartSpec& part : spec.parts) {
     if (!part.returns.obstacle) continue;
-    for (const Solid& solid : part.solids) joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
+    for (const Solid& solid : part.solids)
+      joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
   }
   return joints;
 }
@@ -189,8 +190,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     const bool moves = joints > 0 && sensor.moves != k_rigid;
     if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
         (moves ? sensor.moves + joints > known : joints > 0)) {
-      diagnostics.error(sensor.where, fmt::format("device \"{}\" needs joints that its type does not have",
-                                                  sensor.kind));
+      diagnostics.error(sensor.where,
+                        fmt::format("device \"{}\" needs joints that its type does not have", sensor.kind));
       continue;
     }
     // Readings are found, and hashed, by name.

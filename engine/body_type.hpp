@@ -25,10 +25,10 @@ struct RayOutline {
 /// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
 struct BodyType {
   std::string name;
-  partition::ObstacleShape obstacle;         ///< with every joint at rest
+  partition::ObstacleShape obstacle;          ///< with every joint at rest
   std::vector<std::int32_t> obstacle_joints;  ///< of its pieces; empty where the type has no joints
-  partition::ObstacleShape grip;             ///< what grippers feel; empty where they cannot take it
-  std::vector<Vec2> outline_vertices;  ///< body frame
+  partition::ObstacleShape grip;              ///< what grippers feel; empty where they cannot take it
+  std::vector<Vec2> outline_vertices;         ///< body frame
   std::vector<RayOutline> outlines;
   double radius = 0;  ///< of the circle about the origin that encloses every outline and obstacle, m
 
@@ -66,8 +66,9 @@ struct BodyType {
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };
   std::vector<Device> devices;
-  std::vector<std::size_t> joint_devices;  ///< those that move joints: the devices that stand on them come later
-  bool carries = false;                    ///< a device can pick up other bodies
+  std::vector<std::size_t>
+      joint_devices;     ///< those that move joints: the devices that stand on them come later
+  bool carries = false;  ///< a device can pick up other bodies
 
   struct Controller {
     const ControllerKind* kind;

@@ -150,8 +150,7 @@ void World::move_to_joints(Row row) {
   const std::span<Links::Joint> all = joints(row);
   for (std::size_t j = 0; j < all.size(); ++j) {
     const BodyType::Joint& joint = type(row).joints[j];
-    const Mount parent =
-        joint.parent == k_rigid ? Mount() : all[static_cast<std::size_t>(joint.parent)].now;
+    const Mount parent = joint.parent == k_rigid ? Mount() : all[static_cast<std::size_t>(joint.parent)].now;
     all[j].now = moved_by(joint, parent, joint_state(row, j));
   }
 }
@@ -370,19 +369,20 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
   };
   bool refuses = false;
   // Runs of cells, because the index still has the rows where they were.
-  index_.for_each_run(Box::around(after.position(), after.shape().radius + reach),
-                      [&](std::span<const partition::BodyCircle> run) {
-    for (const partition::BodyCircle& circle : run) {
-      if (refuses) return;
-      const Row other(links_.roots[circle.row]);
-      const ObstacleShape& shape = *row_shapes_[other.index()];
-      if (other == root || shape.empty()) continue;
-      const std::uint32_t c = links_.composite_of[other.index()];
-      const bool moves = c != Links::k_none && links_.samples[c] > 0;
-      refuses = (meets(other, after, shape) || (moves && meets(other, after, links_.moved[c].shape()))) &&
-                !meets(other, before, shape);
-    }
-  });
+  index_.for_each_run(
+      Box::around(after.position(), after.shape().radius + reach),
+      [&](std::span<const partition::BodyCircle> run) {
+        for (const partition::BodyCircle& circle : run) {
+          if (refuses) return;
+          const Row other(links_.roots[circle.row]);
+          const ObstacleShape& shape = *row_shapes_[other.index()];
+          if (other == root || shape.empty()) continue;
+          const std::uint32_t c = links_.composite_of[other.index()];
+          const bool moves = c != Links::k_none && links_.samples[c] > 0;
+          refuses = (meets(other, after, shape) || (moves && meets(other, after, links_.moved[c].shape()))) &&
+                    !meets(other, before, shape);
+        }
+      });
   return refuses;
 }
 

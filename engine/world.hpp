@@ -131,8 +131,9 @@ class World {
   Mount mount(Row row, std::int32_t joint) const;
   /// By how much that joint has raised what stands on it, m.
   double lift(Row row, std::int32_t joint) const {
-    return joint == k_rigid ? 0.0
-                            : links_.joints[links_.joint_begins[row.index()] + static_cast<std::size_t>(joint)].now.z;
+    return joint == k_rigid
+               ? 0.0
+               : links_.joints[links_.joint_begins[row.index()] + static_cast<std::size_t>(joint)].now.z;
   }
   /// Where a joint is, relative to its rest.
   const Pose& joint_state(Row row, std::size_t joint) const;
@@ -154,7 +155,8 @@ class World {
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
   /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
-  /// carried, and for a pose that is not finite or not within the world's bounds. Each call indexes all bodies anew: move many at once.
+  /// carried, and for a pose that is not finite or not within the world's bounds. Each call indexes all
+  /// bodies anew: move many at once.
   struct Placed {
     Row row;
     Pose pose;  ///< world frame; the heading is wrapped

@@ -53,8 +53,7 @@ void act(const DeviceBatch& batch) {
     auto& state = batch.state.as<ActuatorState>(batch.slot(i));
     const double speed =
         actuator.speed(batch.commands->as<ActuatorCommand>(batch.slot(i)), state.position, batch.period_s);
-    const double to =
-        std::clamp(state.position + speed * batch.period_s, actuator.min, actuator.max);
+    const double to = std::clamp(state.position + speed * batch.period_s, actuator.min, actuator.max);
     state.velocity = 0;
     state.stalled = 0;
     state.asked = to;

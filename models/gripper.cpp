@@ -19,7 +19,7 @@ using engine::Record;
 using engine::Unit;
 using engine::World;
 
-constexpr double k_rate = 0.5;               // ends of travel a second: 2 s from end to end
+constexpr double k_rate = 0.5;                // ends of travel a second: 2 s from end to end
 constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, behind the tips, in lengths of the gripper
 enum Verb : std::uint32_t { k_grip, k_release };
 enum JointIndex : std::size_t { k_left, k_right };
@@ -233,8 +233,10 @@ void act(const DeviceBatch& batch) {
 /// Ends what has come to its end.
 void finish(GripperState& state) {
   using S = GripperState;
-  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1)) state.paddles = S::closed;
-  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0) state.paddles = S::is_open;
+  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
+    state.paddles = S::closed;
+  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
+    state.paddles = S::is_open;
   if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
   if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
 }
@@ -270,7 +272,8 @@ void apply(World& world, const std::any& data, const engine::Effect& effect) {
   const Hand hand(world, gripper, state, row, frame);
   const partition::PlacedShape shape(world.type(target).grip, world.transform(target),
                                      world.poses()[target.index()].z);
-  const double closer = towards(state.paddle_position, 1, k_rate * world.tick_s() * static_cast<double>(device.period));
+  const double closer =
+      towards(state.paddle_position, 1, k_rate * world.tick_s() * static_cast<double>(device.period));
   if (!hand.touches(shape, 1, closer) && !hand.touches(shape, -1, closer)) return;
   const bool has_it = world.attach(target, row, device.moves);
   state.taken = !has_it;

@@ -44,7 +44,8 @@ struct GripperState {
 ///             faces at y = +-(1 - c)(s.y / 2 - p.y s.y), and are raised by u (1 - p.z) s.z
 /// motion      from end to end in 2 s; paddles stop at whatever is in their way, as all joints do
 /// beams       between the inner faces, 0.495 and 0.165 s.x behind the tips; contacts: what the face of a
-///             paddle would sweep in the tick. Both feel what has a gripper_return, and what the gripper holds
+///             paddle would sweep in the tick. Both feel what has a gripper_return, and what the gripper
+///             holds
 /// gripping    Closing paddles that touch such a body (the left one's first) stop and hold it whole, as it
 ///             lies: from then on it moves with the paddles. What is wider than the open paddles are apart
 ///             cannot be held. Of several grippers that touch it in one tick that of the lowest id has it;

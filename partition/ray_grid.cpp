@@ -424,7 +424,8 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
     }
     const std::size_t o = surface - surfaces_.size();
     const MovingOutline& outline = outlines_[o];
-    if (!groups_.empty() && ray.body < groups_.size() && groups_[outline.body] == groups_[ray.body]) return -1.0f;
+    if (!groups_.empty() && ray.body < groups_.size() && groups_[outline.body] == groups_[ray.body])
+      return -1.0f;
     return outline.z.shifted(heights_[o]).contains(ray.z) ? outline.ranger_return : -1.0f;
   };
   float most = -1;

@@ -67,8 +67,8 @@ class RayGrid {
   /// `linked` says what else there is to know of bodies with moving parts, and of those that move as one.
   struct Linked {
     std::span<const double> lifts;          ///< by how much each outline is raised, m; empty: none is
-    std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty: each
-                                            ///< is one of its own. Kept until the next redraw
+    std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty:
+                                            ///< each is one of its own. Kept until the next redraw
   };
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});

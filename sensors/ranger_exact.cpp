@@ -126,7 +126,8 @@ class Caster {
     const std::span<const Vec2> vertices = world_->outline(body);
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
-      const double lifted = outline.joint == engine::k_rigid ? base : base + world_->lift(body, outline.joint);
+      const double lifted =
+          outline.joint == engine::k_rigid ? base : base + world_->lift(body, outline.joint);
       if (!outline.z.shifted(lifted).contains(z_)) continue;
       const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
       const Vec2* before = &ring.back();

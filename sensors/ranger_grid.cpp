@@ -2,8 +2,8 @@
 
 namespace troupe::sensors {
 
-void cast_grid(const engine::World& world, const RangerBeams& ranger, std::span<const Row> rows, std::int32_t joint,
-               engine::StateTable& percepts) {
+void cast_grid(const engine::World& world, const RangerBeams& ranger, std::span<const Row> rows,
+               std::int32_t joint, engine::StateTable& percepts) {
   const partition::RayGrid& grid = *world.ray_grid();
   for (const Row row : rows) {
     const std::span<float> ranges = percepts.cell<float>(world.slot(row), 0);

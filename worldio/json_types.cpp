@@ -160,7 +160,8 @@ engine::PartSpec read_device_part(JsonObject& object, const engine::DeviceSpec& 
                                   const engine::DeviceKind& kind) {
   engine::PartSpec part{.name = device.name, .kind = device.kind, .where = device.where};
   part.pose_body_part = device.pose_body_sensor;
-  if (const JsonNode* node = object.find("color")) part.color = read_color(JsonCursor(object.at(), "color", *node));
+  if (const JsonNode* node = object.find("color"))
+    part.color = read_color(JsonCursor(object.at(), "color", *node));
   part.returns = read_returns(object);
   if (kind.body) return part;
   std::vector<Solid> solids;

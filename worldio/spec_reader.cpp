@@ -180,7 +180,8 @@ std::uint32_t SpecReader::index(JsonObject& object, std::string_view key) {
 
 /// Of a joint; rigid where the object does not say.
 std::int32_t SpecReader::joint_index(JsonObject& object, std::string_view key) {
-  return object.find(key) ? static_cast<std::int32_t>(std::min(index(object, key), 0x7fffffffu)) : engine::k_rigid;
+  return object.find(key) ? static_cast<std::int32_t>(std::min(index(object, key), 0x7fffffffu))
+                          : engine::k_rigid;
 }
 
 Where SpecReader::where(JsonObject& object, std::string_view key) {

@@ -137,8 +137,8 @@ Json solid_json(const Solid& solid) {
 }
 
 Json part_json(const engine::PartSpec& part) {
-  const auto& [name, alias, kind, parent, joint, pose_body_part, size, solids, returns, floor_plan, color, where] =
-      part;
+  const auto& [name, alias, kind, parent, joint, pose_body_part, size, solids, returns, floor_plan, color,
+               where] = part;
   const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
   Json json;
   json["name"] = text_json(name);

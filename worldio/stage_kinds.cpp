@@ -194,8 +194,7 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
   return spec;
 }
 
-std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model,
-                                                      const engine::DeviceKind& kind,
+std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, const engine::DeviceKind& kind,
                                                       const Eigen::Vector3d& size) {
   auto spec = device(model, kind);
   if (!spec) return {};

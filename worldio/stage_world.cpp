@@ -636,8 +636,10 @@ void StageWorld::add_children(const StageModel& model, const Place& place, doubl
     return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
   };
   for (const auto& [child, layer] : children) {
-    Place child_place{
-        .parent = place.parent, .joint = place.joint, .pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
+    Place child_place{.parent = place.parent,
+                      .joint = place.joint,
+                      .pose_body_part = place.pose_body_part,
+                      .has_own_name = place.has_own_name};
     child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
     if (const StageProperty* property = child.find(document_, "name"))
       if (const auto given = values_.name(*property)) {

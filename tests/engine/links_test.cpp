@@ -95,9 +95,11 @@ SceneBuilder machines(std::uint64_t seed) {
     Random random(seed, 7, i, 0);
     const std::string name = "m" + std::to_string(i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
-    test::add_arm(scene[type], "arm", {0, 0, 0.3, 0}, {Solid{{test::rectangle(0, -0.03, 0.55, 0.03)}, {0, 0.1}}},
-                  {{"type", "rotational"}, {"min_position", -100.0}, {"max_position", 100.0}, {"max_speed", 6.0}});
-    test::add_arm(scene[type], "slide", {0.15, 0, 0.1, 0}, {Solid{{test::rectangle(0, -0.05, 0.1, 0.05)}, {0, 0.3}}},
+    test::add_arm(
+        scene[type], "arm", {0, 0, 0.3, 0}, {Solid{{test::rectangle(0, -0.03, 0.55, 0.03)}, {0, 0.1}}},
+        {{"type", "rotational"}, {"min_position", -100.0}, {"max_position", 100.0}, {"max_speed", 6.0}});
+    test::add_arm(scene[type], "slide", {0.15, 0, 0.1, 0},
+                  {Solid{{test::rectangle(0, -0.05, 0.1, 0.05)}, {0, 0.3}}},
                   {{"max_position", 0.4}, {"max_speed", 2.0}});
     std::vector<Record> orders;
     for (int t = 0; t < 12; ++t) {
@@ -167,7 +169,8 @@ TEST(Links, CyclesAndTakenBodiesAreRefused) {
   const TypeId plain = scene.robot("plain", {box(0.2, 0.2)});
   scene.body("p", plain, {0, 3, 0, 0});
   World world = scene.world();
-  const Row a = world.row(BodyId(1)), b = world.row(BodyId(2)), c = world.row(BodyId(3)), p = world.row(BodyId(4));
+  const Row a = world.row(BodyId(1)), b = world.row(BodyId(2)), c = world.row(BodyId(3)),
+            p = world.row(BodyId(4));
   EXPECT_TRUE(world.attach(b, a, k_rigid));
   EXPECT_TRUE(world.attach(c, b, 0));
   EXPECT_FALSE(world.attach(c, a, k_rigid)) << "taken";

@@ -34,7 +34,8 @@ TypeId slide(SceneBuilder& scene, std::vector<engine::Record> orders,
 
 TEST(Actuator, GoesToAPositionAtItsSpeedAndStops) {
   SceneBuilder scene;
-  const BodyId body = scene.body("p", slide(scene, {order(0.1, "slide", "go_to", 0.75)}, {{"max_speed", 0.5}}));
+  const BodyId body =
+      scene.body("p", slide(scene, {order(0.1, "slide", "go_to", 0.75)}, {{"max_speed", 0.5}}));
   World world = scene.world();
   step(world, 2);
   EXPECT_NEAR(state(world, body).position, 0.05, k_near);

@@ -33,7 +33,8 @@ TypeId gripper_robot(SceneBuilder& scene, const std::string& name, std::vector<e
 }
 
 TypeId puck(SceneBuilder& scene, double size = 0.1) {
-  return scene.type("puck" + std::to_string(scene.spec.types.size()), {box(size, size, 0.1)}, {.gripper = true});
+  return scene.type("puck" + std::to_string(scene.spec.types.size()), {box(size, size, 0.1)},
+                    {.gripper = true});
 }
 
 void step(World& world, std::size_t ticks) {
@@ -46,11 +47,10 @@ const GripperState& hand(const World& world, BodyId robot) {
 
 TEST(Gripper, CarriesAPuckToWhereItLetsGo) {
   SceneBuilder scene;
-  const BodyId robot = scene.body(
-      "r", gripper_robot(scene, "robot",
-                         {order(0.1, "hand", "close"), order(2, "hand", "up"), order(6, "hand", "down"),
-                          order(9, "hand", "open")},
-                         {leg(4, 0), leg(6, 0.5)}));
+  const BodyId robot = scene.body("r", gripper_robot(scene, "robot",
+                                                     {order(0.1, "hand", "close"), order(2, "hand", "up"),
+                                                      order(6, "hand", "down"), order(9, "hand", "open")},
+                                                     {leg(4, 0), leg(6, 0.5)}));
   const BodyId object = scene.body("o", puck(scene), {k_grasp_m, 0.01, 0, 0.2});
   World world = scene.world();
   step(world, 2);
@@ -110,8 +110,9 @@ TEST(Gripper, PaddlesStopAtWhatCannotBeGripped) {
 TEST(Gripper, WhatIsTooWideIsNotHeld) {
   SceneBuilder scene;
   // Tips of 0.2 m reach between the paddles, but it is 0.4 m wide behind them.
-  const TypeId wide = scene.type(
-      "wide", {box(0.1, 0.2, 0.1), Solid{{test::rectangle(0.06, -0.2, 0.3, 0.2)}, {0, 0.1}}}, {.gripper = true});
+  const TypeId wide =
+      scene.type("wide", {box(0.1, 0.2, 0.1), Solid{{test::rectangle(0.06, -0.2, 0.3, 0.2)}, {0, 0.1}}},
+                 {.gripper = true});
   const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close")}));
   const BodyId object = scene.body("o", wide, {k_grasp_m + 0.005, 0, 0, 0});
   World world = scene.world();
@@ -122,8 +123,8 @@ TEST(Gripper, WhatIsTooWideIsNotHeld) {
 
 TEST(Gripper, AutosnatchNeedsNoOrders) {
   SceneBuilder scene;
-  const BodyId robot = scene.body(
-      "r", gripper_robot(scene, "robot", {}, {leg(1, 0.5)}, {{"autosnatch", true}}));
+  const BodyId robot =
+      scene.body("r", gripper_robot(scene, "robot", {}, {leg(1, 0.5)}, {{"autosnatch", true}}));
   const BodyId object = scene.body("o", puck(scene), {k_grasp_m + 0.5, 0, 0, 0});
   World world = scene.world();
   step(world, 40);
@@ -211,9 +212,9 @@ TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
 /// The same bits whatever the threads and tiles: carriers cross the borders of tiles, and compete.
 TEST(Gripper, CarriesTheSameOnAnyThreadsAndTiles) {
   SceneBuilder scene;
-  const TypeId type = gripper_robot(scene, "robot",
-                                    {order(0.5, "hand", "close"), order(3, "hand", "up"), order(5, "hand", "open")},
-                                    {leg(0.4, 0.3), leg(3, 0, 0.1), leg(8, 0.5, 0.3)});
+  const TypeId type = gripper_robot(
+      scene, "robot", {order(0.5, "hand", "close"), order(3, "hand", "up"), order(5, "hand", "open")},
+      {leg(0.4, 0.3), leg(3, 0, 0.1), leg(8, 0.5, 0.3)});
   const TypeId object = puck(scene, 0.08);
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 4; ++j) {

@@ -12,19 +12,22 @@
 namespace troupe::test {
 
 /// Adds a device with its joints, and the body of its kind.
-inline std::size_t add_device(
-    engine::TypeSpec& type, std::string name, std::string kind_name, const Pose& pose,
-    std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
+inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::string kind_name,
+                              const Pose& pose,
+                              std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
   const engine::DeviceKind& kind = *registry().device(kind_name);
-  engine::DeviceSpec device{
-      .name = std::move(name), .kind = kind_name, .params = record(kind.params, values), .pose_body_sensor = pose};
+  engine::DeviceSpec device{.name = std::move(name),
+                            .kind = kind_name,
+                            .params = record(kind.params, values),
+                            .pose_body_sensor = pose};
   const std::size_t d = engine::add_device(type, std::move(device), kind);
   engine::add_device_body(type, d, kind);
   return d;
 }
 
 /// An actuator that moves these solids, which are given in its frame.
-inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose& pose, std::vector<Solid> solids,
+inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose& pose,
+                           std::vector<Solid> solids,
                            std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
   const std::size_t d = add_device(type, std::move(name), "actuator", pose, values);
   engine::PartSpec part{.name = type.devices[d].name, .kind = "actuator", .joint = type.devices[d].moves};

@@ -11,10 +11,10 @@
 namespace troupe {
 namespace {
 
-using ::testing::HasSubstr;
 using models::ActuatorCommand;
 using models::ActuatorState;
 using models::GripperState;
+using ::testing::HasSubstr;
 
 /// Grippers and actuators of .world files.
 class StageGrip : public test::ScratchTest {
@@ -40,9 +40,9 @@ class StageGrip : public test::ScratchTest {
 };
 
 TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
-  Simulation simulation =
-      load("position( name \"r\" gripper( alwayson 1 size [2 4 1] paddle_size [0.5 0.25 0.5] "
-           "paddle_state [\"closed\" \"up\"] ) )");
+  Simulation simulation = load(
+      "position( name \"r\" gripper( alwayson 1 size [2 4 1] paddle_size [0.5 0.25 0.5] "
+      "paddle_state [\"closed\" \"up\"] ) )");
   const auto& parts = simulation.world().spec().types.back().parts;
   ASSERT_EQ(parts.size(), 4u);
   EXPECT_EQ(bounds(parts[1].solids[0].contours[0]).max, Vec2(0, 2)) << "the base";
@@ -61,9 +61,11 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
     load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )");
     FAIL();
   } catch (const InputError& fault) {
-    EXPECT_THAT(fault.what(), HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's size, "
-                                        "between 0 and 1, y below 0.5"));
-    EXPECT_THAT(fault.what(), HasSubstr("\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]"));
+    EXPECT_THAT(fault.what(),
+                HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's size, "
+                          "between 0 and 1, y below 0.5"));
+    EXPECT_THAT(fault.what(),
+                HasSubstr("\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]"));
   }
 }
 
@@ -88,11 +90,11 @@ TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
 }
 
 TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
-  Simulation simulation =
-      load("position( name \"r\" size [0.4 0.4 0.2]\n"
-           "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
-           "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
-           "    model( name \"hand\" size [0.1 0.1 0.1] ) ) )\n");
+  Simulation simulation = load(
+      "position( name \"r\" size [0.4 0.4 0.2]\n"
+      "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
+      "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
+      "    model( name \"hand\" size [0.1 0.1 0.1] ) ) )\n");
   const engine::World& world = simulation.world();
   const Row row = world.row(world.find("r"));
   const double along = 0.5 / sqrt(2.0);
