@@ -57,6 +57,7 @@ std::string range_text(const Field& field) {
   switch (field.type) {
     case FieldType::boolean: return "true, false";
     case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::colors: return "a list of colours";
     case FieldType::record: return "a block";
     case FieldType::records: return "a list of blocks";
     case FieldType::integer: range = "integer"; break;

@@ -33,17 +33,29 @@ std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
 
 void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
-  for (const PartSpec& part : spec.parts) {
-    for (const Solid& solid : part.solids) {
-      for (const Ring& ring : solid.contours) {
-        for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
-        if (part.returns.ranger < 0) continue;
-        type.outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
-                                 static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger,
-                                 part.joint});
-        type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
+  std::uint32_t solid_number = 0;
+  const auto add = [&](bool hidden, std::vector<RayOutline>& outlines) {
+    for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
+      const PartSpec& part = spec.parts[p];
+      if ((part.returns.ranger < 0) != hidden) continue;
+      for (const Solid& solid : part.solids) {
+        for (const Ring& ring : solid.contours) {
+          for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
+          outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
+                              static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p,
+                              solid_number, part.joint});
+          type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
+        }
+        ++solid_number;
       }
     }
+  };
+  add(false, type.outlines);
+  add(true, type.hidden_outlines);
+  for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
+    if (spec.parts[p].returns.fiducial == 0) continue;
+    type.targets.push_back(p);
+    radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
   }
   const bool can_be_gripped =
       std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });

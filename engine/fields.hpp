@@ -65,6 +65,7 @@ enum class FieldType {
   number,
   text,     ///< one of `choices` where there are any
   numbers,  ///< `columns` numbers of one unit; columns 0: any count
+  colors,   ///< any count of colours, which files may name (stored as numbers: red, green, blue, ...)
   record,   ///< one block described by `record` (stored as a list of one)
   records,  ///< a list of blocks described by `record`
 };

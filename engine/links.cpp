@@ -230,12 +230,14 @@ void World::reshape(std::uint32_t row) {
 void World::put_outlines(Row row, const BodyType& type, const Transform& transform) {
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   const std::span<const Links::Joint> all = joints(row);
-  for (const RayOutline& outline : type.outlines) {
+  const auto put = [&](const RayOutline& outline) {
     Transform at = transform;
     if (outline.joint != k_rigid)
       at = compose(Mount(transform, 0, 0), all[static_cast<std::size_t>(outline.joint)].now).transform;
     for (std::uint32_t v = 0; v < outline.count; ++v) *out++ = at * type.outline_vertices[outline.first + v];
-  }
+  };
+  for (const RayOutline& outline : type.outlines) put(outline);
+  for (const RayOutline& outline : type.hidden_outlines) put(outline);
 }
 
 // ---- joints settle

@@ -182,12 +182,14 @@ void World::build_scene() {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (types_[body.type.index()].runs()) continue;
-    for (const PartSpec& part : spec_.types[body.type.index()].parts)
-      for (const Solid& solid : part.solids)
-        solids.push_back(
-            {placed(solid, body.pose_world_body), BodyId(b), part.returns.obstacle, part.returns.ranger});
+    const std::vector<PartSpec>& parts = spec_.types[body.type.index()].parts;
+    for (std::uint32_t p = 0; p < parts.size(); ++p)
+      for (const Solid& solid : parts[p].solids)
+        solids.push_back({placed(solid, body.pose_world_body), BodyId(b), parts[p].returns.obstacle,
+                          parts[p].returns.ranger, p});
   }
   scene_ = partition::StaticScene(std::move(solids), geometry_.cell_m);
+  fixed_targets_ = FixedTargets(spec_, [this](BodyId body) { return !row(body).valid(); });
   index_ = partition::BodyIndex(geometry_);
   if (spec_.bounds) index_.reserve(*spec_.bounds);
 }
@@ -285,6 +287,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
+  effects_.clear();
   beams_ = conflict_rounds_ = 0;
   for (StateTable& table : tables_) table.clear();
   for (const BodyType& type : types_) {

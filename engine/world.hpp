@@ -2,6 +2,7 @@
 
 #include "engine/body_type.hpp"
 #include "engine/conflicts.hpp"
+#include "engine/fixed_targets.hpp"
 #include "engine/frame.hpp"
 #include "engine/kinds.hpp"
 #include "engine/links.hpp"
@@ -90,6 +91,7 @@ class World {
   std::span<const BodyType> types() const { return types_; }
   const partition::StaticScene& scene() const { return scene_; }
   const partition::BodyIndex& index() const { return index_; }
+  const FixedTargets& fixed_targets() const { return fixed_targets_; }
   /// What the grid engine's rays walk through; null where the world asks for the exact engine.
   const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
   const partition::GridGeometry& geometry() const { return geometry_; }
@@ -174,6 +176,8 @@ class World {
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
+  /// Whether two rows belong to one tree, whose parts do not see one another.
+  bool same_tree(Row a, Row b) const { return a == b; }
   /// Whether what the row's device, or drive, runs on has something left; true where it runs on nothing.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     if (!supply) return true;
@@ -302,6 +306,7 @@ class World {
   partition::Parallel parallel_;
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
+  FixedTargets fixed_targets_;
   partition::BodyIndex index_;
   std::unique_ptr<partition::RayGrid> ray_grid_;
   mutable NameMap names_;  // made at the first find()

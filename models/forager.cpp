@@ -24,7 +24,6 @@ using engine::DeviceInfo;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
-using engine::Unit;
 using engine::WorldSpec;
 
 // What Stage's foragers do, m, m/s, rad/s, updates.
@@ -50,6 +49,11 @@ constexpr int k_steps_ahead = 2;        // cells
 constexpr double k_turn_gain = 1;       // 1/s
 constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on the spot
 constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
+constexpr double k_aligned = 0.2;      // rad
+constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
+constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
+constexpr std::uint32_t k_stuck = 5;   // updates: more than it takes from a command to what comes of it
+constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr std::size_t k_least_samples = 9;
 
 /// Where flags come from, where they go, where energy is.
@@ -76,12 +80,18 @@ struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving };
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
-    std::uint32_t near_updates = 0;  ///< in a row, within reach of the source or the sink
+    std::uint32_t near_updates = 0;  ///< in a row, within reach of source or sink; or backing off
     std::uint32_t task = 0;
     std::uint32_t charger = 0;
+    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
+    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
+    double x = 0;                      ///< m: its estimate at the last update
+    double y = 0;
+    double heading = 0;  ///< rad
     std::uint8_t mode = working;
     std::uint8_t started = 0;
-    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, mode, started)
+    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, still_updates, escape_updates, x, y, heading,
+                  mode, started)
   };
   static constexpr std::array<std::string_view, 1> brings{"flags"};
   static constexpr std::size_t k_scanner = 0;
@@ -108,6 +118,8 @@ struct Forager {
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
   Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
   std::uint32_t nearest_charger(const Pose& from) const;
+  bool escapes(Memory& memory, const engine::Percept& percept, Random& random,
+               engine::Actions& actions) const;
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
 };
 
@@ -163,7 +175,8 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
   return {};
 }
 
-/// As `wander`, with a narrower window ahead. True where it takes the command.
+/// As `wander`, with a narrower window ahead and for half as long: many meet at the sink. True where it takes
+/// the command.
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
   const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
@@ -184,10 +197,31 @@ bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& ran
   actions.command.x = stop ? 0 : k_avoid_speed;
   actions.command.y = 0;
   if (memory.avoid_updates < 1) {
-    memory.avoid_updates = 10 + static_cast<std::int32_t>(random.below(10));
+    memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(5));
     actions.command.turn = left < right ? -k_avoid_turn : k_avoid_turn;
   }
   --memory.avoid_updates;
+  return true;
+}
+
+/// Out of where its scanner does not see what holds it. True where it takes the command.
+bool Forager::escapes(Memory& memory, const engine::Percept& percept, Random& random,
+                      engine::Actions& actions) const {
+  engine::Command& command = actions.command;
+  const Pose& here = percept.estimate;
+  const bool is_to_move = command.x != 0 || command.turn != 0;
+  const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
+  memory.still_updates = is_to_move && is_still ? memory.still_updates + 1 : 0;
+  memory.x = here.x;
+  memory.y = here.y;
+  memory.heading = here.heading;
+  if (memory.still_updates > k_stuck) {
+    memory.still_updates = 0;
+    memory.escape_updates = 5 + random.below(10);
+    command = {command.x > 0 ? -k_back_speed : k_back_speed, 0, random.uniform(-k_avoid_turn, k_avoid_turn)};
+  }
+  if (memory.escape_updates == 0) return false;
+  --memory.escape_updates;
   return true;
 }
 
@@ -222,6 +256,7 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
     memory.near_updates = 0;
     memory.charger = nearest_charger(percept.estimate);
   }
+  if (escapes(memory, percept, random, actions)) return;
   switch (memory.mode) {
     case working: return work(memory, percept, random, actions);
     case refuelling: return refuel(memory, percept, random, actions);
@@ -260,6 +295,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   const auto& state = percept.devices[*pack].as<PowerPackState>();
   if (state.proportion_remaining() > k_full) {
     memory.mode = leaving;
+    memory.near_updates = 0;
     return leave(memory, percept, actions);
   }
   const Goal& charger = chargers[memory.charger];
@@ -279,16 +315,23 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
     actions.command = {};
     return;
   }
-  const bool is_aligned = std::abs(sight.bearing) < 0.2;
-  const double speed = sight.range < k_creep_within ? k_creep : 0.5 * k_cruise;
-  // Who stands before it charges there: it waits.
+  const double turn = k_turn_gain * sight.bearing;
+  const bool is_aligned = std::abs(sight.bearing) < k_aligned;
+  // Who stands before it charges there, or is about to: it waits, and leaves room to come out.
   const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
-  const bool is_free = scan[samples / 2] > k_creep_within || sight.range < k_creep_within;
-  actions.command = {is_aligned && is_free ? speed : 0, 0, k_turn_gain * sight.bearing};
+  const bool is_taken = scan[samples / 2] < k_room && sight.range > k_creep_within;
+  if (is_taken)
+    actions.command = {is_aligned && sight.range < k_queue ? -k_back_speed : 0, 0, turn};
+  else
+    actions.command = {!is_aligned ? 0 : sight.range < k_creep_within ? k_creep : 0.5 * k_cruise, 0, turn};
 }
 
 void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
-  if (charger_in_sight(memory, percept).range > k_back_off) memory.mode = working;
+  ++memory.near_updates;  // who cannot back off turns away where it stands, as one that works does
+  if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
+    memory.mode = working;
+    memory.near_updates = 0;
+  }
   actions.command = {-k_back_speed, 0, 0};
 }
 

@@ -13,7 +13,7 @@ namespace troupe::models {
 ///
 /// ways     from every cell of a 32 x 32 raster of the floor plan `map`, found by A* when the world is built
 ///          (models/floor_plan.hpp). Stage's fasr has direction tables made by hand for one cave
-/// avoids   what a scanner of more than 8 beams sees ahead, as `wander` does
+/// avoids   what a scanner of more than 8 beams sees ahead, as `wander` does; backs out where it is stuck
 /// fetches  after more than 20 updates in a row within 2 m of the source; delivers likewise within 1 m of the
 ///          sink
 /// charges  below 25 % (fasr2: 20 %) goes to the nearest model whose fiducial_return is 2, until it touches

@@ -29,9 +29,11 @@ template <class P, class Q>
 bool rings_come_within(const P& p, const Q& q, double distance2) {
   if (holds(p, q[0]) || holds(q, p[0])) return true;
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
-    const Vec2 a = p[j], b = p[i];
+    const Vec2& a = p[j];
+    const Vec2& b = p[i];
     for (std::size_t k = 0, l = q.size() - 1; k < q.size(); l = k++) {
-      const Vec2 c = q[l], d = q[k];
+      const Vec2& c = q[l];
+      const Vec2& d = q[k];
       if (squared_distance(a, c, d) <= distance2 || squared_distance(c, a, b) <= distance2 ||
           cross_each_other(a, b, c, d))
         return true;

@@ -100,6 +100,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   const GridGeometry geometry{cell_m, 3};
   cover_grid_ = {std::max(cell_m, k_least_cover_m), 0};
   std::vector<FixedEdge> seen;
+  std::vector<FixedEdge> hidden;
   std::vector<FixedEdge> hard;
   strips_.resize(solids_.size());
   for (std::uint32_t s = 0; s < solids_.size(); ++s) {
@@ -109,7 +110,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
       ++edge_count_;
       box.extend(a);
       if (a == b) return;
-      if (fixed.ranger_return >= 0) seen.push_back({a, b, s});
+      (fixed.ranger_return >= 0 ? seen : hidden).push_back({a, b, s});
       if (fixed.obstacle) hard.push_back({a, b, s});
     });
     if (box.empty()) continue;
@@ -149,6 +150,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   }
   constexpr double k_piece = 4;  // width of the pieces that rangers look up, over a cell
   outlines_ = FixedOutlines(seen, k_piece * cell_m);
+  hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
   std::vector<Box> boxes;
   for (const Strips& strips : strips_) boxes.push_back(strips.box);
   boxes_ = BoxGrid(boxes);

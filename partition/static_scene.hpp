@@ -20,6 +20,7 @@ struct FixedSolid {
   BodyId body;
   bool obstacle = true;
   float ranger_return = 1;
+  std::uint32_t part = 0;  ///< of the body
 };
 
 /// Edges by the cells they cross. An edge lies whole in each of its cells: clipping would change bits, and
@@ -62,6 +63,8 @@ class StaticScene {
 
   /// What rangers see.
   const FixedOutlines& outlines() const { return outlines_; }
+  /// What rangers do not see, and other sensors do.
+  const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }
 
   /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
@@ -115,6 +118,7 @@ class StaticScene {
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;
   FixedOutlines outlines_;
+  FixedOutlines hidden_outlines_;
   GridGeometry cover_grid_;
   EdgeGrid obstacle_edges_;
 };

@@ -5,6 +5,7 @@
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"
 #include "sensors/ranger_grid.hpp"
+#include "sensors/ranger_noise.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +27,7 @@ const FieldTable& transducer_fields() {
        .unit = Unit::meters,
        .fallback = 0.0,
        .min = 0,
-       .text = "kept for the record; readings below it are reported as they are"},
+       .text = "kept for the record unless apply_range_min"},
       {.name = "range_max",
        .unit = Unit::meters,
        .fallback = 5.0,
@@ -46,6 +47,33 @@ const FieldTable& transducer_fields() {
        .min = 1,
        .max = 100000,
        .text = "beams of the transducer"},
+      {.name = "noise_stddev",
+       .unit = Unit::meters,
+       .fallback = 0.0,
+       .min = 0,
+       .max = 10000,
+       .text = "standard deviation of a normal error of each reading of what is met"},
+      {.name = "noise_proportional",
+       .fallback = 0.0,
+       .min = 0,
+       .max = 1,
+       .text = "share of a reading by which it is off at most, uniformly"},
+      {.name = "noise_angular",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = 0,
+       .max = k_pi,
+       .text = "angle by which each beam is off at most, uniformly"},
+      {.name = "apply_range_min",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "readings below range_min are range_min; else they are reported as they are"},
+      {.name = "beam_width",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = 0,
+       .max = k_pi,
+       .text = "opening angle of each beam, as a sonar has: the nearest surface anywhere in it is read"},
   }};
   return table;
 }
@@ -67,6 +95,7 @@ struct Transducer {
   double range_max;
   double fov;
   std::size_t samples;
+  double noise_angular;
 
   /// Of beam i, from the transducer's heading, rad.
   double bearing(std::size_t i) const {
@@ -81,12 +110,15 @@ void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, con
   group.ox.push_back(transducer.pose.x - reference.x());
   group.oy.push_back(transducer.pose.y - reference.y());
   group.range_max.push_back(static_cast<float>(transducer.range_max));
+  group.headings.push_back(transducer.pose.heading + transducer.bearing(i));
+  group.wobbles.push_back(transducer.noise_angular);
   ++group.count;
 }
 
 /// Adds the beams of one transducer to the groups.
 void group_beams(RangerBeams& ranger, const Transducer& transducer) {
-  const bool scan = ranger.common_origin && transducer.samples > partition::k_most_beams;
+  const bool scan =
+      ranger.common_origin && transducer.samples > partition::k_most_beams && transducer.noise_angular == 0;
   for (std::size_t i = 0; i < transducer.samples; ++i) {
     const BeamGroup* last = ranger.groups.empty() ? nullptr : &ranger.groups.back();
     const bool joins = scan ? i > 0
@@ -107,9 +139,33 @@ void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   }
 }
 
+/// What the transducer does beside casting beams, if anything; `first` is the column of its first reading.
+void add_extras_of(const engine::Record& record, const Transducer& transducer, std::size_t first,
+                   RangerBeams& ranger) {
+  TransducerExtras extras{.first = first,
+                          .count = transducer.samples,
+                          .range_max = transducer.range_max,
+                          .noise_stddev = record[5].number(),
+                          .noise_proportional = record[6].number(),
+                          .least = record[8].boolean() ? record[1].number() : 0,
+                          .beam_width = record[9].number(),
+                          .origin = transducer.pose.position(),
+                          .z = transducer.pose.z};
+  ranger.wobbles = ranger.wobbles || transducer.noise_angular > 0;
+  if (extras.beam_width > 0)
+    for (std::size_t i = 0; i < transducer.samples; ++i)
+      extras.headings.push_back(transducer.pose.heading + transducer.bearing(i));
+  if (extras.noise_stddev > 0 || extras.noise_proportional > 0 || extras.least > 0 || extras.beam_width > 0)
+    ranger.extras.push_back(std::move(extras));
+}
+
 /// What is the same in every cast.
 void finish(BeamGroup& group, bool common_origin) {
-  group.mirrored = common_origin && mirrored(group);
+  if (std::ranges::all_of(group.wobbles, [](double wobble) { return wobble == 0; })) {
+    group.headings.clear();
+    group.wobbles.clear();
+  }
+  group.mirrored = common_origin && group.wobbles.empty() && mirrored(group);
   const std::size_t padded = partition::padded_beams(group.count);
   for (std::vector<double>* array : {&group.dx, &group.dy, &group.ox, &group.oy})
     array->resize(padded, array->back());
@@ -130,7 +186,9 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
     const engine::Record& p = record[0].records().front();
     const Pose pose_sensor_transducer{p[0].number(), p[1].number(), p[2].number(), p[3].number()};
     const Transducer transducer{compose(pose_body_sensor, pose_sensor_transducer), record[2].number(),
-                                record[3].number(), static_cast<std::size_t>(record[4].integer())};
+                                record[3].number(), static_cast<std::size_t>(record[4].integer()),
+                                record[7].number()};
+    add_extras_of(record, transducer, out.bearings.size(), ranger);
     out.transducers.push_back(out.bearings.size());
     out.transducer_headings.push_back(pose_sensor_transducer.heading);
     for (std::size_t i = 0; i < transducer.samples; ++i)
@@ -165,11 +223,11 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
 
 std::uint64_t sense(const engine::DeviceBatch& batch) {
   const RangerBeams& ranger = *std::any_cast<RangerBeams>(&batch.data);
-  const std::int32_t joint = batch.world.type(batch.rows.front()).devices[batch.device].joint;
   if (batch.world.ray_grid())
-    cast_grid(batch.world, ranger, batch.rows, joint, batch.state);
+    cast_grid(batch, ranger);
   else
-    cast_exact(batch.world, ranger, batch.rows, joint, batch.state);
+    cast_exact(batch, ranger);
+  if (!ranger.extras.empty()) add_extras(batch, ranger);
   return batch.rows.size() * ranger.count;
 }
 

@@ -10,6 +10,8 @@ namespace troupe::sensors {
 ///         counter-clockwise from -fov/2 to +fov/2, both included (one sample: straight ahead); transducers
 ///         follow one another in their order. With `intensity`, `intensities` beside them: the ranger_return
 ///         of what was met, 0 for nothing.
+/// noise   as the transducers ask for (ranger_noise.hpp): of the readings of what is met, and of the beams'
+///         headings; nothing met stays exactly range_max
 /// meets   every surface with ranger_return >= 0 whose closed z interval holds the beam's height, from both
 ///         sides, but none of the robot's own
 /// ties    two surfaces at one distance: the larger intensity is reported

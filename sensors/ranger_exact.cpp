@@ -2,6 +2,7 @@
 
 #include "partition/ranging.hpp"
 #include "partition/surroundings.hpp"
+#include "sensors/ranger_noise.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -16,10 +17,10 @@ using partition::Surroundings;
 /// Casts the beams of rangers. A thread keeps one, so that a warm step allocates nothing.
 class Caster {
  public:
-  void cast(const engine::World& world, const RangerBeams& ranger, std::span<const Row> rows,
-            std::int32_t joint, engine::StateTable& percepts) {
+  void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
+    const engine::World& world = batch.world;
     world_ = &world;
-    joint_ = joint;
+    joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
     carrying_ = world.carried_count() > 0;
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
@@ -32,14 +33,16 @@ class Caster {
     // Culls may keep too much but never too little: their margins are above what rounding can take away.
     surroundings_.begin(world.index(), world.scene().outlines(), world.geometry(),
                         ranger.reach * (1 + partition::k_range_slack) + 1e-6);
-    for (const Row row : rows) {
+    for (std::size_t r = 0; r < batch.rows.size(); ++r) {
+      const Row row = batch.rows[r];
       const std::size_t slot = world.slot(row);
+      if (ranger.wobbles) random_ = random_of_headings(batch, r);
       for (const BeamGroup& group : ranger.groups) {
         cast(group, row);
-        const auto ranges = percepts.cell<float>(slot, 0).subspan(group.first, group.count);
+        const auto ranges = batch.state.cell<float>(slot, 0).subspan(group.first, group.count);
         partition::ranges_of(fan_, inverse_.data(), group.range_max.data(), ranges.data());
         if (!ranger.intensity) continue;
-        const auto intensities = percepts.cell<float>(slot, 1).subspan(group.first, group.count);
+        const auto intensities = batch.state.cell<float>(slot, 1).subspan(group.first, group.count);
         for (std::size_t i = 0; i < group.count; ++i)
           intensities[i] = inverse_[i] > 1.0f / group.range_max[i] ? returns_[i] : 0;
       }
@@ -73,7 +76,9 @@ class Caster {
   /// Turns the group's beams into the world's frame; nothing is met yet.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
-    partition::turn(pose.rotation, group.dx.data(), group.dy.data(), group.count, dx_.data(), dy_.data());
+    const auto [dx, dy] =
+        group.wobbles.empty() ? std::pair(group.dx.data(), group.dy.data()) : wobbling_.draw(group, random_);
+    partition::turn(pose.rotation, dx, dy, group.count, dx_.data(), dy_.data());
     if (!ranger_->common_origin)
       partition::turn(pose.rotation, group.ox.data(), group.oy.data(), group.count, ox_.data(), oy_.data());
     const std::size_t padded = partition::padded_beams(group.count);
@@ -153,6 +158,8 @@ class Caster {
   float slack_spread_ = 0;
   Surroundings surroundings_;
 
+  Wobbling wobbling_;
+  Random random_{0, 0, 0, 0};
   Row self_;
   std::int32_t joint_ = engine::k_rigid;
   bool carrying_ = false;
@@ -170,10 +177,9 @@ class Caster {
 
 }  // namespace
 
-void cast_exact(const engine::World& world, const RangerBeams& ranger, std::span<const Row> rows,
-                std::int32_t joint, engine::StateTable& percepts) {
+void cast_exact(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
   thread_local const auto caster = std::make_unique<Caster>();
-  caster->cast(world, ranger, rows, joint, percepts);
+  caster->cast(batch, ranger);
 }
 
 }  // namespace troupe::sensors

@@ -19,6 +19,10 @@
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "models/waypoints.hpp"
+#include "sensors/blobfinder.hpp"
+#include "sensors/bumper.hpp"
+#include "sensors/camera.hpp"
+#include "sensors/fiducial.hpp"
 #include "sensors/ranger.hpp"
 
 namespace troupe {
@@ -26,9 +30,10 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(),    models::blinkenlight_kind(),  models::lightindicator_kind(),
-                      models::power_pack_kind(), models::power_contact_kind(), models::flags_kind(),
-                      models::actuator_kind(),   models::gripper_kind()};
+  registry.devices = {sensors::ranger_kind(),        sensors::fiducial_kind(),  sensors::blobfinder_kind(),
+                      sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
+                      models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
+                      models::flags_kind(),         models::actuator_kind(),  models::gripper_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
       models::expand_controller(),    models::wander_controller(),    models::script_controller(),

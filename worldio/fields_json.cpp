@@ -1,5 +1,7 @@
 #include "worldio/fields_json.hpp"
 
+#include "worldio/colors.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -106,6 +108,17 @@ Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& s
   return numbers;
 }
 
+Value read_colors(const JsonCursor& at) {
+  const JsonNode::List* list = read_list(at);
+  if (!list) return {};
+  std::vector<double> parts;
+  for (std::size_t i = 0; i < list->size(); ++i)
+    if (const auto color = read_color(JsonCursor(at, i, (*list)[i])))
+      parts.insert(parts.end(), {color->r, color->g, color->b});
+  if (parts.size() < 3 * list->size()) return {};
+  return parts;
+}
+
 Record read_record(const JsonCursor& at, const FieldTable& table) {
   JsonObject object(at);
   Record record = read_fields(object, table);
@@ -125,6 +138,7 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       return {};
     case FieldType::text: return read_text_field(at, field);
     case FieldType::numbers: return read_numbers(at, field, suffix);
+    case FieldType::colors: return read_colors(at);
     case FieldType::record: return std::vector<Record>{read_record(at, *field.record)};
     case FieldType::records: {
       const JsonNode::List* list = read_list(at);
@@ -176,6 +190,28 @@ Value read_field(JsonObject& object, const Field& field) {
 
 Value read_value(const JsonCursor& at, const Field& field) {
   return read_in_unit(at, field, engine::unit_suffixes(field.unit).front());
+}
+
+std::optional<Color> read_color(const JsonCursor& at) {
+  if (const std::string* name = at.node().text()) {
+    const std::optional<Color> color = color_by_name(*name);
+    if (!color)
+      at.error(fmt::format("unknown color \"{}\": give an X11 name or [r, g, b]{}", *name,
+                           did_you_mean(*name, color_names())));
+    return color;
+  }
+  const JsonNode::List* list = at.node().list();
+  if (!list || list->size() < 3 || list->size() > 4) {
+    at.expected("a color: an X11 name, [r, g, b] or [r, g, b, a]");
+    return std::nullopt;
+  }
+  Color color;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const Value x = read_value(JsonCursor(at, i, (*list)[i]), {.name = "color", .min = 0, .max = 1});
+    if (!x.given()) return std::nullopt;
+    (i == 0 ? color.r : i == 1 ? color.g : i == 2 ? color.b : color.a) = static_cast<float>(x.number());
+  }
+  return color;
 }
 
 Record read_fields(JsonObject& object, const FieldTable& table,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/color.hpp"
 #include "engine/fields.hpp"
 #include "worldio/json_reader.hpp"
 
@@ -23,6 +24,9 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 /// default; a required field that is absent is an error. The record is complete unless errors were reported.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
+
+/// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
+std::optional<Color> read_color(const JsonCursor& at);
 
 /// The object under a key, every field of a table and nothing else; empty where the key is not there.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,

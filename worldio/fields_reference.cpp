@@ -34,6 +34,7 @@ std::string what(const Field& field) {
       return within(field.columns > 0 ? fmt::format("list of {} numbers", field.columns)
                                       : std::string("list of numbers"));
     case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::colors: return "list of colours, each an X11 name or [r, g, b]";
     case FieldType::record: return "object";
     case FieldType::records: return "list of objects";
   }

@@ -1,7 +1,6 @@
 #include "worldio/json_types.hpp"
 
 #include "engine/add_device.hpp"
-#include "worldio/colors.hpp"
 #include "worldio/fields_json.hpp"
 
 #include <fmt/format.h>
@@ -348,28 +347,6 @@ engine::Returns read_returns(JsonObject& object) {
   returns.gripper = read_boolean(object, "gripper_return", returns.gripper);
   returns.blob = read_boolean(object, "blob_return", returns.blob);
   return returns;
-}
-
-std::optional<Color> read_color(const JsonCursor& at) {
-  if (const std::string* name = at.node().text()) {
-    const std::optional<Color> color = color_by_name(*name);
-    if (!color)
-      at.error(fmt::format("unknown color \"{}\": give an X11 name or [r, g, b]{}", *name,
-                           did_you_mean(*name, color_names())));
-    return color;
-  }
-  const JsonNode::List* list = at.node().list();
-  if (!list || list->size() < 3 || list->size() > 4) {
-    at.expected("a color: an X11 name, [r, g, b] or [r, g, b, a]");
-    return std::nullopt;
-  }
-  Color color;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const Value x = read_value(JsonCursor(at, i, (*list)[i]), {.name = "color", .min = 0, .max = 1});
-    if (!x.given()) return std::nullopt;
-    (i == 0 ? color.r : i == 1 ? color.g : i == 2 ? color.b : color.a) = static_cast<float>(x.number());
-  }
-  return color;
 }
 
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least, std::size_t most) {

@@ -28,8 +28,6 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
 Pose read_pose(JsonObject& object);
 /// The keys `obstacle` and `ranger_return`.
 engine::Returns read_returns(JsonObject& object);
-/// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
-std::optional<Color> read_color(const JsonCursor& at);
 /// Pairs of metres: [[x, y], ...]. Empty, and reported, where they are wrong or number fewer or more than
 /// asked.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,

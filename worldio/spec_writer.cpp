@@ -97,6 +97,13 @@ Json value_json(const Value& value, const Field& field) {
       for (const double x : value.numbers()) list.push_back(finite(x));
       return list;
     }
+    case FieldType::colors: {
+      Json list = Json::array();
+      const std::vector<double>& parts = value.numbers();
+      for (std::size_t i = 0; i + 2 < parts.size(); i += 3)
+        list.push_back({finite(parts[i]), finite(parts[i + 1]), finite(parts[i + 2])});
+      return list;
+    }
     case FieldType::record: return params_json(value.records().front(), *field.record);
     case FieldType::records: break;
   }

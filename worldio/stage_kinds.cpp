@@ -152,6 +152,35 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
     samples = given.value_or(samples);
     return given && check("samples", static_cast<double>(samples), property);
   });
+  double stddev = 0;
+  double proportional = 0;
+  double angular = 0;
+  read("noise", [&](const StageProperty& property) {
+    const auto given = values_.tuple(property, 3, 3, "[variance share angle]");
+    if (!given) return false;
+    if (std::ranges::any_of(*given, [](double part) { return part < 0; })) {
+      values_.error(values_.where(property), "\"noise\" needs values of 0 or above: [variance share angle]");
+      return false;
+    }
+    // Stage takes its first number for a variance, and of its third no more than this share.
+    const double step = fov / static_cast<double>(std::max<std::int64_t>(samples - 1, 1));
+    stddev = sqrt((*given)[0] * values_.length_unit());
+    proportional = (*given)[1];
+    angular = 0.5 * step * (*given)[2] * values_.angle_unit();
+    return check("noise_proportional", proportional, property) && check("noise_angular", angular, property);
+  });
+  double beam_width = 0;
+  read("beam_width", [&](const StageProperty& property) {
+    const auto given = values_.number(property);
+    beam_width = given ? *given * values_.angle_unit() : beam_width;
+    return given && check("beam_width", beam_width, property);
+  });
+  bool apply_range_min = false;
+  read("apply_range_min", [&](const StageProperty& property) {
+    const auto given = values_.flag(property);
+    apply_range_min = given.value_or(false);
+    return given.has_value();
+  });
   if (!is_right) return {};
 
   pose_sensor_transducer.z += size.z() / 2;  // beams leave from the middle of the transducer's height
@@ -165,6 +194,11 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   set(table, record, "range_max", range_max);
   set(table, record, "fov", fov);
   set(table, record, "samples", samples);
+  set(table, record, "noise_stddev", stddev);
+  set(table, record, "noise_proportional", proportional);
+  set(table, record, "noise_angular", angular);
+  set(table, record, "beam_width", beam_width);
+  set(table, record, "apply_range_min", apply_range_min);
   return record;
 }
 
@@ -189,6 +223,8 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
 
   engine::DeviceSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
   set(kind->params, spec.params, "transducers", std::move(records));
+  if (const StageProperty* property = model.find(document_, "intensity"))
+    set(kind->params, spec.params, "intensity", values_.flag(*property).value_or(false));
   spec.period_s = period_s(model);
   spec.active = is_always_on(model);
   return spec;
@@ -249,6 +285,8 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
     is_right = is_right && given.has_value();
     if (given) spec.params[at] = std::move(*given);
   }
+  if (kind.name == "blobfinder") is_right = add_blob_colors(model, kind, spec) && is_right;
+  if (kind.name == "bumper") is_right = add_bumpers(model, kind, spec) && is_right;
   if (!is_right) return {};
   spec.period_s = period_s(model);
   spec.active = is_always_on(model);
@@ -271,20 +309,21 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
       if (const auto flag = values_.flag(property)) return Value(*flag);
       return {};
     case FieldType::integer: {
-      const auto given = values_.integer(property);
-      if (!given || !checked(static_cast<double>(*given))) return {};
-      return Value(*given);
+      if (column < 0) {
+        const auto given = values_.integer(property);
+        if (!given || !checked(static_cast<double>(*given))) return {};
+        return Value(*given);
+      }
+      const auto given = checked(values_.column(property, static_cast<std::size_t>(column)));
+      if (!given) return {};
+      if (*given == std::floor(*given)) return Value(static_cast<std::int64_t>(*given));
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" needs whole numbers; here is {}", values_.key(property), *given));
+      return {};
     }
     case FieldType::number: {
-      std::optional<double> given;
-      if (column < 0) {
-        given = values_.number(property);
-      } else {
-        const auto least = static_cast<std::size_t>(column) + 1;
-        if (const auto tuple = values_.tuple(property, least, std::max<std::size_t>(least, 2), "[a b]"))
-          given = (*tuple)[static_cast<std::size_t>(column)];
-      }
-      const auto si = checked(given);
+      const auto si = checked(column < 0 ? values_.number(property)
+                                         : values_.column(property, static_cast<std::size_t>(column)));
       if (!si) return {};
       return Value(*si);
     }

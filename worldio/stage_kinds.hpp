@@ -41,6 +41,9 @@ class StageKinds {
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
                                      int column);
+  // worldio/stage_sensors.cpp; each says whether what it read is right.
+  bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
+  bool add_bumpers(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   std::optional<engine::Record> transducer(const StageModel& sensor, const engine::FieldTable& table);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
   bool set_argument(const engine::Field& field, double to_si, std::string_view text,

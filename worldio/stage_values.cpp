@@ -155,6 +155,12 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
                          v->size() == 3 ? (*v)[2] * length_ : default_height);
 }
 
+std::optional<double> StageValues::column(const StageProperty& property, std::size_t column) {
+  const auto numbers = tuple(property, 2, 2, "[a b]");
+  if (!numbers) return {};
+  return (*numbers)[column];
+}
+
 std::optional<Color> StageValues::color(const StageProperty& property) {
   const auto name = text(property);
   if (!name || *name == "random") return {};

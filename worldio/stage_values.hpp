@@ -51,6 +51,9 @@ class StageValues {
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
+  /// One number of a tuple of two.
+  std::optional<double> column(const StageProperty& property, std::size_t column);
+
   /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi]. At most 100 km away.
   std::optional<Pose> pose(const StageProperty& property);
   /// [x y z], each above 0 and at most 200 km, or the older [x y].

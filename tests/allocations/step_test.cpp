@@ -49,7 +49,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
                       Scene{"crowd", "crowd.json", 100, 100},
                       // No floor plan says where they will go: the index makes room as they do.
-                      Scene{"errands", "errands.json", 400, 100}),
+                      Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
+                      Scene{"foraging", "foraging.json", 20, 800}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

@@ -77,7 +77,7 @@ TEST_F(Watch, ARateHoldsTheRunBack) {
   write_world("w.world", "interval_sim 10");
   const auto [wall_s, summary] = timed({"--for", "0.5", "--rate", "1"});
   EXPECT_GE(wall_s, 0.5);
-  EXPECT_LE(summary.at("times_real_time").get<double>(), 1.0);
+  EXPECT_LE(summary.at("times_real_time").get<double>(), 1.01);  // what lies between two ticks is not in it
   EXPECT_EQ(summary.at("rate"), 1);
   EXPECT_GT(summary.at("waited_s").get<double>(), 0);
   EXPECT_EQ(summary.at("ticks"), 50);

@@ -284,8 +284,7 @@ TEST(World, UnknownKindsAreErrorsThatNameTheKnownOnes) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown drive \"hover\"; known: car, diff, omni"));
-    EXPECT_THAT(error.what(),
-                testing::HasSubstr("error: unknown controller \"dance\"; known: "));
+    EXPECT_THAT(error.what(), testing::HasSubstr("error: unknown controller \"dance\"; known: "));
   }
 }
 

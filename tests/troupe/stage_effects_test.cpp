@@ -63,8 +63,8 @@ constexpr Effect k_effects[] = {
     {"model", "color", "model( @ )", "color \"blue\"", loaded},
     {"model", "color_rgba", "model( @ )", "color_rgba [0 0 1 1]", loaded},
     {"model", "bitmap", "eye() model( pose [2 0 0 0] @ )", "bitmap \"corner.png\""},
-    {"model", "bitmap_margins", "eye() model( pose [2 0 0 0] bitmap \"corner.png\" @ )", "bitmap_margins 1"},
-    {"model", "bitmap_unknown", "eye() model( pose [1 0 0 0] bitmap \"map.yaml\" @ )", "bitmap_unknown 1"},
+    {"model", "bitmap_margins", "eye() model( pose [2 0 0 0] bitmap \"dot.png\" @ )", "bitmap_margins 1"},
+    {"model", "bitmap_unknown", "eye() model( pose [2 0 0 180] bitmap \"map.yaml\" @ )", "bitmap_unknown 1"},
     {"model", "noblocks", "eye() model( pose [2 0 0 0] @ )", "noblocks 1"},
     {"model", "boundary", "eye() model( size [4 4 1] noblocks 1 @ )", "boundary 1"},
     {"model", "stack_children", "eye() model( pose [2 0 0 0] noblocks 1 model() @ )", "stack_children 0"},
@@ -170,6 +170,9 @@ class StageEffects : public test::ScratchTest {
     worldio::Image corner{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 255)};
     for (const std::size_t pixel : {1u, 2u, 3u}) corner.rgba[4 * pixel] = 0;
     worldio::write_png(folder_ / "corner.png", corner);
+    worldio::Image dot{.width = 2, .height = 1, .rgba = std::vector<std::uint8_t>(8, 255)};
+    dot.rgba[4] = 0;
+    worldio::write_png(folder_ / "dot.png", dot);
     write("map.pgm", "P5 2 1 255\n" + std::string("\x00\xcd", 2));
     write("map.yaml", "image: map.pgm\nresolution: 0.3\norigin: [0, 0, 0]\n");
   }

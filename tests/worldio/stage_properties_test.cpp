@@ -22,7 +22,7 @@ TEST(StageProperties, EachStandsOnce) {
 
 TEST(StageProperties, OwnRowsComeBeforeThoseOfEveryModel) {
   EXPECT_EQ(find_stage_row("fiducial", "range_max")->type, "fiducial");
-  EXPECT_EQ(find_stage_row("blobfinder", "range")->support, StageSupport::unsupported);
+  EXPECT_EQ(find_stage_row("blobfinder", "range")->support, StageSupport::honoured);
   EXPECT_EQ(find_stage_row("position", "range")->support, StageSupport::obsolete);
   EXPECT_EQ(find_stage_row("position", "mass")->type, "model");
   EXPECT_EQ(find_stage_row("sensor", "mass"), nullptr);
@@ -40,7 +40,6 @@ TEST(StageProperties, OnlyWhatHasNoEffectAnywhereIsWithoutEffect) {
   EXPECT_TRUE(is_without_effect("bcount"));
   EXPECT_FALSE(is_without_effect("mass"));
   EXPECT_FALSE(is_without_effect("fiducial_return"));
-  EXPECT_FALSE(is_without_effect("fov"));  // a sensor's is honoured, a fiducial's not
   EXPECT_FALSE(is_without_effect("size"));
   EXPECT_FALSE(is_without_effect("wibble"));
 }

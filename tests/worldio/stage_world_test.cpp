@@ -167,11 +167,11 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 }
 
 TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("\n\n\n\nfiducial( fov 3 )\n");
+  load("\n\n\n\nactuator( max_speed 2 )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: not supported yet: what a fiducial does; it is only a body "
+              ElementsAre("w.world:5: warning: not supported yet: what an actuator does; it is only a body "
                           "here",
-                          "w.world:5: warning: not supported yet: fov of a fiducial"));
+                          "w.world:5: warning: not supported yet: max_speed of an actuator"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -926,11 +926,7 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("irobot.inc:29: warning: not supported yet: what a bumper does; it is only a body here",
-                  "irobot.inc:30: warning: not supported yet: bcount of a bumper",
-                  "irobot.inc:31: warning: not supported yet: blength of a bumper",
-                  "irobot.inc:32: warning: not supported yet: bpose[k] of a bumper (and 1 more)",
-                  "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+      ElementsAre("irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
                   "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
                   "gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
@@ -944,7 +940,6 @@ TEST_F(StageOwnWorld, SensorNoiseDemo) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "sensor_noise_demo.world:39: warning: not supported yet: noise of a sensor",
           "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
@@ -1011,10 +1006,6 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "lsp_test.world:37: warning: not supported yet: what a fiducial does; it is only a body here",
-          "lsp_test.world:40: warning: not supported yet: range_max of a fiducial",
-          "lsp_test.world:41: warning: not supported yet: range_max_id of a fiducial",
-          "lsp_test.world:44: warning: not supported yet: what a blobfinder does; it is only a body here",
           "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
           "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
           "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
@@ -1038,8 +1029,6 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer_flocking.world:42: warning: not supported yet: what a fiducial does; it is only a body "
-          "here",
           "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
           "threads",
           "pioneer_flocking.world:10: warning: accepted, but only Stage's window would use it: "

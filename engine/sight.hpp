@@ -1,0 +1,104 @@
+#pragma once
+
+#include "engine/world.hpp"
+
+#include <optional>
+#include <span>
+
+namespace troupe::engine {
+
+/// A part of an outline in the world's frame, metres: edges from each vertex to the next, and from the last
+/// to the first where it is closed. Of whatever body, also of those that rangers pass through.
+struct OutlineChain {
+  std::span<const Vec2> vertices;
+  bool closed = false;
+  ZInterval z;  ///< world frame
+  BodyId body;
+  std::uint32_t part = 0;   ///< of the body's type
+  std::uint32_t solid = 0;  ///< contours of one body and number are one even-odd region
+  std::uint32_t piece = 0;  ///< tells chains of one solid and sight (by rangers or not) from one another
+  float ranger_return = 1;
+};
+
+/// visit(edge from, edge to) for each edge of the chain.
+template <class Visit>
+void for_each_edge(const OutlineChain& chain, Visit&& visit) {
+  for (std::size_t i = 0; i + 1 < chain.vertices.size(); ++i) visit(chain.vertices[i], chain.vertices[i + 1]);
+  if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
+}
+
+/// visit(chain) for the outlines of what never moves whose circles may touch the box and are `wanted`
+/// (circle -> bool), each once or more.
+template <class Wanted, class Visit>
+void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
+  const partition::StaticScene& scene = world.scene();
+  for (const partition::FixedOutlines* outlines : {&scene.outlines(), &scene.hidden_outlines()}) {
+    const Box centres = box.expanded(outlines->largest_radius());
+    const partition::GridGeometry& grid = outlines->geometry();
+    outlines->for_each_run(
+        grid.cell(centres.min), grid.cell(centres.max), [&](std::span<const partition::BodyCircle> circles) {
+          for (const partition::BodyCircle& circle : circles) {
+            if (!wanted(circle)) continue;
+            const partition::FixedSolid& solid = scene.solids()[outlines->solid(circle.row)];
+            visit(OutlineChain{outlines->chain(circle.row), false, solid.solid.z, solid.body, solid.part,
+                               outlines->solid(circle.row), circle.row, solid.ranger_return});
+          }
+        });
+  }
+}
+
+/// The same of bodies that have rows, less those of one tree (not valid: of none).
+template <class Wanted, class Visit>
+void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
+  world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+    const Row row(circle.row);
+    if (!wanted(circle) || (own.valid() && world.same_tree(row, own))) return;
+    const std::span<const Vec2> vertices = world.outline(row);
+    const double base = world.poses()[row.index()].z;
+    const BodyType& type = world.type(row);
+    for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
+      for (const RayOutline& outline : *outlines)
+        visit(OutlineChain{vertices.subspan(outline.first, outline.count), true, outline.z.shifted(base),
+                           world.body(row), outline.part, outline.solid, outline.first,
+                           outline.ranger_return});
+  });
+}
+
+/// A ray of a sensor that casts few of them, and what may stop it.
+struct SightRay {
+  Vec2 origin = Vec2::Zero();               ///< world frame, m
+  Vec2 direction = Vec2::UnitX();           ///< of length 1
+  double length = 0;                        ///< m; what is as far or farther is not met
+  Row own;                                  ///< it passes all of this tree; not valid: it passes nobody
+  std::optional<double> z;                  ///< its height, world frame; none: it meets bodies of any height
+  bool (*stops)(const Returns&) = nullptr;  ///< whether it ends at such a part; null: at all of them
+};
+
+/// What a ray met first.
+struct Sighting {
+  double range = 0;        ///< m; the ray's length where it met nothing
+  BodyId body;             ///< not valid: it met nothing
+  std::uint32_t part = 0;  ///< of the body's type
+
+  bool met() const { return body.valid(); }
+  const PartSpec& part_spec(const World& world) const {
+    return world.spec().types[world.spec().bodies[body.index()].type.index()].parts[part];
+  }
+};
+
+/// The colour of what it met.
+Color color_of(const World& world, const Sighting& sighting);
+
+/// The first surface along a ray.
+/// meets   outlines whose closed z interval holds the ray's height, from both sides
+/// ties    of two surfaces at one range the lower (body, part)
+/// errors  none; a ray that starts on an outline meets it at 0
+/// cost    a walk along the ray that looks at what lies near it and ends where it meets something; doubles
+///         throughout. Rangers, which cast many beams at a time, have kernels (partition/ranging.hpp).
+Sighting first_met(const World& world, const SightRay& ray);
+
+/// Where the ray from `origin` along the unit vector `direction` meets the closed edge, m from the origin;
+/// negative: it does not. Of edges that share a vertex it misses none between them.
+double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b);
+
+}  // namespace troupe::engine

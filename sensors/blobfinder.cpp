@@ -1,0 +1,220 @@
+#include "sensors/blobfinder.hpp"
+
+#include "engine/sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace troupe::sensors {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+struct Finder {
+  Pose pose_body_sensor;  ///< pan included
+  std::size_t width = 80;
+  int height = 60;
+  double range = 12;
+  double fov = 0;
+  std::vector<Color> colors;  ///< that are reported; none: all
+  bool use_blob_return = true;
+  std::size_t most_blobs = 16;
+  std::vector<Rotation> bearings;  ///< of the columns' rays, from right to left
+};
+
+struct Blob {
+  Color color;
+  std::size_t first = 0;  ///< ray
+  std::size_t last = 0;   ///< ray
+  double sum = 0;         ///< of its rays' ranges, m
+};
+
+bool is_same(const Color& a, const Color& b) {
+  constexpr float k_near = 1e-5f;  // Stage's; opacity does not count
+  return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
+}
+
+/// The rows of one blob: Stage takes all bodies to be this tall, and its pixels to be as high as fov / rows.
+void write_rows(const Finder& finder, double range, std::int32_t& top, std::int32_t& bottom) {
+  constexpr double k_half_height = 0.3;  // m
+  const double pixel = finder.fov / finder.height;
+  const double half = std::min(atan2(k_half_height, range) / pixel, static_cast<double>(finder.height));
+  top = std::max(0, finder.height / 2 - static_cast<int>(half));
+  bottom = std::min(finder.height, finder.height / 2 + static_cast<int>(half));
+}
+
+class Writer {
+ public:
+  Writer(const Finder& finder, engine::StateTable& state, std::size_t slot)
+      : finder_(finder), state_(state), slot_(slot) {}
+
+  void add(const Blob& blob) {
+    const auto& colors = finder_.colors;
+    if (!colors.empty() &&
+        std::ranges::none_of(colors, [&](const Color& c) { return is_same(c, blob.color); }))
+      return;
+    if (const std::size_t i = count_++; i < finder_.most_blobs) set(i, blob);
+  }
+  void finish() {
+    state_.cell<std::uint32_t>(slot_, k_blob_count)[0] = static_cast<std::uint32_t>(count_);
+    for (std::size_t i = count_; i < finder_.most_blobs; ++i) {
+      for (const std::size_t field : {k_blob_left, k_blob_right, k_blob_top, k_blob_bottom})
+        state_.cell<std::int32_t>(slot_, field)[i] = 0;
+      state_.cell<float>(slot_, k_blob_range)[i] = 0;
+      for (std::uint8_t& part : state_.cell<std::uint8_t>(slot_, k_blob_color).subspan(4 * i, 4)) part = 0;
+    }
+  }
+
+ private:
+  void set(std::size_t i, const Blob& blob) {
+    const auto cell = [&](std::size_t field) -> std::int32_t& {
+      return state_.cell<std::int32_t>(slot_, field)[i];
+    };
+    const double range = blob.sum / static_cast<double>(blob.last - blob.first + 1);
+    cell(k_blob_left) = static_cast<std::int32_t>(finder_.width - 1 - blob.last);  // the image's left is ours
+    cell(k_blob_right) = static_cast<std::int32_t>(finder_.width - 1 - blob.first);
+    write_rows(finder_, range, cell(k_blob_top), cell(k_blob_bottom));
+    state_.cell<float>(slot_, k_blob_range)[i] = static_cast<float>(range);
+    const auto parts = state_.cell<std::uint8_t>(slot_, k_blob_color).subspan(4 * i, 4);
+    const std::array<float, 4> from{blob.color.r, blob.color.g, blob.color.b, blob.color.a};
+    for (std::size_t k = 0; k < from.size(); ++k)
+      parts[k] = static_cast<std::uint8_t>(std::clamp(from[k], 0.0f, 1.0f) * 255 + 0.5f);
+  }
+
+  const Finder& finder_;
+  engine::StateTable& state_;
+  std::size_t slot_;
+  std::size_t count_ = 0;
+};
+
+void find_blobs(const World& world, const Finder& finder, Row own, Writer& writer) {
+  const Transform& body = world.transform(own);
+  const Vec2 origin = body * finder.pose_body_sensor.position();
+  std::optional<Blob> blob;
+  for (std::size_t ray = 0; ray < finder.width; ++ray) {
+    const engine::Sighting first =
+        engine::first_met(world, {.origin = origin,
+                                  .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
+                                  .length = finder.range,
+                                  .own = own});
+    const bool is_seen = first.met() && (!finder.use_blob_return || first.part_spec(world).returns.blob);
+    const Color color = is_seen ? color_of(world, first) : Color();
+    const bool goes_on = blob && is_seen && is_same(color, blob->color);
+    if (blob && !goes_on) {
+      writer.add(*blob);
+      blob.reset();
+    }
+    if (!is_seen) continue;
+    if (!goes_on) blob = Blob{color, ray, ray, 0};
+    blob->last = ray;
+    blob->sum += first.range;
+  }
+  if (blob) writer.add(*blob);
+}
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  const Finder& finder = *std::any_cast<Finder>(&batch.data);
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    Writer writer(finder, batch.state, batch.slot(i));
+    find_blobs(batch.world, finder, batch.rows[i], writer);
+    writer.finish();
+  }
+  return batch.rows.size() * finder.width;
+}
+
+DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
+  Finder finder{.pose_body_sensor = compose(pose_body_sensor, {0, 0, 0, params[4].number()}),
+                .width = static_cast<std::size_t>(params[0].integer()),
+                .height = static_cast<int>(params[1].integer()),
+                .range = params[2].number(),
+                .fov = params[3].number(),
+                .use_blob_return = params[6].boolean(),
+                .most_blobs = static_cast<std::size_t>(params[7].integer())};
+  const std::vector<double>& colors = params[5].numbers();
+  for (std::size_t i = 0; i + 2 < colors.size(); i += 3)
+    finder.colors.push_back({static_cast<float>(colors[i]), static_cast<float>(colors[i + 1]),
+                             static_cast<float>(colors[i + 2]), 1});
+  for (std::size_t i = 0; i < finder.width; ++i) {
+    const double across =
+        finder.width == 1 ? 0.5 : static_cast<double>(i) / static_cast<double>(finder.width - 1);
+    finder.bearings.emplace_back(finder.pose_body_sensor.heading + (across - 0.5) * finder.fov);
+  }
+  const auto n = static_cast<std::uint32_t>(finder.most_blobs);
+  const double reach = pose_body_sensor.position().norm() + finder.range;
+  return {.data = std::move(finder),
+          .percepts = {{"count", Element::u32, 1, "", "blobs in sight"},
+                       {"left", Element::i32, n, "", "column of each"},
+                       {"right", Element::i32, n, "", "last column of each"},
+                       {"top", Element::i32, n, "", "row of each"},
+                       {"bottom", Element::i32, n, "", "last row of each"},
+                       {"range", Element::f32, n, "m", "mean distance of each"},
+                       {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
+          .reach_m = reach};
+}
+
+}  // namespace
+
+DeviceKind blobfinder_kind() {
+  constexpr double k_most_pixels = 10000;  // an edge
+  DeviceKind kind{.name = "blobfinder", .text = "finds stretches of one colour in what is in sight"};
+  kind.params = {{
+      {.name = "image_width",
+       .type = FieldType::integer,
+       .fallback = 80,
+       .min = 1,
+       .max = k_most_pixels,
+       .text = "columns: a ray each"},
+      {.name = "image_height",
+       .type = FieldType::integer,
+       .fallback = 60,
+       .min = 1,
+       .max = k_most_pixels,
+       .text = "rows, in which the blobs' heights are told"},
+      {.name = "range",
+       .unit = Unit::meters,
+       .fallback = 12.0,
+       .min = 0,
+       .max = 10000,
+       .text = "how far it sees",
+       .above_min = true},
+      {.name = "fov",
+       .unit = Unit::radians,
+       .fallback = radians(60),
+       .min = 0,
+       .max = 2 * k_pi,
+       .text = "angle between the first column and the last",
+       .above_min = true},
+      {.name = "pan",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = -2 * k_pi,
+       .max = 2 * k_pi,
+       .text = "by which it looks to the left of its heading"},
+      {.name = "colors",
+       .type = FieldType::colors,
+       .fallback = std::vector<double>(),
+       .text = "only blobs of these colours are reported; none given: all"},
+      {.name = "use_blob_return",
+       .type = FieldType::boolean,
+       .fallback = true,
+       .text = "models whose blob_return is false hide what is behind them and are no blobs"},
+      {.name = "most_blobs",
+       .type = FieldType::integer,
+       .fallback = 16,
+       .min = 1,
+       .max = 1000,
+       .text = "entries of the readings, from right to left; all blobs are counted"},
+  }};
+  kind.prepare = prepare;
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::sensors

@@ -1,0 +1,346 @@
+#include "sensors/camera.hpp"
+
+#include "engine/sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+
+namespace troupe::sensors {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldType;
+using engine::OutlineChain;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+constexpr Color k_sky{135 / 255.0f, 206 / 255.0f, 235 / 255.0f, 1};
+constexpr Color k_floor{0.8f, 0.8f, 0.8f, 1};
+
+struct Lens {
+  Pose pose_body_camera;  ///< pan included
+  std::size_t width = 32;
+  std::size_t height = 32;
+  double near = 0.2;
+  double far = 8;
+  double half_width = 0;   ///< of the image at depth 1
+  double half_height = 0;  ///< of the image at depth 1
+  SinCos tilt;
+
+  /// The place of a column or row within the image, at depth 1: to the right, or upwards.
+  double right(double column) const {
+    return half_width * ((column + 0.5) / static_cast<double>(width) * 2 - 1);
+  }
+  double up(double row) const { return half_height * (1 - (row + 0.5) / static_cast<double>(height) * 2); }
+  bool is_level() const { return tilt.sin == 0; }
+};
+
+/// A ray through a pixel: at depth t it is at origin + t * across, and t * rise above the camera.
+struct PixelRay {
+  Vec2 across;  ///< world frame
+  double rise = 0;
+};
+
+/// The even-odd region of one solid, extruded.
+struct Region {
+  BodyId body;
+  std::uint32_t solid = 0;
+  std::uint32_t part = 0;
+  ZInterval z;          ///< above the camera
+  bool around = false;  ///< the camera stands above or below it
+};
+
+/// Where a ray crosses an outline.
+struct Crossing {
+  std::uint32_t region = 0;
+  double depth = 0;
+  bool is_change =
+      false;  ///< between inside and outside: of two edges at a corner that it passes only one is
+  friend auto operator<=>(const Crossing&, const Crossing&) = default;
+};
+
+/// Draws what one camera after another sees. A thread keeps one, so that a warm step allocates nothing.
+class Painter {
+ public:
+  void paint(const World& world, const Lens& lens, Row own, engine::StateTable& state, std::size_t slot) {
+    lens_ = &lens;
+    world_ = &world;
+    const Transform& body = world.transform(own);
+    origin_ = body * lens.pose_body_camera.position();
+    height_ = world.poses()[own.index()].z + lens.pose_body_camera.z;
+    forward_ = body.rotation * (Rotation(lens.pose_body_camera.heading) * Vec2::UnitX());
+    color_ = state.cell<std::uint8_t>(slot, k_camera_color);
+    depth_ = state.cell<float>(slot, k_camera_depth);
+    gather(own);
+    for (std::size_t column = 0; column < lens.width; ++column)
+      if (lens.is_level())
+        paint_column(column);
+      else
+        paint_pixels(column);
+  }
+
+ private:
+  PixelRay ray(double column, double row) const {
+    const double up = lens_->up(row);
+    const Vec2 right(forward_.y(), -forward_.x());
+    return {(lens_->tilt.cos - up * lens_->tilt.sin) * forward_ + lens_->right(column) * right,
+            lens_->tilt.sin + up * lens_->tilt.cos};
+  }
+
+  /// All that may be in the field of view: the outlines, and the regions that they bound.
+  void gather(Row own) {
+    Box box;
+    box.extend(origin_);
+    for (const double column : {-0.5, static_cast<double>(lens_->width) - 0.5})
+      for (const double row : {-0.5, static_cast<double>(lens_->height) - 0.5})
+        box.extend(Vec2(origin_ + lens_->far * ray(column, row).across));
+    chains_.clear();
+    const auto any = [](const partition::BodyCircle&) { return true; };
+    const auto keep = [this](const OutlineChain& chain) { chains_.push_back(chain); };
+    engine::for_each_fixed_chain(*world_, box, any, keep);
+    engine::for_each_body_chain(*world_, box, own, any, keep);
+    // A long edge comes once for each of its circles.
+    const auto key = [](const OutlineChain& c) {
+      return std::tuple(c.body, c.solid, c.ranger_return < 0, c.piece);
+    };
+    std::ranges::sort(chains_, {}, key);
+    chains_.erase(std::ranges::unique(chains_, {}, key).begin(), chains_.end());
+
+    regions_.clear();
+    region_of_.clear();
+    for (const OutlineChain& chain : chains_) {
+      if (regions_.empty() || regions_.back().body != chain.body || regions_.back().solid != chain.solid)
+        regions_.push_back({chain.body, chain.solid, chain.part, chain.z.shifted(-height_), false});
+      region_of_.push_back(static_cast<std::uint32_t>(regions_.size() - 1));
+    }
+    last_asked_ = nullptr;
+    for (std::size_t i = 0; i < chains_.size(); ++i) find_around(chains_[i], regions_[region_of_[i]]);
+  }
+
+  /// Whether the camera stands above or below the region: of a body from its chains, which are all here; of
+  /// what never moves from the solid itself.
+  void find_around(const OutlineChain& chain, Region& region) {
+    if (region.z.contains(0)) return;  // its top and underside cannot be seen
+    if (chain.closed) {
+      engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
+        if (changes(a - origin_, b - origin_, forward_) && depth_of(a - origin_, b - origin_, forward_) > 0)
+          region.around = !region.around;
+      });
+      return;
+    }
+    if (last_asked_ == &region) return;
+    last_asked_ = &region;
+    region.around = contains(world_->scene().solids()[chain.solid].solid, origin_);
+  }
+
+  /// Whether an edge's ends, relative to the camera, lie on different sides of a ray's line.
+  static bool changes(const Vec2& a, const Vec2& b, const Vec2& across) {
+    return (cross(a, across) < 0) != (cross(b, across) < 0);
+  }
+  /// How far along a ray, as a multiple of `across`, it meets the edge's line; the ends lie to either side.
+  static double depth_of(const Vec2& a, const Vec2& b, const Vec2& across) {
+    const double side_a = cross(a, across);
+    const double side_b = cross(b, across);
+    const double along_a = a.dot(across);
+    const double along_b = b.dot(across);
+    const double t = side_a == side_b ? 0.0 : side_a / (side_a - side_b);
+    return (along_a + t * (along_b - along_a)) / across.squaredNorm();
+  }
+
+  /// Adds the crossing of a ray and an edge, if there is one in the camera's range.
+  void meet(std::uint32_t region, const Vec2& a, const Vec2& b, const Vec2& across) {
+    const double side_a = cross(a, across);
+    const double side_b = cross(b, across);
+    if (std::min(side_a, side_b) > 0 || std::max(side_a, side_b) < 0) return;
+    const double depth = depth_of(a, b, across);
+    if (depth < 0 || depth > lens_->far) return;
+    crossings_.push_back({region, depth, (side_a < 0) != (side_b < 0)});
+  }
+
+  /// Whether an edge, relative to the camera, may show in a column of a level camera: a pixel is left to each
+  /// side.
+  bool spans(const Vec2& a, const Vec2& b, double column) const {
+    const double ahead_a = a.dot(forward_);
+    const double ahead_b = b.dot(forward_);
+    if (ahead_a < 0 && ahead_b < 0) return false;
+    if (ahead_a <= 0 || ahead_b <= 0) return true;
+    const double right_a = a.x() * forward_.y() - a.y() * forward_.x();
+    const double right_b = b.x() * forward_.y() - b.y() * forward_.x();
+    const double low = lens_->right(column - 1);
+    const double high = lens_->right(column + 1);
+    return !(right_a > high * ahead_a && right_b > high * ahead_b) &&
+           !(right_a < low * ahead_a && right_b < low * ahead_b);
+  }
+
+  void cross_all(const PixelRay& ray, double column) {
+    crossings_.clear();
+    for (std::size_t i = 0; i < chains_.size(); ++i)
+      engine::for_each_edge(chains_[i], [&](const Vec2& a, const Vec2& b) {
+        const Vec2 from = a - origin_;
+        const Vec2 to = b - origin_;
+        if (!lens_->is_level() || spans(from, to, column)) meet(region_of_[i], from, to, ray.across);
+      });
+    std::ranges::sort(crossings_);
+  }
+
+  void paint_column(std::size_t column) {
+    cross_all(ray(static_cast<double>(column), 0), static_cast<double>(column));
+    for (std::size_t row = 0; row < lens_->height; ++row)
+      paint_pixel(column, row, ray(static_cast<double>(column), static_cast<double>(row)));
+  }
+  void paint_pixels(std::size_t column) {
+    for (std::size_t row = 0; row < lens_->height; ++row) {
+      const PixelRay through = ray(static_cast<double>(column), static_cast<double>(row));
+      cross_all(through, static_cast<double>(column));
+      paint_pixel(column, row, through);
+    }
+  }
+
+  void paint_pixel(std::size_t column, std::size_t row, const PixelRay& ray) {
+    double nearest = lens_->far;
+    const Region* seen = nullptr;
+    bool is_floor = false;
+    const auto offer = [&](double depth, const Region* region) {
+      if (depth < lens_->near || depth > nearest || (depth == nearest && (seen != nullptr || is_floor)))
+        return;
+      nearest = depth;
+      seen = region;
+      is_floor = region == nullptr;
+    };
+    const Crossing* crossing = crossings_.data();
+    const Crossing* end = crossing + crossings_.size();
+    for (std::uint32_t r = 0; r < regions_.size(); ++r) {
+      const Region& region = regions_[r];
+      const double level = region.z.max < 0 ? region.z.max : region.z.min > 0 ? region.z.min : 0;
+      const double depth = level * ray.rise > 0 ? level / ray.rise : -1;  // of its top or underside
+      bool is_over = region.around;
+      for (; crossing != end && crossing->region == r; ++crossing) {
+        if (region.z.contains(crossing->depth * ray.rise)) offer(crossing->depth, &region);
+        if (crossing->is_change && crossing->depth < depth) is_over = !is_over;
+      }
+      if (depth > 0 && is_over) offer(depth, &region);
+    }
+    if (height_ > 0 && ray.rise < 0) offer(-height_ / ray.rise, nullptr);
+
+    const std::size_t pixel = row * lens_->width + column;
+    const engine::Sighting sighting{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
+    const Color color = seen != nullptr ? color_of(*world_, sighting) : is_floor ? k_floor : k_sky;
+    const std::array<float, 4> parts{color.r, color.g, color.b, color.a};
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      color_[4 * pixel + k] = static_cast<std::uint8_t>(std::clamp(parts[k], 0.0f, 1.0f) * 255 + 0.5f);
+    depth_[pixel] = static_cast<float>(nearest);
+  }
+
+  const World* world_ = nullptr;
+  const Lens* lens_ = nullptr;
+  Vec2 origin_ = Vec2::Zero();     // world frame, m
+  double height_ = 0;              // world frame, m
+  Vec2 forward_ = Vec2::UnitX();   // world frame
+  std::span<std::uint8_t> color_;  // of the camera that is drawn
+  std::span<float> depth_;
+  std::vector<OutlineChain> chains_;
+  std::vector<std::uint32_t> region_of_;  // beside chains_
+  std::vector<Region> regions_;           // by body and solid
+  std::vector<Crossing> crossings_;       // of one ray, by region and depth
+  const Region* last_asked_ = nullptr;
+};
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  const Lens& lens = *std::any_cast<Lens>(&batch.data);
+  thread_local const auto painter = std::make_unique<Painter>();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i)
+    painter->paint(batch.world, lens, batch.rows[i], batch.state, batch.slot(i));
+  return batch.rows.size() * lens.width * lens.height;
+}
+
+DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
+  Lens lens{.pose_body_camera = compose(pose_body_sensor, {0, 0, 0, -params[6].number()}),
+            .width = static_cast<std::size_t>(params[0].integer()),
+            .height = static_cast<std::size_t>(params[1].integer()),
+            .near = params[2].number(),
+            .far = params[3].number(),
+            .tilt = sincos(params[7].number())};
+  const SinCos across = sincos(params[4].number() / 2);
+  const SinCos upright = sincos(params[5].number() / 2);
+  lens.half_width = across.sin / across.cos;
+  lens.half_height = upright.sin / upright.cos;
+  // To the corners of what is seen, or wherever a tilted camera's corners fall on the ground.
+  const double farthest =
+      lens.far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
+  const auto pixels = static_cast<std::uint32_t>(lens.width * lens.height);
+  return {.data = lens,
+          .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
+                       {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
+          .reach_m = pose_body_sensor.position().norm() + farthest};
+}
+
+}  // namespace
+
+DeviceKind camera_kind() {
+  constexpr double k_most_pixels = 1000;  // an edge
+  DeviceKind kind{.name = "camera", .text = "colour and depth of what is in its field of view"};
+  kind.params = {{
+      {.name = "width",
+       .type = FieldType::integer,
+       .fallback = 32,
+       .min = 1,
+       .max = k_most_pixels,
+       .text = "pixels"},
+      {.name = "height",
+       .type = FieldType::integer,
+       .fallback = 32,
+       .min = 1,
+       .max = k_most_pixels,
+       .text = "pixels"},
+      {.name = "range_near",
+       .unit = Unit::meters,
+       .fallback = 0.2,
+       .min = 0,
+       .max = 1000,
+       .text = "what is nearer is cut away",
+       .above_min = true},
+      {.name = "range_far",
+       .unit = Unit::meters,
+       .fallback = 8.0,
+       .min = 0,
+       .max = 1000,
+       .text = "what is farther is sky; above range_near",
+       .above_min = true},
+      {.name = "fov_horizontal",
+       .unit = Unit::radians,
+       .fallback = radians(70),
+       .min = 0,
+       .max = radians(170),
+       .text = "from the left to the right edge of the picture",
+       .above_min = true},
+      {.name = "fov_vertical",
+       .unit = Unit::radians,
+       .fallback = radians(40),
+       .min = 0,
+       .max = radians(170),
+       .text = "from the lower to the upper edge of the picture",
+       .above_min = true},
+      {.name = "pan",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = -2 * k_pi,
+       .max = 2 * k_pi,
+       .text = "by which it looks to the right of its heading"},
+      {.name = "tilt",
+       .unit = Unit::radians,
+       .fallback = 0.0,
+       .min = -k_pi / 2,
+       .max = k_pi / 2,
+       .text = "by which it looks upwards"},
+  }};
+  kind.prepare = prepare;
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::sensors

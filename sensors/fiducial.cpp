@@ -1,0 +1,230 @@
+#include "sensors/fiducial.hpp"
+
+#include "engine/sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <tuple>
+
+namespace troupe::sensors {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldType;
+using engine::PartSpec;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+struct Finder {
+  Pose pose_body_sensor;
+  double range_min = 0;  ///< nearer targets are not found
+  double range_max = 8;
+  double range_max_id = 5;
+  double fov = k_pi;
+  std::int32_t key = 0;
+  bool ignore_zloc = false;
+  std::size_t most_targets = 16;
+};
+
+/// A model in sight.
+struct Target {
+  double range = 0;
+  BodyId body;
+  std::uint32_t part = 0;
+  double bearing = 0;
+  Pose pose_world_part;
+};
+
+/// Finds targets for one robot after another. A thread keeps one, so that a warm step allocates nothing.
+class Search {
+ public:
+  /// The targets in sight of a row, the nearest first. Counts the rays it casts.
+  std::span<const Target> look(const World& world, const Finder& finder, Row own) {
+    world_ = &world;
+    finder_ = &finder;
+    own_ = own;
+    sensor_ = compose(world.poses()[own.index()], world.transform(own), finder.pose_body_sensor);
+    found_.clear();
+    found_.reserve(std::min<std::size_t>(world.rows(), 1024));  // a crowd of that size grows it at once
+    const Box box = Box::around(sensor_.position(), finder.range_max);
+    world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
+      consider(target.body, target.part, target.pose_world_part, 0);
+    });
+    world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+      const Row row(circle.row);
+      const engine::BodyType& type = world.type(row);
+      if (type.targets.empty() || world.same_tree(row, own)) return;
+      for (const std::uint32_t part : type.targets)
+        consider(world.body(row), part,
+                 compose(world.poses()[row.index()], world.transform(row),
+                         part_spec(world.body(row), part).pose_body_part),
+                 2 * type.radius);
+    });
+    std::ranges::sort(found_, {}, [](const Target& t) { return std::tuple(t.range, t.body, t.part); });
+    return found_;
+  }
+  std::uint64_t rays() const { return rays_; }
+  const Pose& sensor() const { return sensor_; }
+  const PartSpec& part_spec(BodyId body, std::uint32_t part) const {
+    return world_->spec().types[world_->spec().bodies[body.index()].type.index()].parts[part];
+  }
+
+ private:
+  /// extent: no surface of the target is farther than this from its origin, m; 0: not known.
+  void consider(BodyId body, std::uint32_t part, const Pose& pose_world_part, double extent) {
+    if (part_spec(body, part).returns.fiducial_key != finder_->key) return;
+    const Vec2 way = pose_world_part.position() - sensor_.position();
+    const double range = way.norm();
+    if (!(range < finder_->range_max) || range < finder_->range_min) return;
+    const double bearing = range > 0 ? wrap_angle(atan2(way.y(), way.x()) - sensor_.heading) : 0;
+    if (std::abs(bearing) > finder_->fov / 2) return;
+    const Vec2 direction = range > 0 ? Vec2(way / range) : Rotation(sensor_.heading) * Vec2::UnitX();
+    const double length = extent > 0 ? std::min(finder_->range_max, range + extent) : finder_->range_max;
+    ++rays_;
+    const engine::Sighting first = engine::first_met(*world_, {.origin = sensor_.position(),
+                                                               .direction = direction,
+                                                               .length = length,
+                                                               .own = own_,
+                                                               .z = sensor_.z});
+    const bool is_itself = first.met() && first.body == body && first.part == part;
+    const bool passed_by = finder_->ignore_zloc && (!first.met() || first.range >= range);
+    if (is_itself || passed_by) found_.push_back({range, body, part, bearing, pose_world_part});
+  }
+
+  const World* world_ = nullptr;
+  const Finder* finder_ = nullptr;
+  Row own_;
+  Pose sensor_;  // world frame
+  std::vector<Target> found_;
+  std::uint64_t rays_ = 0;
+};
+
+void write(const Search& search, const Finder& finder, std::span<const Target> targets,
+           engine::StateTable& state, std::size_t slot) {
+  state.cell<std::uint32_t>(slot, k_fiducial_count)[0] = static_cast<std::uint32_t>(targets.size());
+  for (std::size_t i = 0; i < finder.most_targets; ++i) {
+    const bool is_there = i < targets.size();
+    const Target target = is_there ? targets[i] : Target();
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();
+    std::int32_t id = 0;
+    double heading = 0;
+    if (is_there) {
+      const PartSpec& part = search.part_spec(target.body, target.part);
+      size = part.size;
+      id = target.range < finder.range_max_id ? part.returns.fiducial : 0;
+      heading = wrap_angle(target.pose_world_part.heading - search.sensor().heading);
+    }
+    const auto set = [&](std::size_t field, double value) {
+      state.cell<float>(slot, field)[i] = static_cast<float>(value + 0.0);  // + 0.0 turns -0 into 0
+    };
+    state.cell<std::int32_t>(slot, k_fiducial_id)[i] = id;
+    state.cell<std::uint32_t>(slot, k_fiducial_body)[i] = is_there ? target.body.value : 0;
+    set(k_fiducial_range, target.range);
+    set(k_fiducial_bearing, target.bearing);
+    set(k_fiducial_heading, heading);
+    const auto sizes = state.cell<float>(slot, k_fiducial_size).subspan(3 * i, 3);
+    for (std::size_t k = 0; k < 3; ++k) sizes[k] = static_cast<float>(size[static_cast<Eigen::Index>(k)]);
+    const Pose& pose = target.pose_world_part;
+    const auto poses = state.cell<double>(slot, k_fiducial_pose).subspan(4 * i, 4);
+    poses[0] = pose.x + 0.0;
+    poses[1] = pose.y + 0.0;
+    poses[2] = pose.z + 0.0;
+    poses[3] = pose.heading + 0.0;
+  }
+}
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  const Finder& finder = *std::any_cast<Finder>(&batch.data);
+  thread_local const auto search = std::make_unique<Search>();
+  const std::uint64_t rays_before = search->rays();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i)
+    write(*search, finder, search->look(batch.world, finder, batch.rows[i]), batch.state, batch.slot(i));
+  return search->rays() - rays_before;
+}
+
+DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
+  const Finder finder{.pose_body_sensor = pose_body_sensor,
+                      .range_min = params[1].boolean() ? params[0].number() : 0,
+                      .range_max = params[2].number(),
+                      .range_max_id = params[3].number(),
+                      .fov = params[4].number(),
+                      .key = static_cast<std::int32_t>(params[5].integer()),
+                      .ignore_zloc = params[6].boolean(),
+                      .most_targets = static_cast<std::size_t>(params[7].integer())};
+  const auto n = static_cast<std::uint32_t>(finder.most_targets);
+  return {.data = finder,
+          .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
+                       {"id", Element::i32, n, "", "fiducial_return of each; 0: too far to read"},
+                       {"body", Element::u32, n, "", "id of the body that each belongs to"},
+                       {"range", Element::f32, n, "m", "to the origin of each, on the ground"},
+                       {"bearing", Element::f32, n, "rad", "of the origin of each, sensor frame"},
+                       {"heading", Element::f32, n, "rad", "of each, sensor frame"},
+                       {"size", Element::f32, 3 * n, "m", "of each: x, y, z"},
+                       {"pose", Element::f64, 4 * n, "m, rad", "of each: x, y, z, heading, world frame"}},
+          .reach_m = pose_body_sensor.position().norm() + finder.range_max};
+}
+
+}  // namespace
+
+DeviceKind fiducial_kind() {
+  constexpr double k_farthest = 10000;  // m
+  using Limits = std::numeric_limits<std::int32_t>;
+  DeviceKind kind{.name = "fiducial", .text = "finds marked models: which are in sight, and where"};
+  kind.params = {{
+      {.name = "range_min",
+       .unit = Unit::meters,
+       .fallback = 0.0,
+       .min = 0,
+       .max = k_farthest,
+       .text = "kept for the record unless apply_range_min"},
+      {.name = "apply_range_min",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "targets nearer than range_min are not found"},
+      {.name = "range_max",
+       .unit = Unit::meters,
+       .fallback = 8.0,
+       .min = 0,
+       .max = k_farthest,
+       .text = "targets are found whose origin is nearer",
+       .above_min = true},
+      {.name = "range_max_id",
+       .unit = Unit::meters,
+       .fallback = 5.0,
+       .min = 0,
+       .max = k_farthest,
+       .text = "the ids of those that are nearer than this are read, others are 0"},
+      {.name = "fov",
+       .unit = Unit::radians,
+       .fallback = k_pi,
+       .min = 0,
+       .max = 2 * k_pi,
+       .text = "field of view, half of it to each side"},
+      {.name = "key",
+       .type = FieldType::integer,
+       .fallback = 0,
+       .min = Limits::min(),
+       .max = Limits::max(),
+       .text = "only targets of this fiducial_key are found"},
+      {.name = "ignore_zloc",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "also targets above or below the height of the finder"},
+      {.name = "most_targets",
+       .type = FieldType::integer,
+       .fallback = 16,
+       .min = 1,
+       .max = 1000,
+       .text = "entries of the readings: the nearest targets; all are counted"},
+  }};
+  kind.prepare = prepare;
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::sensors

@@ -1,0 +1,107 @@
+#include "engine/effects.hpp"
+
+#include "engine/controller.hpp"
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+using test::box;
+using test::SceneBuilder;
+using testing::ElementsAre;
+
+TEST(Effects, ComeBySourceDeviceAndSequence) {
+  Effects effects;
+  effects.reserve(4);
+  effects.emit({.source = BodyId(2), .device = 0, .sequence = 1, .verb = 21});
+  effects.emit({.source = BodyId(1), .device = 1, .sequence = 0, .verb = 10});
+  effects.emit({.source = BodyId(2), .device = 0, .sequence = 0, .verb = 20});
+  effects.emit({.source = BodyId(1), .device = 0, .sequence = 5, .verb = 5});
+  std::vector<std::uint32_t> verbs;
+  for (const Effect& effect : effects.sorted()) verbs.push_back(effect.verb);
+  EXPECT_THAT(verbs, ElementsAre(5, 10, 20, 21));
+  EXPECT_THROW(effects.emit({}), std::length_error) << "more than was declared";
+  effects.clear();
+  EXPECT_TRUE(effects.empty());
+  EXPECT_NO_THROW(effects.emit({}));
+}
+
+/// Every holder reaches for body 1, once it has run for a tick; the one whose effect is applied first has it.
+struct Holder {
+  struct State {
+    std::uint32_t holder = 0;  ///< id of who has this body
+    std::uint32_t reached = 0;
+    TROUPE_FIELDS(holder, reached)
+  };
+
+  static DeviceKind kind() {
+    DeviceKind kind{.name = "holder", .text = ""};
+    kind.prepare = [](const Record&, const Pose&) {
+      return DeviceKind::Prepared{
+          .data = 0, .percepts = memory_fields<State>(), .percept_bytes = sizeof(State), .most_effects = 1};
+    };
+    kind.act = [](const DeviceBatch& batch) {
+      for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+        ++batch.state.as<State>(batch.slot(i)).reached;
+        batch.emit(i, 0, 0, BodyId(1));
+      }
+      if (throws) throw std::runtime_error("dropped");
+    };
+    kind.apply = [](World& world, const std::any&, const Effect& effect) {
+      State& target = state(world, effect.target);
+      if (target.holder == 0) target.holder = effect.source.value;
+    };
+    return kind;
+  }
+  static State& state(World& world, BodyId body) {
+    const Row row = world.row(body);
+    return world.state(world.type(row).devices.front()).as<State>(world.slot(row));
+  }
+  static inline bool throws = false;
+};
+
+TEST(Effects, TheFirstOfManyHasItOnAnyNumberOfThreads) {
+  Registry registry = test::registry();
+  registry.devices.push_back(Holder::kind());
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    SceneBuilder scene;
+    const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+    scene[type].devices = {{.name = "hand", .kind = "holder", .params = {}, .where = {}}};
+    for (int i = 0; i < 700; ++i) scene.body(std::to_string(i), type, {(i * 37 % 700) * 1.0, 0, 0, 0});
+    Diagnostics diagnostics;
+    World world(scene.spec, registry, {.threads = threads}, diagnostics);
+    world.step();
+    EXPECT_EQ(Holder::state(world, BodyId(1)).holder, 1u);
+    EXPECT_EQ(Holder::state(world, BodyId(700)).reached, 1u);
+    EXPECT_EQ(Holder::state(world, BodyId(700)).holder, 0u);
+  }
+}
+
+TEST(Effects, OfAStepThatThrewAreForgotten) {
+  Registry registry = test::registry();
+  registry.devices.push_back(Holder::kind());
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {{.name = "hand", .kind = "holder", .params = {}, .where = {}}};
+  for (int i = 0; i < 3; ++i) scene.body(std::to_string(i), type, {i * 1.0, 0, 0, 0});
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  world.step();
+  const std::uint64_t after_one = world.hashes().state;
+  Holder::throws = true;
+  EXPECT_THROW(world.step(), std::runtime_error);
+  Holder::throws = false;
+  world.reset();
+  EXPECT_EQ(Holder::state(world, BodyId(1)).holder, 0u);
+  world.step();
+  EXPECT_EQ(world.hashes().state, after_one);
+}
+
+}  // namespace
+}  // namespace troupe::engine

@@ -1,0 +1,85 @@
+#include "sensors/bumper.hpp"
+
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace troupe::sensors {
+namespace {
+
+using engine::World;
+using test::box;
+using test::SceneBuilder;
+using ::testing::ElementsAre;
+
+engine::Value strip(const Pose& pose) {
+  return std::vector<engine::Record>{{pose.x, pose.y, pose.z, pose.heading}};
+}
+
+/// A robot of 0.4 m with a strip of 0.3 m before it and one behind it, each 1 cm off.
+struct BumperScene : SceneBuilder {
+  explicit BumperScene(const Pose& pose = {}) {
+    const TypeId type = robot("robot", {box(0.4, 0.4)});
+    const std::vector<engine::Record> strips{{strip({0.21, 0, 0, 0}), 0.3},
+                                             {strip({-0.21, 0, 0, k_pi}), 0.3}};
+    (*this)[type].devices = {{.name = "bumper", .kind = "bumper", .params = {strips, 0.02}, .where = {}}};
+    body("r", type, pose);
+  }
+};
+
+struct Felt {
+  std::vector<int> hits;
+  std::vector<std::uint32_t> bodies;
+};
+
+Felt felt(World& world) {
+  world.step();
+  const Row row = world.row(BodyId(1));
+  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
+  const auto hits = table.cell<std::uint8_t>(world.slot(row), k_bumper_hit);
+  const auto bodies = table.cell<std::uint32_t>(world.slot(row), k_bumper_body);
+  return {{hits.begin(), hits.end()}, {bodies.begin(), bodies.end()}};
+}
+
+TEST(Bumper, ARobotThatDrivesIntoAWallFeelsIt) {
+  BumperScene scene;
+  const BodyId wall = scene.wall(1.005, -2, 1.2, 2);
+  World world = scene.world();
+  world.set_command(world.row(BodyId(1)), {.x = 1});
+  int first_hit = 0;
+  for (int tick = 1; tick <= 20 && first_hit == 0; ++tick)
+    if (felt(world).hits[0] != 0) first_hit = tick;
+  // The drive of tick 1 moves it in that tick: after tick n it stands at 0.1 n. Its front is at the wall's
+  // face, less 5 mm, after tick 8, which tick 9 is the first to sense.
+  EXPECT_EQ(first_hit, 9);
+  for (int tick = 0; tick < 5; ++tick) {
+    const Felt now = felt(world);
+    EXPECT_THAT(now.hits, ElementsAre(1, 0));
+    EXPECT_THAT(now.bodies, ElementsAre(wall.value, 0u));
+  }
+  EXPECT_TRUE(world.stalled(world.row(BodyId(1))));
+}
+
+TEST(Bumper, FeelsOtherRobotsOfAnyHeightButNotItself) {
+  BumperScene scene({0, 0, 0, k_pi / 2});
+  const TypeId other = scene.robot("other", {box(0.2, 0.2, 0.05)});
+  const BodyId o = scene.body("o", other, {0.1, -0.305, 0, 0.0});
+  World world = scene.world();
+  const Felt now = felt(world);
+  EXPECT_THAT(now.hits, ElementsAre(0, 1));
+  EXPECT_THAT(now.bodies, ElementsAre(0u, o.value));
+}
+
+TEST(Bumper, EndsWhereItsLengthEnds) {
+  BumperScene scene;
+  scene.wall(0.205, 0.171, 0.3, 0.5);
+  World beyond = scene.world();
+  EXPECT_THAT(felt(beyond).hits, ElementsAre(0, 0));
+  scene.wall(0.205, 0.169, 0.3, 0.5);
+  World within = scene.world();
+  EXPECT_THAT(felt(within).hits, ElementsAre(1, 0));
+}
+
+}  // namespace
+}  // namespace troupe::sensors

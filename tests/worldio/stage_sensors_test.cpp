@@ -1,0 +1,134 @@
+#include "tests/worldio/stage_fixture.hpp"
+#include "troupe/registry.hpp"
+
+namespace troupe::worldio {
+namespace {
+
+using engine::get;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// What a Stage world says of the sensors that look at bodies, as parameters of ours.
+class StageSensors : public StageTest {
+ protected:
+  static const engine::Registry& registry() {
+    static const engine::Registry all = make_registry();
+    return all;
+  }
+  engine::WorldSpec load_all(std::string_view text) {
+    return read(folder() / "w.world", std::string(text), {}, registry());
+  }
+  /// The one device of the one robot of the world; empty where the load went wrong.
+  engine::DeviceSpec device(std::string_view children) {
+    const engine::WorldSpec spec = load_all("position( " + std::string(children) + " )");
+    if (spec.bodies.size() < 2 || type_of(spec, 1).devices.empty()) return {};
+    return type_of(spec, 1).devices[0];
+  }
+  static const engine::Value& param(const engine::DeviceSpec& device, std::string_view name) {
+    return get(registry().device(device.kind)->params, device.params, name);
+  }
+};
+
+TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
+  const auto spec = load_all(
+      "unit_length \"cm\"\n"
+      "position( size [40 40 30] fiducial_return 3 fiducial_key 2\n"
+      " fiducial( range_min 20 apply_range_min 1 range_max 400 range_max_id 150 fov 90 ignore_zloc 1 "
+      "fiducial_key 7 ) )");
+  const engine::TypeSpec& type = type_of(spec, 1);
+  EXPECT_EQ(type.parts[0].returns.fiducial, 3);
+  EXPECT_EQ(type.parts[0].returns.fiducial_key, 2);
+  ASSERT_EQ(type.devices.size(), 1u);
+  const engine::DeviceSpec& finder = type.devices[0];
+  EXPECT_EQ(finder.kind, "fiducial");
+  EXPECT_DOUBLE_EQ(finder.pose_body_sensor.z, 0.3);
+  EXPECT_DOUBLE_EQ(param(finder, "range_min").number(), 0.2);
+  EXPECT_TRUE(param(finder, "apply_range_min").boolean());
+  EXPECT_DOUBLE_EQ(param(finder, "range_max").number(), 4);
+  EXPECT_DOUBLE_EQ(param(finder, "range_max_id").number(), 1.5);
+  EXPECT_DOUBLE_EQ(param(finder, "fov").number(), k_pi / 2);
+  EXPECT_TRUE(param(finder, "ignore_zloc").boolean());
+  EXPECT_EQ(param(finder, "key").integer(), 7);
+}
+
+TEST_F(StageSensors, ABlobfinderFiltersByAsManyColoursAsItCounts) {
+  const engine::DeviceSpec finder = device(
+      "blobfinder( image [40 20] range 3 fov 90 pan 30 colors_count 2 colors [\"red\" \"blue\" \"green\"] )");
+  EXPECT_EQ(param(finder, "image_width").integer(), 40);
+  EXPECT_EQ(param(finder, "image_height").integer(), 20);
+  EXPECT_EQ(param(finder, "range").number(), 3);
+  EXPECT_DOUBLE_EQ(param(finder, "fov").number(), k_pi / 2);
+  EXPECT_DOUBLE_EQ(param(finder, "pan").number(), k_pi / 6);
+  EXPECT_THAT(param(finder, "colors").numbers(), ElementsAre(1, 0, 0, 0, 0, 1));
+  EXPECT_THAT(param(device("blobfinder( colors [\"red\"] )"), "colors").numbers(), IsEmpty());
+}
+
+TEST_F(StageSensors, WrongColoursAreErrors) {
+  device("blobfinder( colors_count 1 colors [\"rde\"] )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: unknown colour \"rde\"; colours have X11 names "
+                                      "(did you mean \"red\"?)"));
+  device("blobfinder( colors_count 3 colors [\"red\" \"blue\"] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"colors_count\" must be from 0 to 2, as many as there "
+                          "are \"colors\"; here is 3"));
+  device("blobfinder( image [40.5 20] )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"image\" needs whole numbers; here is 40.5"));
+}
+
+TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
+  const engine::DeviceSpec bumper = device(
+      "bumper( size [0.1 0.1 0.1] bcount 2 blength 0.3 blength[1] 0.2 bpose[0] [0.1 0.2 0 45] bpose[1] [0.1 "
+      "-0.2 0 -45] )");
+  const std::vector<engine::Record>& strips = param(bumper, "bumpers").records();
+  ASSERT_EQ(strips.size(), 2u);
+  EXPECT_EQ(strips[0][1].number(), 0.3);
+  EXPECT_EQ(strips[1][1].number(), 0.2);
+  EXPECT_DOUBLE_EQ(strips[1][0].records()[0][1].number(), -0.2);
+  EXPECT_DOUBLE_EQ(strips[1][0].records()[0][3].number(), -k_pi / 4);
+}
+
+TEST_F(StageSensors, WrongBumpersAreErrors) {
+  device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: bumper 1 has no length: give \"blength\" or \"blength[1]\""));
+  device("bumper( size [0.1 0.1 0.1] bcount 0 )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000; here is 0"));
+  device("bumper( size [0.1 0.1 0.1] )");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: a bumper without \"bcount\" feels nothing"));
+}
+
+TEST_F(StageSensors, ACameraIsWrittenInDegrees) {
+  const engine::WorldSpec spec = load_all(
+      "unit_length \"cm\" unit_angle \"radians\"\n"
+      "position( camera( resolution [64 48] range [10 500] fov [60 45] pantilt [30 -10] alwayson 1 ) )");
+  ASSERT_EQ(type_of(spec, 1).devices.size(), 1u);
+  const engine::DeviceSpec& camera = type_of(spec, 1).devices[0];
+  EXPECT_EQ(param(camera, "width").integer(), 64);
+  EXPECT_EQ(param(camera, "height").integer(), 48);
+  EXPECT_DOUBLE_EQ(param(camera, "range_near").number(), 0.1);
+  EXPECT_DOUBLE_EQ(param(camera, "range_far").number(), 5);
+  EXPECT_DOUBLE_EQ(param(camera, "fov_horizontal").number(), radians(60));
+  EXPECT_DOUBLE_EQ(param(camera, "fov_vertical").number(), radians(45));
+  EXPECT_DOUBLE_EQ(param(camera, "pan").number(), radians(30));
+  EXPECT_DOUBLE_EQ(param(camera, "tilt").number(), radians(-10));
+}
+
+TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
+  const engine::DeviceSpec ranger = device(
+      "ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "
+      "apply_range_min 1 ) )");
+  const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
+  const engine::Record& transducer = param(ranger, "transducers").records()[0];
+  EXPECT_DOUBLE_EQ(get(table, transducer, "noise_stddev").number(), 0.1);
+  EXPECT_EQ(get(table, transducer, "noise_proportional").number(), 0.2);
+  EXPECT_DOUBLE_EQ(get(table, transducer, "noise_angular").number(), 0.5 * radians(1) * radians(10));
+  EXPECT_DOUBLE_EQ(get(table, transducer, "beam_width").number(), radians(15));
+  EXPECT_TRUE(get(table, transducer, "apply_range_min").boolean());
+  EXPECT_TRUE(param(ranger, "intensity").boolean());
+  device("ranger( sensor( noise [-1 0 0] ) )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"noise\" needs values of 0 or above: [variance share angle]"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio
