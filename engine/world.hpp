@@ -177,7 +177,6 @@ class World {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
   /// Whether two rows belong to one tree, whose parts do not see one another.
-  bool same_tree(Row a, Row b) const { return a == b; }
   /// Whether what the row's device, or drive, runs on has something left; true where it runs on nothing.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     if (!supply) return true;
