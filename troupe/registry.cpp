@@ -33,11 +33,10 @@ engine::Registry make_registry() {
                       models::flags_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
-      models::expand_controller(),    models::wander_controller(),   models::script_controller(),
-      models::waypoints_controller(), models::source_controller(),   models::sink_controller(),
-      models::fasr_controller(),      models::fasr2_controller(),    models::pioneer_flocking_controller(),
-      models::dynamic_controller(),
-                          models::lasernoise_controller(),   models::rasterize_controller()};
+      models::expand_controller(),    models::wander_controller(),     models::script_controller(),
+      models::waypoints_controller(), models::source_controller(),     models::sink_controller(),
+      models::fasr_controller(),      models::fasr2_controller(),      models::pioneer_flocking_controller(),
+      models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
