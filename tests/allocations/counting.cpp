@@ -35,13 +35,15 @@ void release(void* place) {
 
 }  // namespace
 
-// The array and nothrow forms call these.
+// The array forms call these. The nothrow form would, too, but an address sanitizer brings its own.
 void* operator new(std::size_t size) { return allocate(size, 1); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, 1); }
 void* operator new(std::size_t size, std::align_val_t align) {
   return allocate(size, static_cast<std::size_t>(align));
 }
 void operator delete(void* place) noexcept { release(place); }
 void operator delete(void* place, std::size_t) noexcept { release(place); }
+void operator delete(void* place, const std::nothrow_t&) noexcept { release(place); }
 void operator delete(void* place, std::align_val_t) noexcept { release(place); }
 void operator delete(void* place, std::size_t, std::align_val_t) noexcept { release(place); }
 
