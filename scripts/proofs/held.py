@@ -6,7 +6,7 @@ from .table import Progress, print_row
 TICKS = 300
 QUICK_TICKS = 50
 WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
-          World("crowd.json", weight=0.2, ranging="grid"), World("errands.json", weight=0.05),
+          World("crowd.json", weight=0.2, ranging="grid"), World("errands.json", weight=0.05, casts=False),
           World("energy.json", weight=0.1), World("foraging.json", weight=0.1))
 
 
@@ -28,7 +28,7 @@ def hold(world, proofs, ticks, folder, golden=None):
                     found += compare_golden(world, ticks, state_of(lines[-1]), golden, where)
             elif text := difference(expected, lines):
                 found.append(f"{where}: {text}")
-        if proof.verify and (text := proof.verify()):
+        if proof.verify and world.casts and (text := proof.verify()):
             found.append(f"{world.name}, {proof.name}: {text}")
         progress.clear()
         print_row((f"{world.name}: {proof.name}", proof.about, ticks, "DIFFERS" if found else "same bits",

@@ -21,6 +21,8 @@ class World:
     weight: float = 1.0
     # Ray engine, where it is not the world's own.
     ranging: str = ""
+    # Whether its robots cast rays: where none do, no kernels are dispatched.
+    casts: bool = True
 
     @property
     def key(self):
