@@ -209,9 +209,11 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
 
   if (const JsonNode* node = object.find("drive"))
     type.spec.drive = read_drive(JsonCursor(at, "drive", *node), registry);
-  for (const auto& [key, list] :
-       {std::pair("sensors", DeviceList::sensors), {"devices", DeviceList::devices}})
+  const auto devices_of = [&](std::string_view key, DeviceList list) {
     each_of(key, [&](const JsonCursor& cursor) { read_device(cursor, list, registry, type.spec.devices); });
+  };
+  devices_of("sensors", DeviceList::sensors);
+  devices_of("devices", DeviceList::devices);
 
   const JsonNode* one = object.find("controller");
   if (one) read_controller(JsonCursor(at, "controller", *one), registry, type.spec.controllers);

@@ -8,7 +8,6 @@
 namespace troupe::worldio {
 
 using engine::Record;
-using engine::Value;
 
 /// `colors` are names, of which the first `colors_count` filter; none do where that is not given.
 bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKind& kind,
