@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+
 namespace troupe {
 
 /// Red, green, blue and opacity, each from 0 to 1.
@@ -10,5 +13,10 @@ struct Color {
   float a = 1;
   friend bool operator==(const Color&, const Color&) = default;
 };
+
+/// A part of a colour in 8 bits, rounded half up; parts beyond 0 to 1 are the nearest of these.
+inline std::uint8_t to_byte(float part) {
+  return static_cast<std::uint8_t>((static_cast<int>(std::clamp(part, 0.0f, 1.0f) * 510) + 1) / 2);
+}
 
 }  // namespace troupe

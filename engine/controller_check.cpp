@@ -159,8 +159,8 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
                              const DecideBatch& batch) {
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
                              [static_cast<std::size_t>(&controller - type.controllers.data())];
-  const auto parts = [](const Watched& of) { return std::pair(of.written.size(), of.kept.size()); };
-  const auto [written, kept] = parts(watched);
+  const std::size_t written = watched.written.size();
+  const std::size_t kept = watched.kept.size();
   Decisions here{.given = batch, .rows = {batch.rows.begin(), batch.rows.end()}};
   here.written_before.resize(written);
   here.written_after.resize(written);

@@ -84,8 +84,7 @@ class Writer {
     state_.cell<float>(slot_, k_blob_range)[i] = static_cast<float>(range);
     const auto parts = state_.cell<std::uint8_t>(slot_, k_blob_color).subspan(4 * i, 4);
     const std::array<float, 4> from{blob.color.r, blob.color.g, blob.color.b, blob.color.a};
-    for (std::size_t k = 0; k < from.size(); ++k)
-      parts[k] = static_cast<std::uint8_t>((static_cast<int>(std::clamp(from[k], 0.0f, 1.0f) * 510) + 1) / 2);
+    for (std::size_t k = 0; k < from.size(); ++k) parts[k] = to_byte(from[k]);
   }
 
   const Finder& finder_;

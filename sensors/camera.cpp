@@ -109,7 +109,8 @@ class Painter {
       return std::tuple(c.body, c.solid, c.ranger_return < 0, c.piece);
     };
     std::ranges::sort(chains_, {}, key);
-    chains_.erase(std::ranges::unique(chains_, {}, key).begin(), chains_.end());
+    const auto same = [&](const OutlineChain& a, const OutlineChain& b) { return key(a) == key(b); };
+    chains_.erase(std::unique(chains_.begin(), chains_.end(), same), chains_.end());
 
     regions_.clear();
     region_of_.clear();
@@ -231,8 +232,7 @@ class Painter {
     const engine::Sighting sighting{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
     const Color color = seen != nullptr ? color_of(*world_, sighting) : is_floor ? k_floor : k_sky;
     const std::array<float, 4> parts{color.r, color.g, color.b, color.a};
-    for (std::size_t k = 0; k < parts.size(); ++k)
-      color_[4 * pixel + k] = static_cast<std::uint8_t>(std::clamp(parts[k], 0.0f, 1.0f) * 255 + 0.5f);
+    for (std::size_t k = 0; k < parts.size(); ++k) color_[4 * pixel + k] = to_byte(parts[k]);
     depth_[pixel] = static_cast<float>(nearest);
   }
 
