@@ -5,13 +5,13 @@
 #include "models/flags.hpp"
 #include "models/floor_plan.hpp"
 #include "models/power.hpp"
+#include "models/scan_ahead.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -180,19 +180,7 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
   const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
-  const std::size_t n = scan.size();
-  bool obstruction = false;
-  bool stop = false;
-  float left = std::numeric_limits<float>::infinity();
-  float right = left;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i > n / 4 && i < n - n / 4) {
-      obstruction = obstruction || scan[i] < k_min_front;
-      stop = stop || scan[i] < k_stop;
-    }
-    float& side = i > n / 2 ? left : right;
-    side = std::min(side, scan[i]);
-  }
+  const auto [obstruction, stop, left, right] = look_ahead(scan, scan.size() / 4, k_min_front, k_stop);
   if (!obstruction && !stop && memory.avoid_updates == 0) return false;
   actions.command.x = stop ? 0 : k_avoid_speed;
   actions.command.y = 0;

@@ -1,9 +1,7 @@
 #include "models/wander.hpp"
 
 #include "engine/controller.hpp"
-
-#include <algorithm>
-#include <limits>
+#include "models/scan_ahead.hpp"
 
 namespace troupe::models {
 namespace {
@@ -66,21 +64,7 @@ struct Wander {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     const std::span<const float> scan = percept.ranges(0).first(samples);
-    const std::size_t n = scan.size();
-    bool obstruction = false;
-    bool stop = false;
-    float left = std::numeric_limits<float>::infinity();
-    float right = left;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i > n / 3 && i < n - n / 3) {
-        obstruction = obstruction || scan[i] < min_front;
-        stop = stop || scan[i] < stop_distance;
-      }
-      if (i > n / 2)
-        left = std::min(left, scan[i]);
-      else
-        right = std::min(right, scan[i]);
-    }
+    const auto [obstruction, stop, left, right] = look_ahead(scan, scan.size() / 3, min_front, stop_distance);
     // Whatever was commanded from outside before, it is speeds from now on.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
