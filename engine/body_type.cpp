@@ -20,6 +20,17 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
+/// The joint of each piece of obstacle_shape().
+std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
+  std::vector<std::int32_t> joints;
+  for (const PartSpec& part : spec.parts) {
+    if (!part.returns.obstacle) continue;
+    for (const Solid& solid : part.solids)
+      joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
+  }
+  return joints;
+}
+
 void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
   std::uint32_t solid_number = 0;
@@ -32,7 +43,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
           for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
           outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
                               static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p,
-                              solid_number});
+                              solid_number, part.joint});
           type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
         }
         ++solid_number;
@@ -46,9 +57,13 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
     type.targets.push_back(p);
     radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
   }
-  if (is_mobile(spec) || !spec.devices.empty()) {  // others: the static scene
+  const bool can_be_gripped =
+      std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
+  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped) {  // others: the static scene
     try {
       type.obstacle = obstacle_shape(spec);
+      type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
+      if (!spec.joints.empty()) type.obstacle_joints = joints_of_pieces(spec);
     } catch (const std::length_error& fault) {
       diagnostics.error(spec.parts.front().where,
                         fmt::format("a body of type \"{}\": {}", spec.name, fault.what()));
@@ -98,7 +113,7 @@ void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnos
 }  // namespace
 
 double BodyType::row_bytes() const {
-  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
+  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2) + joints.size() * sizeof(Pose));
   for (const Device& device : devices) {
     for (const StateField& field : device.prepared.percepts)
       sum += static_cast<double>(element_size(field.element)) * field.columns;
@@ -140,6 +155,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type, diagnostics);
+  for (const JointSpec& joint : spec.joints) {
+    const Mount at_rest(joint.pose_body_joint);
+    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
+  }
+
+  for (std::size_t j = 0; j < spec.joints.size(); ++j)
+    if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
+      diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -174,6 +197,15 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                       samples, k_most_readings));
       continue;
     }
+    const auto joints = static_cast<std::int64_t>(kind->joints.size());
+    const auto known = static_cast<std::int64_t>(spec.joints.size());
+    const bool moves = joints > 0 && sensor.moves != k_rigid;
+    if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
+        (moves ? sensor.moves + joints > known : joints > 0)) {
+      diagnostics.error(sensor.where,
+                        fmt::format("device \"{}\" needs joints that its type does not have", sensor.kind));
+      continue;
+    }
     // Readings are found, and hashed, by name.
     std::string name = sensor.name;
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
@@ -196,8 +228,12 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                             period_ticks(sensor.period_s, tick_s),
                             sensor.active,
                             sensor.part,
+                            sensor.joint,
+                            sensor.moves,
                             stream,
                             {}});
+    type.carries = type.carries || kind->carries;
+    if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
   connect_supplies(spec, type, diagnostics);
 

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "base/color.hpp"
+#include "base/geometry.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
 #include "engine/effects.hpp"
 #include "engine/fields.hpp"
 #include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
+#include "engine/mount.hpp"
 #include "engine/state_table.hpp"
 
 #include <any>
@@ -22,6 +24,7 @@
 namespace troupe::engine {
 
 class World;
+struct Links;
 struct Registry;
 struct TypeSpec;
 struct WorldSpec;
@@ -50,6 +53,7 @@ struct DeviceBatch {
   StateTable& state;           ///< the device's rows, by slot; of `rows` it may write its own
   const StateTable* commands;  ///< what controllers asked of it, by slot; null where the kind takes none
   Effects& effects;            ///< what it does to others goes here
+  Links& links;                ///< where its joints are to go: see move_joint()
   std::uint32_t device = 0;    ///< its index within the type
   std::uint32_t stream = 0;    ///< of its random numbers
   double period_s = 0;         ///< since it last ran
@@ -58,6 +62,16 @@ struct DeviceBatch {
   std::size_t slot(std::size_t i) const;
   /// Its random numbers in this tick.
   Random random(std::size_t i) const;
+  /// Where the body's frame is in the world as seen from the device: that of the joint it stands on.
+  Mount mount(std::size_t i) const;
+  /// Where the n-th joint that the device moves is, relative to its rest.
+  const Pose& joint(std::size_t i, std::size_t n) const;
+  /// In `act`: where it is to go in this tick. Joints of one device, and of one body with all that it
+  /// carries, that are asked in one round go together or not at all.
+  void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
+  /// In `settled`: whether it was asked to move, and whether it did.
+  bool asked_joint(std::size_t i, std::size_t n) const;
+  bool moved_joint(std::size_t i, std::size_t n) const;
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -70,6 +84,16 @@ struct DeviceKind {
   std::string_view name;
   std::string_view text;
   FieldTable params;
+  /// Names of the joints that it moves; a single one needs none.
+  std::vector<std::string_view> joints;
+  /// Whether it can pick up other bodies.
+  bool carries = false;
+  /// The body that it brings along, in its own frame, its joints at rest. Null: none.
+  struct Fixture {
+    Solid solid;
+    std::int32_t joint = -1;  ///< of its own, that the solid moves with
+  };
+  std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// Parameters -> what `sense` needs; also says what state a row has.
   struct Prepared {
     std::any data;
@@ -93,12 +117,17 @@ struct DeviceKind {
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
+  /// Where its joints are at tick 0, which stand at rest unless this says otherwise.
+  void (*start_joints)(const std::any& data, std::span<Pose> joints) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
   /// Returns the rays it cast. Null: it senses nothing.
   std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
   /// Before the controllers decide, as drives do: carries out the commands of the tick before. Null: it does
   /// nothing.
   void (*act)(const DeviceBatch& batch) = nullptr;
+  /// When bodies and joints have moved, for all rows of which some were asked to move a joint: learns what
+  /// became of its own.
+  void (*settled)(const DeviceBatch& batch) = nullptr;
   /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;

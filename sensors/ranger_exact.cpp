@@ -20,6 +20,8 @@ class Caster {
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     const engine::World& world = batch.world;
     world_ = &world;
+    joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
+    carrying_ = world.carried_count() > 0;
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
@@ -52,8 +54,14 @@ class Caster {
   /// everything else.
   void cast(const BeamGroup& group, Row row) {
     self_ = row;
-    z_ = world_->poses()[row.index()].z + group.z;
-    aim(group, world_->transform(row));
+    if (joint_ == engine::k_rigid) {
+      z_ = world_->poses()[row.index()].z + group.z;
+      aim(group, world_->transform(row));
+    } else {
+      const engine::Mount mount = world_->mount(row, joint_);
+      z_ = mount.z + group.z;
+      aim(group, mount.transform);
+    }
     surroundings_.look_from(reference_);
     const Surroundings::Band first = surroundings_.band(0);
     const auto at_hand = std::min(farthest_, static_cast<float>(surroundings_.at_hand()));
@@ -102,7 +110,7 @@ class Caster {
       const std::uint32_t row = met_.row[i];
       if (row >= Surroundings::k_fixed)
         add_fixed(row - Surroundings::k_fixed, met_.beams[i]);
-      else if (row != self_.value)
+      else if (row != self_.value && !(carrying_ && world_->same_tree(Row(row), self_)))
         add_body(Row(row), met_.beams[i]);
     }
     if (edges_.empty()) return;
@@ -123,7 +131,9 @@ class Caster {
     const std::span<const Vec2> vertices = world_->outline(body);
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
-      if (!outline.z.shifted(base).contains(z_)) continue;
+      const double lifted =
+          outline.joint == engine::k_rigid ? base : base + world_->lift(body, outline.joint);
+      if (!outline.z.shifted(lifted).contains(z_)) continue;
       const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
       const Vec2* before = &ring.back();
       for (std::size_t done = 0; done < ring.size();) {
@@ -151,6 +161,8 @@ class Caster {
   Wobbling wobbling_;
   Random random_{0, 0, 0, 0};
   Row self_;
+  std::int32_t joint_ = engine::k_rigid;
+  bool carrying_ = false;
   double z_ = 0;
   Vec2 reference_ = Vec2::Zero();  // world frame
   partition::Fan fan_;

@@ -24,6 +24,9 @@ class StageKinds {
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Of a model that is a device of this kind; empty, with errors, where its properties are wrong.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
+  /// Of a gripper whose model is of this size.
+  std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
+                                            const Eigen::Vector3d& size);
   std::optional<engine::DriveSpec> drive(const StageModel& model);
   /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
   /// parameter=value.

@@ -406,21 +406,6 @@ TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
                           "than half"));
 }
 
-TEST_F(StageWorld, TheGripperIsABaseAndTwoPaddles) {
-  const auto spec =
-      load("gripper( size [2 4 1] paddle_size [0.5 0.25 0.5] )\ngripper( paddle_size [1 2 3] )");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("not supported yet: what a gripper does"),
-                          "w.world:2: error: \"paddle_size\" needs fractions of the gripper's size, between "
-                          "0 and 1, y below 0.5"));
-  const auto& solids = type_of(spec, 1).parts[0].solids;
-  ASSERT_THAT(solids, SizeIs(3));
-  expect_box(bounds(solids[0].contours[0]), -1, 0, -2, 2);
-  expect_box(bounds(solids[1].contours[0]), 0, 1, 1, 2);
-  expect_box(bounds(solids[2].contours[0]), 0, 1, -2, -1);
-  EXPECT_EQ(solids[1].z, (ZInterval{0, 0.5}));
-}
-
 TEST_F(StageWorld, ZeroAndNegativeSizesAreErrors) {
   load(
       "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [0 1 1] ) )\nmodel( size [1000000 "

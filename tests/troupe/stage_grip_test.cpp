@@ -1,0 +1,111 @@
+#include "engine/world.hpp"
+#include "models/actuator.hpp"
+#include "models/gripper.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/simulation.hpp"
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+namespace troupe {
+namespace {
+
+using models::ActuatorCommand;
+using models::ActuatorState;
+using models::GripperState;
+using ::testing::HasSubstr;
+
+/// Grippers and actuators of .world files.
+class StageGrip : public test::ScratchTest {
+ protected:
+  Simulation load(std::string_view text) {
+    return Simulation(write("w.world", text), SimulationOptions{.threads = 1});
+  }
+  /// The device of a body that is called so.
+  static const engine::BodyType::Device& device(const engine::World& world, Row row, std::string_view name) {
+    for (const engine::BodyType::Device& device : world.type(row).devices)
+      if (device.name == name) return device;
+    throw std::runtime_error("no such device");
+  }
+  template <class State>
+  static const State& state(const Simulation& simulation, std::string_view body, std::string_view name) {
+    const engine::World& world = simulation.world();
+    const Row row = world.row(world.find(body));
+    return world.percepts(device(world, row, name)).template as<State>(world.slot(row));
+  }
+  static void step(Simulation& simulation, int ticks) {
+    for (int t = 0; t < ticks; ++t) simulation.step();
+  }
+};
+
+TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
+  Simulation simulation = load(
+      "position( name \"r\" gripper( alwayson 1 size [2 4 1] paddle_size [0.5 0.25 0.5] "
+      "paddle_state [\"closed\" \"up\"] ) )");
+  const auto& parts = simulation.world().spec().types.back().parts;
+  ASSERT_EQ(parts.size(), 4u);
+  EXPECT_EQ(bounds(parts[1].solids[0].contours[0]).max, Vec2(0, 2)) << "the base";
+  EXPECT_EQ(bounds(parts[2].solids[0].contours[0]).min, Vec2(0, 1)) << "the left paddle, open";
+  EXPECT_EQ(bounds(parts[3].solids[0].contours[0]).max, Vec2(1, -1)) << "the right one";
+  EXPECT_EQ(parts[2].solids[0].z, (ZInterval{1, 1.5})) << "on the robot, and down";
+
+  const auto& gripper = state<GripperState>(simulation, "r", "gripper:0");
+  EXPECT_EQ(gripper.paddles, GripperState::closed);
+  EXPECT_EQ(gripper.lift, GripperState::is_up);
+  const engine::World& world = simulation.world();
+  const Row row = world.row(world.find("r"));
+  EXPECT_EQ(world.joint_state(row, 0), (Pose{0, -1, 0.5, 0})) << "left: a metre to the middle, half one up";
+  EXPECT_EQ(world.joint_state(row, 1), (Pose{0, 1, 0.5, 0}));
+  try {
+    load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )");
+    FAIL();
+  } catch (const InputError& fault) {
+    EXPECT_THAT(fault.what(),
+                HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's size, "
+                          "between 0 and 1, y below 0.5"));
+    EXPECT_THAT(fault.what(),
+                HasSubstr("\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]"));
+  }
+}
+
+// The gripper reaches from 0.2 to 0.4 m before the robot's origin; the puck stands between its paddles.
+TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
+  constexpr std::string_view k_world =
+      "define puck model( size [0.1 0.1 0.1] pose [0.34 0 0 0] gripper_return 1 )\n"
+      "position( name \"r\" size [0.4 0.4 0.3] stack_children 0\n"
+      "  gripper( pose [0.3 0 0 0] alwayson 1 autosnatch 1 ) )\n"
+      "puck( name \"o\" )\n";
+  Simulation simulation = load(k_world);
+  step(simulation, 30);
+  const engine::World& world = simulation.world();
+  EXPECT_EQ(world.carrier(world.row(world.find("o"))), world.find("r"));
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").held, world.find("o").value + 1);
+
+  std::string smooth(k_world);
+  smooth.replace(smooth.find("gripper_return 1"), 16, "gripper_return 0");
+  Simulation unfelt = load(smooth);
+  step(unfelt, 30);
+  EXPECT_EQ(state<GripperState>(unfelt, "r", "gripper:0").paddle_position, 0);
+}
+
+TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
+  Simulation simulation = load(
+      "position( name \"r\" size [0.4 0.4 0.2]\n"
+      "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
+      "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
+      "    model( name \"hand\" size [0.1 0.1 0.1] ) ) )\n");
+  const engine::World& world = simulation.world();
+  const Row row = world.row(world.find("r"));
+  const double along = 0.5 / sqrt(2.0);
+  EXPECT_NEAR(world.joint_state(row, 0).x, along, 1e-12);
+  EXPECT_NEAR(world.joint_state(row, 0).z, along, 1e-12);
+  EXPECT_EQ(state<ActuatorState>(simulation, "r", "arm").position, 0.5);
+  // The outline of what stands on the arm is moved; that of the robot is not.
+  EXPECT_NEAR(world.outline(row)[0].x(), -0.2, 1e-12);
+  EXPECT_NEAR(world.outline(row)[8].x(), -0.05 + along, 1e-12);
+  EXPECT_NEAR(world.lift(row, world.type(row).outlines[2].joint), along, 1e-12);
+}
+
+}  // namespace
+}  // namespace troupe
