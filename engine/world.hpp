@@ -131,6 +131,8 @@ class World {
   /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
   /// the joint moves. What the type says of parts and devices on that joint is said in this frame.
   Mount mount(Row row, std::int32_t joint) const;
+  /// No surface of the row's body is farther from its origin, with its joints as they are, m.
+  double radius(Row row) const { return row_radii_[row.index()]; }
   /// By how much that joint has raised what stands on it, m.
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid

@@ -108,7 +108,8 @@ DeviceKind actuator_kind() {
                                 .percepts = engine::memory_fields<ActuatorState>(),
                                 .percept_bytes = sizeof(ActuatorState),
                                 .commands = engine::memory_fields<ActuatorCommand>(),
-                                .command_bytes = sizeof(ActuatorCommand)};
+                                .command_bytes = sizeof(ActuatorCommand),
+                                .watts = 2};  // as in Stage
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;

@@ -192,6 +192,17 @@ double towards(double position, double end, double step) {
   return position < end ? position + step : position - step;
 }
 
+/// Ends what has come to its end.
+void finish(GripperState& state) {
+  using S = GripperState;
+  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
+    state.paddles = S::closed;
+  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
+    state.paddles = S::is_open;
+  if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
+  if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
+}
+
 void act(const DeviceBatch& batch) {
   using S = GripperState;
   const Gripper& gripper = *std::any_cast<Gripper>(&batch.data);
@@ -224,21 +235,13 @@ void act(const DeviceBatch& batch) {
       lift = towards(lift, state.lift == S::rising ? 1 : 0, step);
     state.asked_paddle = paddle;
     state.asked_lift = lift;
-    if (paddle == state.paddle_position && lift == state.lift_position) continue;
+    if (paddle == state.paddle_position && lift == state.lift_position) {
+      finish(state);
+      continue;
+    }
     batch.move_joint(i, k_left, gripper.left(paddle, lift));
     batch.move_joint(i, k_right, gripper.right(paddle, lift));
   }
-}
-
-/// Ends what has come to its end.
-void finish(GripperState& state) {
-  using S = GripperState;
-  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
-    state.paddles = S::closed;
-  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
-    state.paddles = S::is_open;
-  if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
-  if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
 }
 
 void settled(const DeviceBatch& batch) {

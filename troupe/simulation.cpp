@@ -151,9 +151,11 @@ Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 const std::string& Model::name() const { return place_->name; }
 
 Pose Model::pose() const {
-  const engine::WorldSpec& spec = place_->world->spec();
+  const engine::World& world = *place_->world;
+  const engine::WorldSpec& spec = world.spec();
   const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
-  return compose(place_->world->pose(place_->body), part.pose_body_part);
+  if (part.joint != engine::k_rigid) return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
+  return compose(world.pose(place_->body), part.pose_body_part);
 }
 
 Eigen::Vector3d Model::size() const {

@@ -620,6 +620,7 @@ void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine:
     type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
                             .kind = std::string(name),
                             .part = controller.part,
+                            .joint = type.parts[controller.part].joint,
                             .params = device->params.defaults(),
                             .period_s = controller.period_s,
                             .where = controller.where});
