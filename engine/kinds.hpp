@@ -105,6 +105,7 @@ struct DeviceKind {
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
     double watts = 0;                  ///< drawn from its supply while it runs
+    std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -117,8 +118,6 @@ struct DeviceKind {
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
-  /// Where its joints are at tick 0, which stand at rest unless this says otherwise.
-  void (*start_joints)(const std::any& data, std::span<Pose> joints) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
   /// Returns the rays it cast. Null: it senses nothing.
   std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;

@@ -27,6 +27,26 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
+/// How much a shape of a tree has to hold: what is not picked up by what is carried itself.
+struct Room {
+  std::size_t pieces = 0;
+  std::size_t corners = 0;
+
+  void add(const ObstacleShape& shape, std::size_t times) {
+    pieces += times * shape.pieces.size();
+    for (const ConvexPrism& piece : shape.pieces) corners = std::max(corners, piece.outline.size());
+  }
+};
+
+/// Of the types that can be picked up the one with most pieces; null: there is none.
+const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
+  const BodyType* most = nullptr;
+  for (const BodyType& type : types)
+    if (!type.grip.empty() && (!most || type.obstacle.pieces.size() > most->obstacle.pieces.size()))
+      most = &type;
+  return most;
+}
+
 /// Where a joint at q takes points of the body at rest, when its parent takes them to `parent`.
 Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
   if (q == Pose{}) return parent;
@@ -65,6 +85,19 @@ void World::build_links() {
   links.moved.resize(links.composites.size());
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
+
+  // So that the first grip of a run takes no memory; nor a later one, unless of what carries something.
+  constexpr std::size_t k_most_pieces = 64;  // beyond that room is made when it is needed
+  const BodyType* cargo = most_intricate_cargo(types_);
+  for (std::size_t c = 0; c < links.composites.size(); ++c) {
+    const BodyType& t = type(Row(links.composites[c]));
+    Room room;
+    room.add(t.obstacle, 1);
+    const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
+    if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
+    links.shapes[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+    links.moved[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+  }
 }
 
 std::span<Links::Joint> World::joints(Row row) {
@@ -155,9 +188,12 @@ void World::move_to_joints(Row row) {
   }
 }
 
+/// By id, so that sums over what is carried do not tell in which order it was picked up.
 void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
-  links_.next_cargo[cargo] = links_.first_cargo[carrier];
-  links_.first_cargo[carrier] = cargo;
+  std::uint32_t* at = &links_.first_cargo[carrier];
+  while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
+  links_.next_cargo[cargo] = *at;
+  *at = cargo;
   ++links_.carried;
 }
 

@@ -315,9 +315,8 @@ void World::start() {
 void World::start_joints(const BodyType& type) {
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
-    if (!device.kind->start_joints || device.table == 0) continue;
-    std::vector<Pose> joints(device.kind->joints.size());
-    device.kind->start_joints(device.prepared.data, joints);
+    if (device.table == 0) continue;
+    const std::vector<Pose>& joints = device.prepared.joints;
     for (std::size_t n = 0; n < joints.size(); ++n) {
       StateTable& table = tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table];
       for (std::size_t i = 0; i < table.rows(); ++i) table.as<Pose>(i) = joints[n];

@@ -104,19 +104,17 @@ DeviceKind actuator_kind() {
   }};
   kind.joints = {"joint"};
   kind.prepare = [](const Record& params, const Pose&) {
-    return DeviceKind::Prepared{.data = read(params),
+    const Actuator actuator = read(params);
+    return DeviceKind::Prepared{.data = actuator,
                                 .percepts = engine::memory_fields<ActuatorState>(),
                                 .percept_bytes = sizeof(ActuatorState),
                                 .commands = engine::memory_fields<ActuatorCommand>(),
                                 .command_bytes = sizeof(ActuatorCommand),
-                                .watts = 2};  // as in Stage
+                                .watts = 2,  // as in Stage
+                                .joints = {actuator.at(actuator.start)}};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;
-  };
-  kind.start_joints = [](const std::any& data, std::span<Pose> joints) {
-    const Actuator& actuator = *std::any_cast<Actuator>(&data);
-    joints[0] = actuator.at(actuator.start);
   };
   kind.act = act;
   kind.settled = settled;

@@ -334,7 +334,9 @@ DeviceKind gripper_kind() {
                                 .commands = engine::memory_fields<GripperCommand>(),
                                 .command_bytes = sizeof(GripperCommand),
                                 .reach_m = gripper.size.head<2>().norm(),
-                                .most_effects = 1};
+                                .most_effects = 1,
+                                .joints = {gripper.left(gripper.starts_closed, gripper.starts_up),
+                                           gripper.right(gripper.starts_closed, gripper.starts_up)}};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     const Gripper& gripper = *std::any_cast<Gripper>(&data);
@@ -343,11 +345,6 @@ DeviceKind gripper_kind() {
     s.lift = gripper.starts_up ? GripperState::is_up : GripperState::is_down;
     s.paddle_position = s.asked_paddle = gripper.starts_closed;
     s.lift_position = s.asked_lift = gripper.starts_up;
-  };
-  kind.start_joints = [](const std::any& data, std::span<Pose> joints) {
-    const Gripper& gripper = *std::any_cast<Gripper>(&data);
-    joints[k_left] = gripper.left(gripper.starts_closed, gripper.starts_up);
-    joints[k_right] = gripper.right(gripper.starts_closed, gripper.starts_up);
   };
   kind.act = act;
   kind.settled = settled;
