@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <string>
 
 namespace troupe {
@@ -91,10 +92,12 @@ TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
 
 TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
   Simulation simulation = load(
-      "position( name \"r\" size [0.4 0.4 0.2]\n"
+      "position( name \"r\" size [0.4 0.4 0.2] ctrl \"operate arm:go_to:9@0.1,arm:go_to:-9@4\"\n"
       "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
       "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
-      "    model( name \"hand\" size [0.1 0.1 0.1] ) ) )\n");
+      "    model( name \"hand\" size [0.1 0.1 0.1] ) )\n"
+      "  actuator( name \"table\" type \"rotational\" size [0.05 0.05 0.05] pose [-0.1 0 0 0] start_position 0.7\n"
+      "    model( name \"top\" size [0.02 0.02 0.02] pose [0 0.01 0 0] ) ) )\n");
   const engine::World& world = simulation.world();
   const Row row = world.row(world.find("r"));
   const double along = 0.5 / sqrt(2.0);
@@ -105,6 +108,47 @@ TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
   EXPECT_NEAR(world.outline(row)[0].x(), -0.2, 1e-12);
   EXPECT_NEAR(world.outline(row)[8].x(), -0.05 + along, 1e-12);
   EXPECT_NEAR(world.lift(row, world.type(row).outlines[2].joint), along, 1e-12);
+  EXPECT_NEAR(simulation.find("r.arm.hand").pose().x, along, 1e-12);
+  EXPECT_NEAR(simulation.find("r.arm.hand").pose().z, 0.2 + 0.1 + along, 1e-12);
+  const Pose top = simulation.find("r.table.top").pose();
+  EXPECT_NEAR(top.heading, 0.7, 1e-12);
+  EXPECT_NEAR(top.x, -0.1 - 0.01 * std::sin(0.7), 1e-12);
+  EXPECT_NEAR(top.y, 0.01 * std::cos(0.7), 1e-12);
+
+  const auto position = [&] { return state<ActuatorState>(simulation, "r", "arm").position; };
+  step(simulation, 5);  // it is told in the first tick, and moves from the second on
+  EXPECT_NEAR(position(), 0.5 + 4 * 0.05, 1e-12);
+  step(simulation, 30);
+  EXPECT_EQ(position(), 2);
+  step(simulation, 70);
+  EXPECT_EQ(position(), -1);
+}
+
+TEST_F(StageGrip, APlanIsOneWord) {
+  Simulation simulation = load(
+      "position( name \"r\" ctrl \"operate gripper:0:close@0.2,gripper:0:up@3,gripper:0:open@6\"\n"
+      "  gripper() )\n");
+  step(simulation, 60);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").paddles, GripperState::closed);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").lift, GripperState::is_up);
+  step(simulation, 30);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").paddles, GripperState::is_open);
+  const auto fault_of = [&](const std::string& plan) -> std::string {
+    try {
+      load("position( ctrl \"operate " + plan + "\" gripper( name \"hand\" ) actuator( name \"arm\" ) )");
+    } catch (const InputError& fault) {
+      return fault.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(fault_of("hand:close"),
+              HasSubstr("w.world:1: error: controller \"operate\" has a plan with \"hand:close\", which is not "
+                        "DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS"));
+  EXPECT_THAT(fault_of("hand:clse@1"), HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
+                                                 "go_to, open, speed, up (did you mean \"close\"?)"));
+  EXPECT_THAT(fault_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
+  EXPECT_THAT(fault_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
+  EXPECT_THAT(fault_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
 }
 
 }  // namespace
