@@ -43,8 +43,9 @@ TEST(GripperScene, EveryPuckLiesInTheDropZone) {
       if (event.type == engine::EventType::grip) ++grips[world.spec().name(event.other)];
       if (event.type == engine::EventType::release) ++releases[world.spec().name(event.other)];
     }
-    if (simulation.tick() == 45)
+    if (simulation.tick() == 45) {
       for (int n = 1; n <= 6; ++n) EXPECT_EQ(grips[std::string("puck").append(std::to_string(n))], 1) << n;
+    }
   }
   EXPECT_EQ(stalls, 0u);
   for (int n = 1; n <= 12; ++n) {
