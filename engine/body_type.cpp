@@ -110,6 +110,16 @@ void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnos
   if (type.drive) type.drive->supply = supplies.front();
 }
 
+/// The device that controllers of a part drive with: that of the part itself, or else of the nearest one
+/// below.
+std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
+  for (;; part = spec.parts[part].parent) {
+    for (std::size_t d = 0; d < type.devices.size(); ++d)
+      if (type.devices[d].kind->drives && type.devices[d].part == part) return d;
+    if (part == 0) return {};
+  }
+}
+
 }  // namespace
 
 double BodyType::row_bytes() const {
@@ -129,7 +139,8 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
                                             std::string& fault) {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
-    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+    if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
+      shown.push_back(s);
   std::vector<DeviceInfo> infos;
   std::vector<bool> claimed_shown;
   for (const std::size_t s : shown) {
@@ -245,7 +256,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
       continue;
     }
-    if (kind->needs_drive && !type.drive) {
+    const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
+    if (kind->needs_drive && !type.drive && !drive) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
       continue;
@@ -268,7 +280,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                                  : type.drive              ? type.drive->period
                                                            : period_ticks(controller.period_s, tick_s);
     type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.devices), period,
-                                stream_id(kind->name, std::to_string(c)), std::nullopt});
+                                stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
   }
   return type;
 }

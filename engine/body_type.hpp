@@ -82,6 +82,7 @@ struct BodyType {
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
+    std::optional<std::size_t> drive;  ///< that it commands: index into `devices`; none: the body's
   };
   std::vector<Controller> controllers;
 

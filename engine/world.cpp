@@ -208,15 +208,8 @@ void World::build_tables() {
                                                {"y", Element::f64, 1, "m/s", "left"},
                                                {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
-  tables_.emplace_back(
-      "command", HashGroup::velocity, Layout::rows,
-      std::vector<StateField>{
-          {"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
-          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true}},
-      row_bodies_, sizeof(Command));
+  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), row_bodies_,
+                       sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{

@@ -187,6 +187,8 @@ class World {
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_supplied(row, device.supply);
   }
+  /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
+  StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
   /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.

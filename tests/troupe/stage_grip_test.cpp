@@ -124,6 +124,48 @@ TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
   EXPECT_EQ(position(), -1);
 }
 
+// Both drive 0.05 m a tick from the second on, the rider to the left of its carrier. Its side may not pass
+// the wall's face, at y = 1.13 m: after 20 motions it stands at 1 m.
+TEST_F(StageGrip, APositionInsideAnotherDrivesInItsFrame) {
+  Simulation simulation = load(
+      "position( name \"carrier\" size [1 1 0.2] ctrl \"script line\"\n"
+      "  position( name \"rider\" size [0.2 0.2 0.2] pose [0 0 0 90] ctrl \"script line\"\n"
+      "    ranger( alwayson 1 sensor( range [0 8] ) ) ) )\n"
+      "model( name \"wall\" pose [0 1.23 0 0] size [20 0.2 1] )\n");
+  Model rider = simulation.find("carrier.rider");
+  step(simulation, 11);
+  EXPECT_NEAR(simulation.find("carrier").pose().x, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().x, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().y, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().z, 0.2, 1e-12);
+  EXPECT_NEAR(rider.pose().heading, k_pi / 2, 1e-12);
+  EXPECT_NEAR(rider.speed().forward, 0.5, 1e-12);
+  EXPECT_FALSE(rider.stalled());
+  step(simulation, 29);
+  EXPECT_NEAR(rider.pose().x, 39 * 0.05, 1e-12);
+  EXPECT_NEAR(rider.pose().y, 1, 1e-9);
+  EXPECT_TRUE(rider.stalled());
+  EXPECT_FALSE(simulation.find("carrier").stalled()) << "the rider stands, its carrier goes on";
+  EXPECT_NEAR(simulation.find("carrier").ranges()[0], 0.13, 1e-5);
+}
+
+TEST_F(StageGrip, APositionInsideAnotherObeysTheProgram) {
+  Simulation simulation = load(
+      "position( name \"c\" position( name \"r\" size [0.1 0.1 0.1] drive \"omni\" pose [0.1 0 0 0] ) )\n");
+  simulation.find("c.r").set_speed(0.2, -0.1, 0);
+  simulation.find("c").set_speed(0, 1);
+  step(simulation, 10);
+  const Pose expected = compose(simulation.find("c").pose(), {0.1 + 0.2, -0.1, 1, 0});
+  EXPECT_NEAR(expected.heading, 1, 1e-12);
+  EXPECT_NEAR(simulation.find("c.r").pose().x, expected.x, 1e-12);
+  EXPECT_NEAR(simulation.find("c.r").pose().y, expected.y, 1e-12);
+  simulation.find("c").set_speed(0, 0);
+  simulation.find("c.r").go_to(1, 1, 0);  // the world's frame, as what it knows
+  step(simulation, 120);
+  EXPECT_NEAR(simulation.find("c.r").pose().x, 1, 0.03);
+  EXPECT_NEAR(simulation.find("c.r").pose().y, 1, 0.03);
+}
+
 TEST_F(StageGrip, APlanIsOneWord) {
   Simulation simulation = load(
       "position( name \"r\" ctrl \"operate gripper:0:close@0.2,gripper:0:up@3,gripper:0:open@6\"\n"
