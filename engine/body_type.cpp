@@ -174,6 +174,9 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   for (std::size_t j = 0; j < spec.joints.size(); ++j)
     if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
       diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
+  for (const PartSpec& part : spec.parts)
+    if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
+      diagnostics.error(part.where, "a part stands on a joint that its type does not have");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -244,8 +247,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                             stream,
                             {}});
     type.carries = type.carries || kind->carries;
+    type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
+  constexpr double k_most_reach = 1000;  // m: the circle about a body lies in every cell that it touches
+  if (!(type.joint_reach <= k_most_reach))
+    diagnostics.error(spec.parts.front().where,
+                      fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
+                                  spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);

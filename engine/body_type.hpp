@@ -34,7 +34,8 @@ struct BodyType {
   std::vector<RayOutline> outlines;         ///< that rangers see; their vertices come first
   std::vector<RayOutline> hidden_outlines;  ///< that rangers do not: fiducial finders and others do
   /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.
-  double radius = 0;
+  double radius = 0;       ///< with every joint at rest
+  double joint_reach = 0;  ///< by how much joints are known to widen it, m
   std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
 
   struct Joint {

@@ -109,6 +109,7 @@ struct DeviceKind {
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
     double watts = 0;                  ///< drawn from its supply while it runs
     std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
+    double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.

@@ -3,6 +3,8 @@
 #include "engine/world.hpp"
 #include "partition/placed_shape.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -518,6 +520,9 @@ const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
   return world.joint_state(rows[i], joint_index(*this, i, n));
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
+  if (!is_finite(to))
+    throw StepError(fmt::format("tick {}: a joint of \"{}\" was asked to move to what is not a finite number",
+                                world.tick(), world.spec().name(body(i))));
   Links::Joint& joint = links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)];
   joint.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
   joint.state = Links::Goal::asked;

@@ -35,9 +35,10 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
-    sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
-    widths += 2 * type.radius;
-    width = std::max(width, 2 * type.radius);
+    const double radius = type.radius + type.joint_reach;
+    sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
+    widths += 2 * radius;
+    width = std::max(width, 2 * radius);
     ++count;
   }
   // As wide as most bodies, and never so small that one lies in more than some hundred cells.

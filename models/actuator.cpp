@@ -25,6 +25,10 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
+  /// How far it moves anything to the side, m.
+  double reach() const {
+    return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
+  }
   /// m/s or rad/s, for the tick that follows.
   double speed(const ActuatorCommand& command, double position, double period_s) const {
     double wanted = command.goal;
@@ -111,7 +115,8 @@ DeviceKind actuator_kind() {
                                 .commands = engine::memory_fields<ActuatorCommand>(),
                                 .command_bytes = sizeof(ActuatorCommand),
                                 .watts = 2,  // as in Stage
-                                .joints = {actuator.at(actuator.start)}};
+                                .joints = {actuator.at(actuator.start)},
+                                .joint_reach_m = actuator.reach()};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;

@@ -262,11 +262,12 @@ void settled(const DeviceBatch& batch) {
 void apply(World& world, const std::any& data, const engine::Effect& effect) {
   const Gripper& gripper = *std::any_cast<Gripper>(&data);
   const Row row = world.row(effect.source);
-  const Row target = world.row(effect.target);
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may say anything
+  const Row target = is_body ? world.row(effect.target) : Row();
   const engine::BodyType::Device& device = world.type(row).devices[effect.device];
   auto& state = world.state(device).as<GripperState>(world.slot(row));
   if (effect.verb == k_release) {
-    world.release(target);
+    if (target.valid() && world.carrier(target) == effect.source) world.release(target);
     state.held = 0;
     finish(state);
     return;
@@ -336,7 +337,8 @@ DeviceKind gripper_kind() {
                                 .reach_m = gripper.size.head<2>().norm(),
                                 .most_effects = 1,
                                 .joints = {gripper.left(gripper.starts_closed, gripper.starts_up),
-                                           gripper.right(gripper.starts_closed, gripper.starts_up)}};
+                                           gripper.right(gripper.starts_closed, gripper.starts_up)},
+                                .joint_reach_m = gripper.travel()};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     const Gripper& gripper = *std::any_cast<Gripper>(&data);

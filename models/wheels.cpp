@@ -23,6 +23,9 @@ using engine::FieldType;
 using engine::Record;
 using engine::Velocity;
 
+// How far from its rest it may go: the circle about its body grows with that.
+constexpr double k_most_reach_m = 100;
+
 const std::array<DriveKind, 3>& drives() {
   static const std::array<DriveKind, 3> kinds{diff_drive(), omni_drive(), car_drive()};
   return kinds;
@@ -89,7 +92,10 @@ void act(const DeviceBatch& batch) {
       throw engine::StepError(fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
                                           batch.world.tick(), batch.world.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
-    if (v.x != 0 || v.y != 0 || v.turn != 0) batch.move_joint(i, 0, moved(q, v, batch.period_s));
+    if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
+    const Pose to = moved(q, v, batch.period_s);
+    state.stalled = !(to.position().norm() <= k_most_reach_m);
+    if (state.stalled == 0) batch.move_joint(i, 0, to);
   }
 }
 

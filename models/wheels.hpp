@@ -26,7 +26,8 @@ struct WheelsState {
 /// moves       as a joint: with what stands on it, until it would overlap something that is no part of its
 ///             own tree; a motion that is refused leaves it where it is, stalled
 /// estimate    its true pose in the world: what controllers of its part know, and what goals are given in
-/// edges       it is due in each tick; the bounds of the world do not hold it
+/// edges       it is due in each tick; the bounds of the world do not hold it, but it goes no farther than
+///             100 m from where it is at rest
 /// errors      a command that is no finite number: engine::StepError
 engine::DeviceKind wheels_kind();
 

@@ -130,7 +130,7 @@ TEST_F(StageGrip, APositionInsideAnotherDrivesInItsFrame) {
   Simulation simulation = load(
       "position( name \"carrier\" size [1 1 0.2] ctrl \"script line\"\n"
       "  position( name \"rider\" size [0.2 0.2 0.2] pose [0 0 0 90] ctrl \"script line\"\n"
-      "    ranger( alwayson 1 sensor( range [0 8] ) ) ) )\n"
+      "    ranger( alwayson 1 sensor( range [0 8] fov 0 samples 1 ) ) ) )\n"
       "model( name \"wall\" pose [0 1.23 0 0] size [20 0.2 1] )\n");
   Model rider = simulation.find("carrier.rider");
   step(simulation, 11);
