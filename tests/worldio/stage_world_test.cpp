@@ -166,12 +166,11 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
                           "polygon[k].points"));
 }
 
-TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("\n\n\n\nactuator( max_speed 2 )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: not supported yet: what an actuator does; it is only a body "
-                          "here",
-                          "w.world:5: warning: not supported yet: max_speed of an actuator"));
+TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
+  ASSERT_EQ(test_registry().device("actuator"), nullptr);
+  load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
+  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
+                                      "only a body here (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -753,7 +752,7 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
   EXPECT_EQ(wheels.kind, "wheels");
   EXPECT_EQ(wheels.name, "position:0");
   EXPECT_EQ(wheels.part, 1u);
-  const engine::FieldTable& table = registry().device("wheels")->params;
+  const engine::FieldTable& table = test_registry().device("wheels")->params;
   EXPECT_EQ(engine::get(table, wheels.params, "drive").text(), "omni");
   EXPECT_EQ(engine::get(table, wheels.params, "velocity_max_x").number(), 2);
   EXPECT_NEAR(type.joints[0].pose_body_joint.x, 1, 1e-12);
