@@ -2,11 +2,14 @@
 #include "models/actuator.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/recording_fields.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -109,6 +112,19 @@ TEST(JsonJoints, AGateWithoutADriveIsOperated) {
   const auto& state = world.percepts(world.type(row).devices[1]).as<models::ActuatorState>(0);
   EXPECT_NEAR(state.position, 1.2, 1e-12);
   EXPECT_NEAR(world.mount(row, 0).heading, 1.2, 1e-12);
+}
+
+TEST(JsonJoints, RecordingsKnowTheirFrames) {
+  Read read(k_gate);
+  const engine::World world(read.spec, read.registry, {}, read.diagnostics);
+  std::map<std::string, std::string> frames;
+  const std::vector<std::string> all{"all"};
+  for (const RecordedComponent& component : recorded_components(world, all))
+    frames[component.name] = component.frame;
+  EXPECT_EQ(frames["pose"], "world");
+  EXPECT_EQ(frames["joint/boom"], "joint");
+  EXPECT_EQ(frames["joint/hand/left"], "joint");
+  EXPECT_EQ(frames["carrier"], "carrier");
 }
 
 TEST(JsonJoints, WhatIsWrongIsTold) {
