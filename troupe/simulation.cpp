@@ -133,7 +133,7 @@ struct Model::Place {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     std::vector<const engine::BodyType::Device*> own;
     for (const auto& sensor : type().devices)
-      if (part == 0 || sensor.name == parts[part].name) own.push_back(&sensor);
+      if (sensor.kind->is_sensor() && (part == 0 || sensor.name == parts[part].name)) own.push_back(&sensor);
     return own;
   }
   const engine::BodyType::Device& sensor(std::string_view wanted) const {

@@ -146,7 +146,7 @@ TEST_F(StageGrip, APositionInsideAnotherDrivesInItsFrame) {
   EXPECT_NEAR(rider.pose().y, 1, 1e-9);
   EXPECT_TRUE(rider.stalled());
   EXPECT_FALSE(simulation.find("carrier").stalled()) << "the rider stands, its carrier goes on";
-  EXPECT_NEAR(simulation.find("carrier").ranges()[0], 0.13, 1e-5);
+  EXPECT_NEAR(simulation.find("carrier").ranges("rider.ranger:0")[0], 0.13, 1e-5);
 }
 
 TEST_F(StageGrip, APositionInsideAnotherObeysTheProgram) {
