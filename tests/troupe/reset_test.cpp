@@ -37,7 +37,9 @@ INSTANTIATE_TEST_SUITE_P(World, ResetScene,
                                            Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact,
                                                  3},
                                            Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
-                                           Scene{"caveWithLasers", "cave-complex-laser.json"}),
+                                           Scene{"caveWithLasers", "cave-complex-laser.json"},
+                                           Scene{"magpies", "magpies.json"},
+                                           Scene{"magpiesOnTheGrid", "magpies.json", RangingEngine::grid, 2}),
                          [](const auto& scene) { return scene.param.name; });
 
 /// Every byte of every table, and what is derived from them.
