@@ -121,7 +121,7 @@ DeviceKind wheels_kind() {
   };
   kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) {
     const std::string& fault = std::any_cast<Wheels>(&data)->fault;
-    return fault.empty() ? fault : "has drive parameters that contradict one another: " + fault;
+    return fault.empty() ? fault : fmt::format("has drive parameters that contradict one another: {}", fault);
   };
   kind.act = act;
   kind.settled = settled;

@@ -5,6 +5,7 @@
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +94,7 @@ SceneBuilder machines(std::uint64_t seed) {
   scene.spec.seed = seed;
   for (std::uint32_t i = 0; i < 9; ++i) {
     Random random(seed, 7, i, 0);
-    const std::string name = "m" + std::to_string(i);
+    const std::string name = fmt::format("m{}", i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
     test::add_arm(
         scene[type], "arm", {0, 0, 0.3, 0}, {Solid{{test::rectangle(0, -0.03, 0.55, 0.03)}, {0, 0.1}}},
@@ -144,7 +145,7 @@ SceneBuilder carriers(std::uint64_t seed) {
   Random random(seed, 8, 0, 0);
   const auto draw = [&](double most) { return random.uniform(-most, most); };
   for (int i = 0; i < 9; ++i) {
-    const std::string name = "c" + std::to_string(i);
+    const std::string name = fmt::format("c{}", i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
     test::add_device(scene[type], "hand", "gripper", {0.25, 0, 0, 0});
     constexpr std::string_view k_orders[] = {"open", "close", "up", "down"};
@@ -159,7 +160,7 @@ SceneBuilder carriers(std::uint64_t seed) {
     scene.body(name, type, at);
     const double size = random.uniform(0.06, 0.18);
     const TypeId puck = scene.type("puck of " + name, {box(size, 0.1, 0.1)}, {.gripper = true});
-    scene.body("p" + std::to_string(i), puck, compose(at, {0.245 + size / 2, draw(0.03), 0, 0}));
+    scene.body(fmt::format("p{}", i), puck, compose(at, {0.245 + size / 2, draw(0.03), 0, 0}));
   }
   return scene;
 }
@@ -208,7 +209,7 @@ TEST(Links, CyclesAndTakenBodiesAreRefused) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.2, 0.2)});
   test::add_device(scene[type], "hand", "gripper", {0.2, 0, 0, 0});
-  for (int i = 0; i < 3; ++i) scene.body("r" + std::to_string(i), type, {2.0 * i, 0, 0, 0.5 * i});
+  for (int i = 0; i < 3; ++i) scene.body(fmt::format("r{}", i), type, {2.0 * i, 0, 0, 0.5 * i});
   const TypeId plain = scene.robot("plain", {box(0.2, 0.2)});
   scene.body("p", plain, {0, 3, 0, 0});
   World world = scene.world();

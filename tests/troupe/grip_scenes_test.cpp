@@ -133,8 +133,8 @@ TEST(MagpieScene, RobotsSnatchPucksAndOneAnother) {
     most_in_chains = std::max(most_in_chains, in_chains);
   }
   if (test::k_slow_build) return;
-  EXPECT_GT(most_carried, 20u);
-  EXPECT_GT(most_in_chains, 0u);
+  EXPECT_GT(most_carried, 10u);
+  EXPECT_GE(most_in_chains, 3u);
 }
 
 TEST(GripScenes, DependOnNeitherThreadsNorTiles) {
