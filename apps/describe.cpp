@@ -139,12 +139,12 @@ std::string properties_text(std::string_view heading, std::string_view type) {
 
 std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
   const engine::DeviceKind* device = registry.device(kind.device);
-  std::string text =
-      fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name, kind.text,
-                  kind.size.x(), kind.size.y(), kind.size.z(),
-                  kind.has_default_body        ? "a box unless it has blocks or a bitmap"
-                  : device && device->body != nullptr ? "with a body of its own unless it has blocks or a bitmap"
-                                               : "without a body");
+  std::string text = fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name,
+                                 kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
+                                 kind.has_default_body ? "a box unless it has blocks or a bitmap"
+                                 : device && device->body != nullptr
+                                     ? "with a body of its own unless it has blocks or a bitmap"
+                                     : "without a body");
   if (kind.name != "model") text += properties_text("its properties in a Stage world", kind.name);
   if (kind.name == "ranger") text += properties_text("of each sensor( ) in it", "sensor");
   return text + properties_text("properties of every model", "model") +

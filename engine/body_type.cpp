@@ -252,9 +252,10 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   }
   constexpr double k_most_reach = 1000;  // m: the circle about a body lies in every cell that it touches
   if (!(type.joint_reach <= k_most_reach))
-    diagnostics.error(spec.parts.front().where,
-                      fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
-                                  spec.name, type.joint_reach, k_most_reach));
+    diagnostics.error(
+        spec.parts.front().where,
+        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
+                    spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);

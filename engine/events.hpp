@@ -34,8 +34,9 @@ class EventWatch {
   /// Begins with the state that the world is in.
   explicit EventWatch(const World& world);
 
-  /// The events of the tick that has just ended, by id, type and the other's id. To be called after every step; of a tick that does
-  /// not follow the last one (after a reset) nothing is told. Valid until the next call.
+  /// The events of the tick that has just ended, by id, type and the other's id. To be called after every
+  /// step; of a tick that does not follow the last one (after a reset) nothing is told. Valid until the next
+  /// call.
   std::span<const Event> see(const World& world);
 
  private:

@@ -89,7 +89,8 @@ struct DeviceKind {
   /// Whether it can pick up other bodies.
   bool carries = false;
   /// Whether it is a drive: what controllers of its part, and of those that stand on that, ask of theirs.
-  /// Its commands are a Command (command_fields), and its state begins with the pose that it believes to have.
+  /// Its commands are a Command (command_fields), and its state begins with the pose that it believes to
+  /// have.
   bool drives = false;
   /// The body that it brings along, in its own frame, its joints at rest. Null: none.
   struct Fixture {

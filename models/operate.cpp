@@ -97,7 +97,8 @@ std::optional<Step> read_step(std::string_view entry, std::string& fault) {
     fault = fmt::format("has a plan with an {}", unknown_name("order", name, k_orders));
   } else {
     const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
-    if (takes_value(order) == value.has_value()) return Step{*at_s, std::string(device), order, value.value_or(0)};
+    if (takes_value(order) == value.has_value())
+      return Step{*at_s, std::string(device), order, value.value_or(0)};
     fault = fmt::format("has a plan with \"{}\": that order {}", entry,
                         takes_value(order) ? "needs a number" : "takes no number");
   }
@@ -177,7 +178,8 @@ engine::ControllerKind operate_controller() {
       {.name = "plan",
        .type = FieldType::text,
        .fallback = std::string(),
-       .text = "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need"},
+       .text =
+           "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need"},
       {.name = "orders",
        .type = FieldType::records,
        .fallback = std::vector<Record>{},

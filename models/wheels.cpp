@@ -64,7 +64,8 @@ struct Wheels {
 
 Wheels read(const Record& params, const Pose& rest) {
   const std::string& name = params[0].text();
-  Wheels wheels{.kind = &*std::ranges::find(drives(), name, &DriveKind::name), .data = {}, .fault = {}, .rest = rest};
+  Wheels wheels{
+      .kind = &*std::ranges::find(drives(), name, &DriveKind::name), .data = {}, .fault = {}, .rest = rest};
   Record own = wheels.kind->params.defaults();
   for (std::size_t f = 0; f < own.size(); ++f)
     if (const int at = table().find(wheels.kind->params.fields[f].name); at >= 0)
@@ -89,8 +90,9 @@ void act(const DeviceBatch& batch) {
     Velocity v{state.forward, state.left, state.turn};
     wheels.drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s, v);
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
-      throw engine::StepError(fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
-                                          batch.world.tick(), batch.world.spec().name(batch.body(i))));
+      throw engine::StepError(
+          fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
+                      batch.world.tick(), batch.world.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
     if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
     const Pose to = moved(q, v, batch.period_s);

@@ -162,7 +162,8 @@ Pose Model::pose() const {
   const engine::World& world = *place_->world;
   const engine::WorldSpec& spec = world.spec();
   const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
-  if (part.joint != engine::k_rigid) return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
+  if (part.joint != engine::k_rigid)
+    return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
   return compose(world.pose(place_->body), part.pose_body_part);
 }
 
@@ -207,9 +208,7 @@ bool Model::stalled() const {
   return place_->world->stalled(place_->row());
 }
 
-Pose Model::estimate() const {
-  return place_->wheels() ? pose() : place_->world->estimate(place_->row());
-}
+Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) { place_->world->set_estimate(place_->row(), pose); }
 

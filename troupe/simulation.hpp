@@ -124,8 +124,8 @@ class Model {
   /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
   /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
   /// What it carries goes with it. Throws std::invalid_argument for a pose that is not finite or outside the
-  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model and for what never moves. To move many at once, see
-  /// Simulation::set_poses.
+  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model and for what
+  /// never moves. To move many at once, see Simulation::set_poses.
   void set_pose(const Pose& pose);
   /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
   bool is_free(const Pose& pose) const;

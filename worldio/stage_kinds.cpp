@@ -423,10 +423,11 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
       spec.params[static_cast<std::size_t>(at)] = drive->params[f];
   for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
     if (const StageProperty* property = model.find(document_, key))
-      values_.warning_once(values_.where(*property),
-                           fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
-                                       "true pose",
-                                       key));
+      values_.warning_once(
+          values_.where(*property),
+          fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
+                      "true pose",
+                      key));
   if (const StageProperty* property = model.find(document_, "localization");
       property && values_.text(*property).value_or("gps") != "gps")
     values_.warning_once(values_.where(*property),

@@ -46,8 +46,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(model->where, fmt::format("this program does not have what {} does; it is only a body here",
-                                                   with_article(model->type)));
+    values_.warning_once(model->where,
+                         fmt::format("this program does not have what {} does; it is only a body here",
+                                     with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;

@@ -135,8 +135,8 @@ TEST(Events, AreTheChangesOfTheTableOfStallsByIdWhateverTheThreads) {
       run.insert(run.end(), expected.begin(), expected.end());
       before = now;
     }
-    for (const EventType type : {EventType::stall_ends, EventType::held_ends, EventType::stall_begins,
-                                 EventType::held_begins}) {
+    for (const EventType type :
+         {EventType::stall_ends, EventType::held_ends, EventType::stall_begins, EventType::held_begins}) {
       const std::string name(event_name(type));
       EXPECT_THAT(run, ::testing::Contains(::testing::StartsWith(name))) << name;
     }

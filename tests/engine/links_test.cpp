@@ -151,8 +151,7 @@ SceneBuilder carriers(std::uint64_t seed) {
     constexpr std::string_view k_orders[] = {"open", "close", "up", "down"};
     std::vector<Record> orders{order(0.1, "hand", "close")};
     for (int t = 1; t < 8; ++t)
-      orders.push_back(
-          order(1.5 * t, "hand", std::string(k_orders[random.below(4)])));
+      orders.push_back(order(1.5 * t, "hand", std::string(k_orders[random.below(4)])));
     scene[type].controllers.push_back(test::operate(std::move(orders)));
     scene[type].controllers.push_back(test::drive_legs(
         {test::leg(1, 0), test::leg(4, draw(0.4), draw(0.8)), test::leg(9, draw(0.4), draw(0.8))}));

@@ -47,11 +47,9 @@ const std::vector<Displacement>& displacements() {
 constexpr Pose k_base{0.05, 0.02, 0.1, 0.3};  // of the actuator, body frame
 
 std::size_t add_displaced(engine::TypeSpec& type, const Displacement& by) {
-  return test::add_device(type, "arm", "actuator", k_base,
-                          {{"type", by.type},
-                           {"axis", by.axis},
-                           {"max_position", 10.0},
-                           {"start_position", by.position}});
+  return test::add_device(
+      type, "arm", "actuator", k_base,
+      {{"type", by.type}, {"axis", by.axis}, {"max_position", 10.0}, {"start_position", by.position}});
 }
 
 DeviceSpec device(const std::string& kind, const Pose& pose, Values values) {
@@ -189,7 +187,7 @@ TEST_P(JointFrames, WhatAJointCarriesIsSeenAndFeltWhereItIs) {
     std::int32_t joint = engine::k_rigid;
     if (jointed) joint = scene[thing].devices[add_displaced(scene[thing], by)].moves;
     add_part(-0.2, {.fiducial = 7}, {0, 0, 1, 1}, joint);
-    add_part(0.25, {.ranger = -1, .fiducial = 8}, {0, 1, 0, 1}, joint);  // which rangers pass
+    add_part(0.25, {.ranger = -1, .fiducial = 8}, {0, 1, 0, 1}, joint);              // which rangers pass
     if (!jointed) scene[thing].devices.push_back(device("lightindicator", {}, {}));  // so that it has a row
     scene.body("t", thing, {1.0, 0.1, 0, 0.4});
     const TypeId robot = scene.robot("robot", {box(0.1, 0.1, 0.2)});
@@ -219,9 +217,8 @@ TEST(JointFrames, ContactsTouchWhereTheirJointIs) {
   for (const double position : {0.0, 0.5}) {
     SceneBuilder scene;
     const TypeId charger = scene.type("charger", {box(0.1, 0.1, 0.1)});
-    const std::size_t arm =
-        test::add_arm(scene[charger], "arm", {0.2, 0, 0, 0}, {box(0.1, 0.1, 0.1)},
-                      {{"start_position", position}});
+    const std::size_t arm = test::add_arm(scene[charger], "arm", {0.2, 0, 0, 0}, {box(0.1, 0.1, 0.1)},
+                                          {{"start_position", position}});
     scene[charger].devices.push_back(device("power_pack", {}, {{"infinite", true}}));
     DeviceSpec contact = device("power_contact", {}, {{"give", 5.0}});
     contact.part = 1;

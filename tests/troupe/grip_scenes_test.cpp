@@ -129,7 +129,8 @@ TEST(MagpieScene, RobotsSnatchPucksAndOneAnother) {
     most_carried = std::max(most_carried, world.carried_count());
     std::size_t in_chains = 0;
     for (std::size_t r = 0; r < world.rows(); ++r)
-      if (const auto carrier = world.carrier(Row(r))) in_chains += world.carrier(world.row(*carrier)).has_value();
+      if (const auto carrier = world.carrier(Row(r)))
+        in_chains += world.carrier(world.row(*carrier)).has_value();
     most_in_chains = std::max(most_in_chains, in_chains);
   }
   if (test::k_slow_build) return;

@@ -96,7 +96,8 @@ TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
       "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
       "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
       "    model( name \"hand\" size [0.1 0.1 0.1] ) )\n"
-      "  actuator( name \"table\" type \"rotational\" size [0.05 0.05 0.05] pose [-0.1 0 0 0] start_position 0.7\n"
+      "  actuator( name \"table\" type \"rotational\" size [0.05 0.05 0.05] pose [-0.1 0 0 0] start_position "
+      "0.7\n"
       "    model( name \"top\" size [0.02 0.02 0.02] pose [0 0.01 0 0] ) ) )\n");
   const engine::World& world = simulation.world();
   const Row row = world.row(world.find("r"));
@@ -183,11 +184,13 @@ TEST_F(StageGrip, APlanIsOneWord) {
     }
     return "nothing";
   };
-  EXPECT_THAT(fault_of("hand:close"),
-              HasSubstr("w.world:1: error: controller \"operate\" has a plan with \"hand:close\", which is not "
-                        "DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS"));
-  EXPECT_THAT(fault_of("hand:clse@1"), HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
-                                                 "go_to, open, speed, up (did you mean \"close\"?)"));
+  EXPECT_THAT(
+      fault_of("hand:close"),
+      HasSubstr("w.world:1: error: controller \"operate\" has a plan with \"hand:close\", which is not "
+                "DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS"));
+  EXPECT_THAT(fault_of("hand:clse@1"),
+              HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
+                        "go_to, open, speed, up (did you mean \"close\"?)"));
   EXPECT_THAT(fault_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
   EXPECT_THAT(fault_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
   EXPECT_THAT(fault_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));

@@ -144,9 +144,10 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
     }
     return "nothing";
   };
-  EXPECT_THAT(fault_of(changed(R"("device": "boom")", R"("device": "barrier")")),
-              ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for unknown device "
-                                   "\"barrier\"; known: boom, eye, hand, lamp"));
+  EXPECT_THAT(
+      fault_of(changed(R"("device": "boom")", R"("device": "barrier")")),
+      ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for unknown device "
+                           "\"barrier\"; known: boom, eye, hand, lamp"));
   EXPECT_THAT(fault_of(changed(R"("order": "go_to")", R"("order": "close")")),
               ::testing::HasSubstr("has an order \"close\" for \"boom\", which is no gripper"));
 }

@@ -169,8 +169,9 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
   ASSERT_EQ(test_registry().device("actuator"), nullptr);
   load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
-                                      "only a body here (and 1 more)"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
+                          "only a body here (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -741,8 +742,9 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
       "model( position() )\n"
       "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
       "  localization \"odom\" model() ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:3: warning: \"localization\" of a position inside another model has "
-                                      "no effect: it knows its true pose"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:3: warning: \"localization\" of a position inside another model has "
+                          "no effect: it knows its true pose"));
   EXPECT_FALSE(type_of(spec, 1).drive);
   ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
   const engine::TypeSpec& type = type_of(spec, 2);
