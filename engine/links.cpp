@@ -85,6 +85,7 @@ void World::build_links() {
   links.joints.resize(joints);
   links.shapes.resize(links.composites.size());
   links.moved.resize(links.composites.size());
+  links.on_the_way.resize(links.composites.size());
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
 
@@ -97,8 +98,8 @@ void World::build_links() {
     room.add(t.obstacle, 1);
     const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
     if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
-    links.shapes[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
-    links.moved[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+    for (auto* buffers : {&links.shapes, &links.moved, &links.on_the_way})
+      (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
   }
 }
 
@@ -373,7 +374,7 @@ double World::ask_joints(std::size_t c, Row root, std::size_t round) {
 }
 
 bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double reach) {
-  thread_local ShapeBuffer part_of_the_way;
+  ShapeBuffer& on_the_way = links_.on_the_way[c];
   const Transform& at = transform(root);
   const double z = poses()[root.index()].z;
   const double radius = row_shapes_[root.index()]->radius;
@@ -384,10 +385,10 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
     if (k < n) {
       double thinnest = std::numeric_limits<double>::infinity();
       aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
-      part_of_the_way.begin();
-      add_limb({root, Mount()}, true, part_of_the_way, thinnest);
-      part_of_the_way.finish(thinnest);
-      moved = &part_of_the_way;
+      on_the_way.begin();
+      add_limb({root, Mount()}, true, on_the_way, thinnest);
+      on_the_way.finish(thinnest);
+      moved = &on_the_way;
     }
     if (moved->shape().empty()) return false;
     const PlacedShape after(moved->shape(), at, z);
