@@ -51,7 +51,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "threadpool", obsolete, ""},
 
     {"model", "name", honoured, "`/name` is a name of its own instead of one below the parent's",
-     "StageWorld.ConformanceVector7Names"},
+     "Conformance07.Names"},
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning",
      "StageWorld.ChildrenStackOnTheirParent"},
@@ -196,7 +196,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
      "robot that is stalled, misses no tick between updates, and a way to the left counts as one",
-     "Conformance2.OdometryOfADiffDriveWithErrors"},
+     "Conformance02.OdometryOfADiffDriveWithErrors"},
     {"position", "localization_origin", honoured,
      "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1",
      "Driving.WhatStageWorldsSayOfOriginsHolds"},

@@ -19,6 +19,7 @@ using testing::SizeIs;
 constexpr double k_degree = k_pi / 180;
 
 class StageWorld : public StageTest {};
+class Conformance07 : public StageTest {};
 
 const engine::FieldTable& ranger_table() { return test_registry().device("ranger")->params; }
 
@@ -194,7 +195,7 @@ TEST_F(StageWorld, PopulationsAndPointersAreForJson) {
 
 // Names.
 
-TEST_F(StageWorld, ConformanceVector7Names) {
+TEST_F(Conformance07, Names) {
   const auto spec = load(
       "model()\nposition()\nmodel( name \"box\" )\nmodel( name \"/g\" )\n"
       "position( name \"r0\" ranger() ranger( name \"eye\" model() ) ranger() model( name \"/gkid\" model() "
@@ -217,7 +218,7 @@ TEST_F(StageWorld, ConformanceVector7Names) {
   EXPECT_THAT(spec.part_aliases, SizeIs(2));
 }
 
-TEST_F(StageWorld, ConformanceVector7Sizes) {
+TEST_F(Conformance07, Sizes) {
   const auto spec = load("model()\nranger( sensor() )\nfiducial()\nposition()\n");
   EXPECT_THAT(messages(), IsEmpty());
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(0.4, 0.4, 1.0));
