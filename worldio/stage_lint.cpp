@@ -102,15 +102,15 @@ void StageLint::check_overruled(const StageModel& model) {
     if (const StageProperty* property = model.find(document_, key))
       values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: {}", key, why));
   };
-  const bool is_ranger = model.type == "ranger";
+  const bool is_device = macros_.is_device(model.type);
   const bool is_position = model.type == "position";
   const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
   if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is given too");
   const bool has_energy =
       model.find(document_, "watts") || model.find(document_, "give_watts") ||
       (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
-  if (is_model && !is_ranger && !has_energy) report("alwayson", "this model senses nothing");
-  if (is_model && !is_ranger && !is_position && !model.find(document_, "ctrl"))
+  if (is_model && !is_device && !has_energy) report("alwayson", "this model senses nothing");
+  if (is_model && !is_device && !is_position && !model.find(document_, "ctrl"))
     report("update_interval", "this model neither senses nor drives");
   const std::vector<StageModel::Child> children = model.children(document_);
   const bool has_sensors = std::ranges::any_of(

@@ -97,6 +97,11 @@ bool StageMacros::is_only_a_body(std::string_view type) const {
          registry_.device(kind->device) == nullptr;
 }
 
+bool StageMacros::is_device(std::string_view type) const {
+  const engine::ModelKind* kind = registry_.model(type);
+  return kind != nullptr && registry_.device(kind->device) != nullptr;
+}
+
 void StageMacros::report_unused() {
   struct File {
     std::size_t macros = 0;
