@@ -25,7 +25,7 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   EXPECT_EQ(outcome.code, 0);
   for (const char* word : {"WORLD", "--for", "--rate", "--clock", "--threads", "--seed", "--robots", "--set",
                            "--tile-size", "--hash-log", "--snapshot", "--size", "--profile",
-                           "--profile-ticks", "--json", "--quiet", "quit_time", "Exit codes", "Examples"})
+                           "--profile-ticks", "--camera-png", "--camera-every", "--json", "--quiet", "quit_time", "Exit codes", "Examples"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }

@@ -159,8 +159,8 @@ TEST_F(StageOtherWorlds, AnUnsizedBumperIsALargeBody) {
 
 TEST_F(StageOtherWorlds, AWholeTurnMayBeWrittenWithFewDigits) {
   const auto degrees = load_all("position( ranger( sensor( fov 360 samples 360 ) ) fiducial( fov 360 ) )");
-  EXPECT_EQ(fov_of_first(type_of(degrees, 1).devices[0]), 2 * k_pi);
-  EXPECT_EQ(param(type_of(degrees, 1).devices[1], "fov").number(), 2 * k_pi);
+  EXPECT_NEAR(fov_of_first(type_of(degrees, 1).devices[0]), 2 * k_pi, 1e-12);
+  EXPECT_NEAR(param(type_of(degrees, 1).devices[1], "fov").number(), 2 * k_pi, 1e-12);
   for (const char* turn : {"6.283185307", "6.28319", "6.2832"}) {
     const auto spec = load_all(fmt::format(
         "unit_angle \"radians\"\nposition( ranger( sensor( fov {0} ) ) fiducial( fov {0} ) )", turn));
