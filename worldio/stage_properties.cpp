@@ -105,7 +105,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "watts", fixed,
      "W, drawn while the model runs, each second whatever the tick is; not of models that draw by "
      "themselves: "
-     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2)",
+     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2), camera (100)",
      "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
     {"model", "joules", fixed,
      "a power pack, full; below 0 it never runs out. An empty one stops what runs on it: see `when_empty`",
@@ -445,12 +445,18 @@ std::span<const StageRow* const> rows_of_name(std::string_view written) {
 std::span<const StageRow> stage_rows() { return k_rows; }
 
 const StageRow* find_stage_row(std::string_view type, std::string_view written) {
-  const StageRow* of_any_model = nullptr;
-  for (const StageRow* row : rows_of_name(written)) {
-    if (row->type == type) return row;
-    if (row->type == "model" && is_model(type)) of_any_model = row;
-  }
-  return of_any_model;
+  // The lasers and sonars of older files are rangers, and their own sensors, too.
+  const bool is_both = type == "laser" || type == "sonar";
+  const auto row_of = [&](std::string_view wanted) -> const StageRow* {
+    for (const StageRow* row : rows_of_name(written))
+      if (row->type == wanted) return row;
+    return nullptr;
+  };
+  const StageRow* row = row_of(type);
+  if (!row && is_both) row = row_of("ranger");
+  if (!row && is_model(type)) row = row_of("model");
+  if (!row && is_both) row = row_of("sensor");
+  return row;
 }
 
 bool is_without_effect(std::string_view name) {

@@ -155,6 +155,18 @@ TEST_F(StageOtherWorlds, AnUnsizedBumperIsALargeBody) {
   EXPECT_THAT(type_of(spec, 2).parts[1].solids, IsEmpty());
 }
 
+TEST_F(StageOtherWorlds, ALaserIsARangerAndItsSensor) {
+  const auto spec = load_all(
+      "position( laser( samples 9 noise [0.01 0 0] apply_range_min 1 intensity 1 alwayson 1 color \"blue\" ) )");
+  EXPECT_THAT(messages(), IsEmpty());
+  const engine::DeviceSpec& laser = type_of(spec, 1).devices[0];
+  const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
+  EXPECT_DOUBLE_EQ(get(table, param(laser, "transducers").records()[0], "noise_stddev").number(), 0.1);
+  EXPECT_TRUE(get(table, param(laser, "transducers").records()[0], "apply_range_min").boolean());
+  EXPECT_TRUE(param(laser, "intensity").boolean());
+  EXPECT_EQ(type_of(spec, 1).parts[1].color, (Color{0, 0, 1, 1}));
+}
+
 // Values.
 
 TEST_F(StageOtherWorlds, AWholeTurnMayBeWrittenWithFewDigits) {
