@@ -235,8 +235,8 @@ std::optional<Model::Energy> Model::energy() const {
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
     if (const auto* pack = device_on(place_->type(), part, "power_pack")) {
       const models::PowerPackState& state = pack_state(world, *pack, place_->row());
-      return Energy{state.stored,        state.capacity, state.dissipated,    state.received,
-                    state.given, state.infinite != 0,   state.charging != 0};
+      return Energy{state.stored, state.capacity,      state.dissipated,   state.received,
+                    state.given,  state.infinite != 0, state.charging != 0};
     }
     if (part == 0) return {};
   }

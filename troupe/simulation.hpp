@@ -150,8 +150,8 @@ class Model {
     bool infinite = false;    ///< it never runs out; stored_j stays 0
     bool charging = false;    ///< it was given something in the last tick
   };
-  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs on
-  /// none.
+  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs
+  /// on none.
   std::optional<Energy> energy() const;
   /// How many flags it holds itself, not what stands on it; 0 where it cannot hold any.
   std::size_t flag_count() const;

@@ -15,8 +15,8 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 
-/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W stand in
-/// Stage's manual, but not in its code.)
+/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W
+/// stand in Stage's manual, but not in its code.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 

@@ -521,10 +521,10 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   }
   check_extent(model, part);
   if (model.type == "bumper" && !find("size") && !part.solids.empty())
-    values_.warning_once(model.where,
-                         fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
-                                     "m; give it one, or noblocks 1",
-                                     part.size.x(), part.size.y(), part.size.z()));
+    values_.warning_once(
+        model.where, fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
+                                 "m; give it one, or noblocks 1",
+                                 part.size.x(), part.size.y(), part.size.z()));
   part.returns = returns(model);
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
@@ -562,7 +562,8 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
   if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
-    values_.warning_once(where, "\"size\" gives this model no height: only what is at that very height meets it");
+    values_.warning_once(where,
+                         "\"size\" gives this model no height: only what is at that very height meets it");
   else if (part.size.minCoeff() == 0)
     values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
 }

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 using ::testing::Each;
 using ::testing::FloatNear;
 
-constexpr double k_digits = 5e-7;   // of numbers that are given to six decimals
-constexpr float k_cells = 0.03f;    // m: a cell and a half of Stage's
+constexpr double k_digits = 5e-7;  // of numbers that are given to six decimals
+constexpr float k_cells = 0.03f;   // m: a cell and a half of Stage's
 
 class Vectors : public test::ScratchTest {
  protected:
@@ -47,8 +47,7 @@ class Vectors : public test::ScratchTest {
   static std::vector<T> read(const Simulation& simulation, std::size_t field, std::size_t device = 0) {
     const engine::World& world = simulation.world();
     const Row row = world.row(world.find("r"));
-    const auto cell =
-        world.percepts(world.type(row).devices[device]).cell<T>(world.slot(row), field);
+    const auto cell = world.percepts(world.type(row).devices[device]).cell<T>(world.slot(row), field);
     return {cell.begin(), cell.end()};
   }
 };
@@ -82,8 +81,7 @@ TEST_F(Conformance01, Kinematics) {
 }
 
 TEST_F(Conformance02, Odometry) {
-  Simulation simulation =
-      load("position( name \"r\" localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n");
+  Simulation simulation = load("position( name \"r\" localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n");
   Model robot = simulation.find("r");
   robot.set_speed(0.5, 1);
   simulation.step();
@@ -173,13 +171,13 @@ constexpr std::string_view k_four_walls =
     "wall( pose [2.1 0 0 90] )\nwall( pose [-2.1 0 0 -90] )\n";
 
 TEST_F(Conformance08, RangesBetweenFourWalls) {
-  Simulation simulation = load(
-      std::string(k_four_walls) +
-      "define ahead sensor( range [0 5] )\n"
-      "position( name \"r\" size [0.2 0.2 0.2]\n"
-      "  ranger( alwayson 1 ahead() ahead( pose [0 0 0 180] ) ahead( pose [0 0 0 -90] ) "
-      "ahead( pose [0 0 0 90] ) )\n"
-      "  ranger( alwayson 1 ahead( fov 90 samples 5 ) ) )\n");
+  Simulation simulation =
+      load(std::string(k_four_walls) +
+           "define ahead sensor( range [0 5] )\n"
+           "position( name \"r\" size [0.2 0.2 0.2]\n"
+           "  ranger( alwayson 1 ahead() ahead( pose [0 0 0 180] ) ahead( pose [0 0 0 -90] ) "
+           "ahead( pose [0 0 0 90] ) )\n"
+           "  ranger( alwayson 1 ahead( fov 90 samples 5 ) ) )\n");
   simulation.step();
   // Stage reads 1.98 in the last: the wall that is turned falls into the next cell.
   EXPECT_THAT(simulation.find("r").ranges("ranger:0"), Each(FloatNear(2, 1e-6f)));
@@ -194,10 +192,10 @@ TEST_F(Conformance08, RangesBetweenFourWalls) {
 
 TEST_F(Conformance09, ReturnsOfRangers) {
   const auto reading = [this](std::string_view others) {
-    Simulation simulation = load(
-        std::string("position( name \"r\" size [0.2 0.2 0.2]\n"
-                    "  ranger( alwayson 1 intensity 1 sensor( pose [0 0 0.29 0] range [0 3.7] ) ) )\n")
-            .append(others));
+    Simulation simulation =
+        load(std::string("position( name \"r\" size [0.2 0.2 0.2]\n"
+                         "  ranger( alwayson 1 intensity 1 sensor( pose [0 0 0.29 0] range [0 3.7] ) ) )\n")
+                 .append(others));
     simulation.step();  // at a height of 0.2 + 0.29 + 0.01 m
     return std::pair(simulation.find("r").ranges()[0], simulation.find("r").intensities()[0]);
   };

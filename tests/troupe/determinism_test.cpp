@@ -77,12 +77,8 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10},
-            {"cave-complex-laser.json", 12, 10},
-            {"crowd.json", {}, 5},
-            {"hospital.json:grid", 150, 10},
-            {"crowd.json:grid", {}, 5},
-            {"lookout.json", 12, 5},
+    return {{"hospital.json", 150, 10},      {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5},
+            {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 5},          {"lookout.json", 12, 5},
             {"camera.world", {}, 5}};
   return {{"hospital.json", {}, 50},
           {"cave-complex-laser.json", {}, 50},
@@ -117,7 +113,8 @@ TEST(GoldenHashes, HoldEveryWorld) {
     const std::string file = entry.path().filename().string();
     if (file == "campus.json") continue;  // a million robots: perf_paper's
     if (file.ends_with(".world") || file.ends_with(".json"))
-      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; })) << file;
+      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; }))
+          << file;
   }
 }
 

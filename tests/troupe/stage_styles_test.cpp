@@ -1,5 +1,6 @@
-// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our own.
-// They load with the warnings that belong to them and no others, run, and give the same bits on other threads.
+// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our
+// own. They load with the warnings that belong to them and no others, run, and give the same bits on other
+// threads.
 
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
@@ -26,10 +27,10 @@ const fs::path k_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styl
 
 struct Style {
   const char* file;
-  std::size_t bodies;   ///< the ground left out
-  std::size_t robots;   ///< of them those that have a drive
-  std::size_t devices;  ///< of the first robot
-  bool moves = false;   ///< it has controllers that drive
+  std::size_t bodies;                      ///< the ground left out
+  std::size_t robots;                      ///< of them those that have a drive
+  std::size_t devices;                     ///< of the first robot
+  bool moves = false;                      ///< it has controllers that drive
   std::vector<std::string> warnings = {};  ///< the beginnings of all, from the file's name on
 
   friend std::ostream& operator<<(std::ostream& out, const Style& style) { return out << style.file; }
@@ -111,8 +112,9 @@ std::string refusal(const char* file) {
 TEST(StageStylesRefused, RadiosAndMapsOfOlderVersions) {
   const std::string text = refusal("wifi.world");
   EXPECT_THAT(text, HasSubstr("wifi.world:7: error: \"map\" is no model type, nor a macro defined before"));
-  EXPECT_THAT(text, HasSubstr("wifi.world:5: error: \"wifi\" is no model type, nor a macro defined before: older "
-                              "versions of Stage had it, Stage 4.3 has not"));
+  EXPECT_THAT(text,
+              HasSubstr("wifi.world:5: error: \"wifi\" is no model type, nor a macro defined before: older "
+                        "versions of Stage had it, Stage 4.3 has not"));
 }
 
 TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {

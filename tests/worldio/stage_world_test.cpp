@@ -243,10 +243,11 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
 
 TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:3: warning: a bumper without \"bcount\" feels nothing",
-                          "w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                          "x 1 m; give it one, or noblocks 1"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:3: warning: a bumper without \"bcount\" feels nothing",
+                  "w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
+                  "x 1 m; give it one, or noblocks 1"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -412,7 +413,8 @@ TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
 
 TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
   load(
-      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size [1000000 "
+      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size "
+      "[1000000 "
       "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
       "[1 1] z [0 1] ) )");
   EXPECT_THAT(messages(),
@@ -429,8 +431,9 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
       "  ranger( size [0 0 0] pose [0 0 0.1 0] sensor( size [0 0 0] ) model( size [0.1 0.1 0.1] ) )\n"
       "  fiducial( size [0 0 0] ) )\n"
       "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
-                                      "that very height meets it"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
+                          "that very height meets it"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
