@@ -245,9 +245,9 @@ TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:3: warning: a bumper without \"bcount\" feels nothing",
-                  "w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                  "x 1 m; give it one, or noblocks 1"));
+      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
+                  "x 1 m; give it one, or noblocks 1",
+                  "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
