@@ -112,9 +112,10 @@ TEST(GoldenHashes, HoldEveryWorld) {
   for (const auto& entry : fs::directory_iterator(k_worlds)) {
     const std::string file = entry.path().filename().string();
     if (file == "campus.json") continue;  // a million robots: perf_paper's
-    if (file.ends_with(".world") || file.ends_with(".json"))
+    if (file.ends_with(".world") || file.ends_with(".json")) {
       EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; }))
           << file;
+    }
   }
 }
 
