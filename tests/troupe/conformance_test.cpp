@@ -199,15 +199,21 @@ TEST_F(Conformance09, ReturnsOfRangers) {
     simulation.step();  // at a height of 0.2 + 0.29 + 0.01 m
     return std::pair(simulation.find("r").ranges()[0], simulation.find("r").intensities()[0]);
   };
-  EXPECT_EQ(reading(""), std::pair(3.7f, 0.0f));
-  const auto box = [](std::string_view properties) {
-    return std::string("model( size [0.5 0.5 1] pose [2 0 0 0] ").append(properties).append(" )\n");
+  const auto expect_hit = [&](std::string_view properties, float intensity) {
+    const auto [range, read] =
+        reading(std::string("model( size [0.5 0.5 1] pose [2 0 0 0] ").append(properties).append(" )\n"));
+    EXPECT_NEAR(range, 1.75, 1e-6) << properties;
+    EXPECT_EQ(read, intensity) << properties;
   };
-  EXPECT_EQ(reading(box("")), std::pair(1.75f, 1.0f));
-  EXPECT_EQ(reading(box("ranger_return 0.5")), std::pair(1.75f, 0.5f));
-  EXPECT_EQ(reading(box("ranger_return 0")), std::pair(1.75f, 0.0f));
-  EXPECT_EQ(reading(box("ranger_return -1")), std::pair(3.7f, 0.0f));
-  EXPECT_EQ(reading(box("size [0.5 0.5 0.4]")), std::pair(3.7f, 0.0f));
+  const auto expect_nothing = [&](std::string_view others) {
+    EXPECT_EQ(reading(others), std::pair(3.7f, 0.0f)) << others;  // exactly range.max
+  };
+  expect_nothing("");
+  expect_hit("", 1);
+  expect_hit("ranger_return 0.5", 0.5f);
+  expect_hit("ranger_return 0", 0);
+  expect_nothing("model( size [0.5 0.5 1] pose [2 0 0 0] ranger_return -1 )\n");
+  expect_nothing("model( size [0.5 0.5 0.4] pose [2 0 0 0] )\n");
 }
 
 /// Readings of 40 beams that look at a face 3.94 m ahead, or at nothing, over some ticks.
