@@ -200,10 +200,10 @@ TEST_F(Conformance09, ReturnsOfRangers) {
     return std::pair(simulation.find("r").ranges()[0], simulation.find("r").intensities()[0]);
   };
   const auto expect_hit = [&](std::string_view properties, float intensity) {
-    const auto [range, read] =
+    const auto [range, reported] =
         reading(std::string("model( size [0.5 0.5 1] pose [2 0 0 0] ").append(properties).append(" )\n"));
     EXPECT_NEAR(range, 1.75, 1e-6) << properties;
-    EXPECT_EQ(read, intensity) << properties;
+    EXPECT_EQ(reported, intensity) << properties;
   };
   const auto expect_nothing = [&](std::string_view others) {
     EXPECT_EQ(reading(others), std::pair(3.7f, 0.0f)) << others;  // exactly range.max
