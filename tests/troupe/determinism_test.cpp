@@ -96,6 +96,10 @@ std::vector<GoldenRun> runs() {
           {"bumper.world", {}, 50},
           {"camera.world", {}, 50},
           {"fiducial.world", {}, 50},
+          {"gate.json", {}, 50},
+          {"gripper.json", {}, 50},
+          {"lift.world", {}, 50},
+          {"magpies.json", {}, 50},
           {"minimal.world", {}, 50},
           {"noise.world", {}, 50}};
 }
