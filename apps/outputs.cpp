@@ -97,6 +97,17 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
   }
 }
 
+void check_folder(const fs::path& folder) {
+  if (folder.empty()) return;
+  std::error_code ignored;
+  const bool is_there = fs::exists(folder, ignored);
+  if (is_there && !fs::is_directory(folder, ignored)) refuse_output(folder, "it is no folder");
+  const fs::path above = folder.has_parent_path() ? folder.parent_path() : ".";
+  if (!is_there && !fs::is_directory(above, ignored))
+    refuse_output(folder, fmt::format("there is no folder {}", above.string()));
+  if (access((is_there ? folder : above).c_str(), W_OK) != 0) refuse_output(folder, std::strerror(errno));
+}
+
 void rehearse_snapshot(const Simulation& simulation, const fs::path& png) {
   const fs::path thumbnail = fs::path(png).concat(fmt::format(".{}.png", getpid()));
   simulation.snapshot(thumbnail, 16, 16);

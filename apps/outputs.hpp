@@ -32,6 +32,9 @@ struct Input {
 /// written in, it is no folder itself, and it is neither an input nor another output. Creates nothing, so
 /// that a world that turns out wrong afterwards leaves nothing behind. Throws OutputError.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
+/// Checks that files can be written into a folder (an empty path counts as none), which may have to be made
+/// first. Creates nothing. Throws OutputError.
+void check_folder(const std::filesystem::path& folder);
 /// Whether two names stand for one file, that may not be there yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 

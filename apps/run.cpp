@@ -51,7 +51,9 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   for (const fs::path& world : options.worlds) {
     RunOptions& own = each.emplace_back(options);
     own.world = world;
-    for (fs::path* output : outputs_of(own)) {
+    std::vector<fs::path*> outputs = outputs_of(own);
+    outputs.push_back(&own.camera_folder);
+    for (fs::path* output : outputs) {
       if (output->empty()) continue;
       const std::string name = with_world(output->string(), world);
       if (options.worlds.size() > 1 && name == output->string())
@@ -73,6 +75,7 @@ void check_files(const std::vector<RunOptions>& each) {
     const fs::path resumed_from = options.is_checkpoint ? options.world : "";
     check_checkpoint(options.checkpoint, resumed_from, options.force);
     const bool goes_on = same_file(options.checkpoint, resumed_from);
+    check_folder(options.camera_folder);
     inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
     RunOptions own = options;
     for (const fs::path* output : outputs_of(own))

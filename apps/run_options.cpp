@@ -47,6 +47,7 @@ Examples:
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
   troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
   troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
+  troupe run worlds/camera.world --for 5 --camera-png pictures --camera-every 0.5
   troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall
   troupe run apps/examples/plugin/room.json --for 60 --plugin-path build
   troupe run worlds/minimal.world --for 60 --rate 1 --clock
@@ -148,6 +149,27 @@ void add_table_options(CLI::App& run, RunOptions& options) {
             [&options](const std::string& text) { options.events = file_name("--events", text); });
 }
 
+void add_camera_options(CLI::App& app, RunOptions& options) {
+  CLI::Option* folder =
+      add_value(app, "--camera-png", "DIR",
+                "Write what cameras see into a folder: colours and depths, two PNGs each time",
+                [&options](const std::string& text) {
+                  if (text.empty() || text.starts_with('-'))
+                    refuse("--camera-png", text, "the name of a folder");
+                  options.camera_folder = text;
+                  if (!options.camera_folder.has_filename())
+                    options.camera_folder = options.camera_folder.parent_path();
+                });
+  add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
+            [&options](const std::string& text) {
+              const std::optional<double> seconds = finite(text);
+              if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
+                refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
+              options.camera_every_s = *seconds;
+            })
+      ->needs(folder);
+}
+
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
   const std::optional<double> seconds = finite(text);
   if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
@@ -217,6 +239,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
             "Only ticks A to B of it (default: all, while the file stays small)",
             [&options](const std::string& text) { set_profile_ticks(options, text); })
       ->needs(profile);
+  add_camera_options(app, options);
   add_record_options(app, options);
   add_table_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {

@@ -29,6 +29,8 @@ struct RunOptions : WorldOptions {
   std::vector<std::string> measure;       ///< as Measures takes them; empty: as the world says
   std::optional<double> measure_every_s;  ///< not given: as the world says
   std::filesystem::path events;           ///< empty: none
+  std::filesystem::path camera_folder;    ///< empty: none
+  double camera_every_s = 1;              ///< 0: every tick
   bool force = false;                     ///< outputs that exist may be replaced
   bool clock = false;                     ///< the time is told even where the world does not ask for it
   double rate = 0;                        ///< times real time, at most; 0: as fast as possible
@@ -42,7 +44,8 @@ struct RunOptions : WorldOptions {
   bool quiet = false;
 };
 
-/// The names of all files that a run writes, in a fixed order; empty where there is none.
+/// The names of all files that a run writes, but for pictures of cameras, in a fixed order; empty where there
+/// is none.
 std::vector<std::filesystem::path*> outputs_of(RunOptions& options);
 /// In the names of outputs this stands for the world's name, without folder and ending.
 inline constexpr std::string_view k_world_mark = "{world}";

@@ -1,5 +1,6 @@
 #include "apps/world_run.hpp"
 
+#include "apps/camera_pictures.hpp"
 #include "apps/checkpointing.hpp"
 #include "apps/clock.hpp"
 #include "apps/outputs.hpp"
@@ -70,6 +71,7 @@ std::filesystem::path WorldRun::recording() const { return recording_file(option
 
 void WorldRun::rehearse() {
   if (!options_.snapshot.empty()) rehearse_snapshot(simulation_, options_.snapshot);
+  if (!options_.camera_folder.empty()) check_cameras(simulation_, options_.world);
   // Before any file: what is wrong with them is bad input.
   if (!options_.measures.empty()) measures_.emplace(simulation_, options_.measure);
 }
@@ -94,6 +96,9 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
     observers_.push_back(
         std::make_unique<MeasuresTable>(options_.measures, simulation_, std::move(*measures_), every));
   }
+  if (!options_.camera_folder.empty())
+    observers_.push_back(std::make_unique<CameraPictures>(
+        options_.camera_folder, engine::period_ticks(options_.camera_every_s, simulation_.tick_s())));
   if (!options_.events.empty())
     observers_.push_back(std::make_unique<EventsTable>(options_.events, simulation_));
   if (!options_.checkpoint.empty()) {

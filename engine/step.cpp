@@ -42,6 +42,7 @@ void World::step() {
   restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
                              // maths
   ++tick_;
+  begin_placing();
   begin(Phase::sense);
   sense();
   begin(Phase::decide);

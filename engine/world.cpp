@@ -282,6 +282,8 @@ void World::build_tables() {
 void World::start() {
   tick_ = 0;
   effects_.clear();
+  begin_placing();
+  placed_before_.clear();
   beams_ = conflict_rounds_ = 0;
   for (StateTable& table : tables_) table.clear();
   for (const BodyType& type : types_) {
@@ -484,8 +486,28 @@ void World::set_poses(std::span<const Placed> placed) {
     put(row, type(row), Transform(pose));
   }
   if (links_.any()) carry();
+  for (const Placed& place : placed) remember_placed(place.row);
+  for (std::size_t r = 0; links_.carried > 0 && r < rows(); ++r)
+    if (carrier(Row(r))) remember_placed(Row(r));
   count_stalls();
   index_bodies();
+}
+
+void World::remember_placed(Row row) {
+  placed_at_.resize(rows());
+  std::uint32_t& at = placed_at_[row.index()];
+  if (at == 0) {
+    placed_.push_back({row, {}});
+    at = static_cast<std::uint32_t>(placed_.size());
+  }
+  placed_[at - 1].pose = poses()[row.index()];
+}
+
+/// What was put elsewhere so far was put before the step that begins.
+void World::begin_placing() {
+  for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
+  placed_before_.swap(placed_);
+  placed_.clear();
 }
 
 bool World::is_free(Row row, const Pose& pose) const {

@@ -166,6 +166,9 @@ class World {
     Pose pose;  ///< world frame; the heading is wrapped
   };
   void set_poses(std::span<const Placed> placed);
+  /// Who was put elsewhere between the last step and the one before it, with all that was carried along, and
+  /// where each stood when the last step began: for who counts ways. No state.
+  std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether a body would stand at this pose within the world's bounds and free of everything solid.
   bool is_free(Row row, const Pose& pose) const;
   /// Percepts of one sensor of a type.
@@ -286,6 +289,8 @@ class World {
   template <class Work>
   void for_roots(Work&& work);
 
+  void remember_placed(Row row);
+  void begin_placing();
   /// What is derived from a row's pose.
   void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
@@ -337,6 +342,10 @@ class World {
   std::vector<FreeCircle> free_circles_;
   Conflicts conflicts_;
   Links links_;
+
+  std::vector<Placed> placed_;            // since the last step, each row once
+  std::vector<Placed> placed_before_;     // that step
+  std::vector<std::uint32_t> placed_at_;  // of each row: where it stands in placed_, from 1; 0: it does not
 
   std::size_t stalled_ = 0;
   std::size_t held_ = 0;

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/fiducial_readings.hpp"
 
 #include <cmath>
 
@@ -22,6 +23,7 @@ struct Flocking {
   static constexpr std::size_t k_front_ring = 8;
   std::array<std::size_t, k_front_ring> readings{};
   std::array<SinCos, k_front_ring> directions{};
+  FiducialReadings finder;
 
   static Flocking make(const engine::Record&) { return {}; }
 
@@ -44,6 +46,7 @@ struct Flocking {
     else if (!take([](const DeviceInfo& d) { return d.kind == "fiducial"; }))
       fault = "needs a fiducial finder";
     if (!fault.empty()) return {};
+    finder = FiducialReadings(devices[chosen[1]].prepared);
     const auto& layout = devices[chosen[0]].prepared;
     for (std::size_t i = 0; i < k_front_ring; ++i) {
       readings[i] = layout.transducers[i];
@@ -53,7 +56,6 @@ struct Flocking {
   }
 
   void operator()(const engine::Percept& percept, Random& random, engine::Actions& actions) const {
-    constexpr std::size_t k_count = 0, k_heading = 5;  // of fiducial finders; the nearest comes first
     const std::span<const float> ranges = percept.ranges(0);
     std::array<double, k_front_ring> r;
     double x = 0;
@@ -69,7 +71,7 @@ struct Flocking {
                          r[1] > k_side && r[6] > k_side && std::abs(theta) < k_cone;
     if (is_free) {
       const engine::Readings& seen = percept.devices[1];
-      if (seen.field<std::uint32_t>(k_count)[0] > 0) turn += k_flock_gain * seen.field<float>(k_heading)[0];
+      if (finder.count(seen) > 0) turn += k_flock_gain * finder.heading(seen, 0);
       actions.command = {k_speed, 0, turn};
       return;
     }

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/fiducial_readings.hpp"
 #include "models/flags.hpp"
 #include "models/floor_plan.hpp"
 #include "models/power.hpp"
@@ -103,6 +104,7 @@ struct Forager {
   bool abandons = false;
   std::size_t samples = 0;
   std::optional<std::size_t> pack, finder;  // among the devices it chose
+  FiducialReadings sights;                  // of the finder
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
 
@@ -148,7 +150,10 @@ std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, st
   if (fault.empty() && !take(of_kind("flags"))) fault = "needs a device of kind \"flags\"";
   if (!fault.empty()) return {};
   if (take(of_kind("power_pack"))) pack = chosen.size() - 1;
-  if (take(of_kind("fiducial"))) finder = chosen.size() - 1;
+  if (take(of_kind("fiducial"))) {
+    finder = chosen.size() - 1;
+    sights = FiducialReadings(devices[chosen.back()].prepared);
+  }
   return chosen;
 }
 
@@ -220,13 +225,10 @@ std::uint32_t Forager::nearest_charger(const Pose& from) const {
 
 /// By the finder, where it has one that sees a charger; else by where the world says one stands.
 Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
-  constexpr std::size_t k_count = 0, k_id = 1, k_range = 3, k_bearing = 4;  // of fiducial finders
   if (finder) {
     const engine::Readings& seen = percept.devices[*finder];
-    const std::span<const std::int32_t> ids = seen.field<std::int32_t>(k_id);
-    const std::size_t count = std::min<std::size_t>(seen.field<std::uint32_t>(k_count)[0], ids.size());
-    for (std::size_t i = 0; i < count; ++i)  // the nearest first
-      if (ids[i] == k_charger_mark) return {seen.field<float>(k_range)[i], seen.field<float>(k_bearing)[i]};
+    for (std::size_t i = 0; i < sights.count(seen); ++i)
+      if (sights.id(seen, i) == k_charger_mark) return {sights.range(seen, i), sights.bearing(seen, i)};
   }
   const Vec2& at = chargers[memory.charger].at;
   return {(at - percept.estimate.position()).norm(), bearing_of(percept.estimate, at)};

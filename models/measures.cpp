@@ -67,12 +67,14 @@ class Displacement : public OfRobots {
 class PathLength : public OfRobots {
  public:
   PathLength(const World& world, const Record& params, std::vector<Row> rows)
-      : OfRobots(world, params, std::move(rows)), lengths_(robots().size(), 0) {
+      : OfRobots(world, params, std::move(rows)), lengths_(robots().size(), 0), tick_(world.tick()) {
     for (const Row row : robots()) places_.push_back(world.transform(row).position);
   }
 
   void see(World& world) override {
     constexpr std::size_t k_block = 4096;
+    if (world.tick() != tick_) set_out_from(world.placed_before_step());
+    tick_ = world.tick();
     world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
       for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) {
         const Vec2& place = world.transform(robots()[i]).position;
@@ -90,8 +92,25 @@ class PathLength : public OfRobots {
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
-  std::vector<double> lengths_;  // beside robots(), as are
-  std::vector<Vec2> places_;     // in the state that was seen last
+  /// Who was put elsewhere went from there: that it was put there is no way.
+  void set_out_from(std::span<const World::Placed> placed) {
+    if (placed.empty()) return;
+    if (numbers_.empty()) {
+      for (std::uint32_t i = 0; i < robots().size(); ++i) numbers_.emplace_back(robots()[i], i);
+      std::ranges::sort(numbers_, {}, by_row);
+    }
+    for (const World::Placed& place : placed) {
+      const auto found = std::ranges::lower_bound(numbers_, place.row.index(), {}, by_row);
+      if (found != numbers_.end() && found->first == place.row)
+        places_[found->second] = place.pose.position();
+    }
+  }
+  static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
+
+  std::vector<double> lengths_;                         // beside robots(), as are
+  std::vector<Vec2> places_;                            // in the state that was seen last
+  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when somebody is placed
+  std::uint64_t tick_;                                  // that was seen last
 };
 
 class MeanSpeed : public OfRobots {
@@ -150,7 +169,9 @@ engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
       "path_length", Unit::meters, "how far robots have gone, in the mean",
       "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
-      "between their origins before and after the tick.");
+      "between their origins before and after the tick. Where a program puts a robot between two ticks it "
+      "has "
+      "not gone.");
 }
 
 engine::MeasureKind mean_speed_measure() {

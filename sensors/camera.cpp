@@ -2,9 +2,12 @@
 
 #include "engine/sight.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <tuple>
 
 namespace troupe::sensors {
@@ -281,10 +284,17 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
           .watts = 100};  // as Stage's manual says
 }
 
+/// What its limits cannot say: that it sees something.
+std::string check(std::any& data, const engine::TypeSpec&, std::uint32_t) {
+  const Lens& lens = *std::any_cast<Lens>(&data);
+  if (lens.near < lens.far) return {};
+  return fmt::format("needs a range_near below its range_far; here are {} m and {} m", lens.near, lens.far);
+}
+
 }  // namespace
 
 DeviceKind camera_kind() {
-  constexpr double k_most_pixels = 1000;  // an edge
+  constexpr double k_most_pixels = 4096;  // an edge
   DeviceKind kind{.name = "camera", .text = "colour and depth of what is in its field of view"};
   kind.params = {{
       {.name = "width",
@@ -341,6 +351,7 @@ DeviceKind camera_kind() {
        .text = "by which it looks upwards"},
   }};
   kind.prepare = prepare;
+  kind.mount = check;
   kind.sense = sense;
   return kind;
 }

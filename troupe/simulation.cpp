@@ -5,6 +5,8 @@
 #include "base/hash.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "models/flags.hpp"
+#include "models/power.hpp"
 #include "models/wheels.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/plugins.hpp"
@@ -80,6 +82,19 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
 
 void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
   lines.insert(lines.end(), more.begin(), more.end());
+}
+
+/// The device of a kind that a part carries itself; null where it carries none.
+const engine::BodyType::Device* device_on(const engine::BodyType& type, std::size_t part,
+                                          std::string_view kind) {
+  for (const engine::BodyType::Device& device : type.devices)
+    if (device.part == part && device.kind->name == kind) return &device;
+  return nullptr;
+}
+
+const models::PowerPackState& pack_state(const engine::World& world, const engine::BodyType::Device& pack,
+                                         Row row) {
+  return world.percepts(pack).as<models::PowerPackState>(world.slot(row));
 }
 
 }  // namespace
@@ -235,6 +250,26 @@ std::span<const float> Model::intensities(std::string_view sensor) const {
   const engine::StateTable& table = place_->world->percepts(found);
   if (table.fields().size() < 2) return {};
   return table.cell<float>(place_->world->slot(place_->row()), 1);
+}
+
+std::optional<Model::Energy> Model::energy() const {
+  const engine::World& world = *place_->world;
+  const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[place_->body.index()].type.index()];
+  for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
+    if (const auto* pack = device_on(place_->type(), part, "power_pack")) {
+      const models::PowerPackState& state = pack_state(world, *pack, place_->row());
+      return Energy{state.stored, state.capacity,      state.dissipated,   state.received,
+                    state.given,  state.infinite != 0, state.charging != 0};
+    }
+    if (part == 0) return {};
+  }
+}
+
+std::size_t Model::flag_count() const {
+  const engine::World& world = *place_->world;
+  const auto* flags = device_on(place_->type(), place_->part, "flags");
+  if (flags == nullptr) return 0;
+  return world.percepts(*flags).cell<std::uint32_t>(world.slot(place_->row()), models::k_flag_count)[0];
 }
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options)
@@ -461,6 +496,27 @@ Statistics Simulation::statistics() const {
           w.mean_displacement(),
           w.conflict_rounds(),
           state_bytes};
+}
+
+Model::Energy Simulation::energy() const {
+  const engine::World& w = *impl_->world;
+  Model::Energy sum;
+  for (std::size_t b = 0; b < w.spec().bodies.size(); ++b) {
+    const Row row = w.row(BodyId(b));
+    if (!row.valid()) continue;
+    for (const engine::BodyType::Device& device : w.type(row).devices) {
+      if (device.kind->name != "power_pack") continue;
+      const models::PowerPackState& state = pack_state(w, device, row);
+      sum.stored_j += state.stored;
+      sum.capacity_j += state.capacity;
+      sum.dissipated_j += state.dissipated;
+      sum.received_j += state.received;
+      sum.given_j += state.given;
+      sum.infinite = sum.infinite || state.infinite != 0;
+      sum.charging = sum.charging || state.charging != 0;
+    }
+  }
+  return sum;
 }
 
 unsigned Simulation::threads() const { return impl_->world->parallel().threads(); }

@@ -140,6 +140,22 @@ class Model {
   /// Intensities beside ranges(); empty unless the ranger has `intensity` switched on.
   std::span<const float> intensities(std::string_view sensor = {}) const;
 
+  /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
+  struct Energy {
+    double stored_j = 0;
+    double capacity_j = 0;
+    double dissipated_j = 0;  ///< by all that runs on it
+    double received_j = 0;    ///< from others, by contact
+    double given_j = 0;       ///< to others, by contact
+    bool infinite = false;    ///< it never runs out; stored_j stays 0
+    bool charging = false;    ///< it was given something in the last tick
+  };
+  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs
+  /// on none.
+  std::optional<Energy> energy() const;
+  /// How many flags it holds itself, not what stands on it; 0 where it cannot hold any.
+  std::size_t flag_count() const;
+
  private:
   friend class Simulation;
   struct Place;
@@ -237,6 +253,8 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;
+  /// The sums over all power packs of the world, in the order of ids; `infinite` and `charging` where any is.
+  Model::Energy energy() const;
   unsigned threads() const;
   /// Called as each phase begins, and once more with no phase as the tick ends; for timing.
   void on_phase(std::function<void(std::optional<Phase>)> callback);

@@ -10,6 +10,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 
@@ -34,25 +35,35 @@ void append(png_structp png, png_bytep data, std::size_t size) {
   }
 }
 
+/// Pixels as a PNG has them.
+struct Rows {
+  int width;
+  int height;
+  std::span<const std::uint8_t> bytes;
+  int color_type;
+  int bits;                 // a channel
+  std::size_t pixel_bytes;  // of all channels
+};
+
 /// False when libpng jumped out. Nothing with a destructor may live in here: the jump would skip it.
-bool encode_rows(png_structp png, png_infop info, const Image& image, std::vector<png_text>& texts) {
+bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-               PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
+               image.bits, image.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
   if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(png, info);
-  const std::size_t stride = 4 * static_cast<std::size_t>(image.width);
-  for (int row = 0; row < image.height; ++row) png_write_row(png, image.rgba.data() + stride * row);
+  const std::size_t stride = image.pixel_bytes * static_cast<std::size_t>(image.width);
+  for (int row = 0; row < image.height; ++row) png_write_row(png, image.bytes.data() + stride * row);
   png_write_end(png, info);
   return true;
 }
 
-std::string encode(const Image& image, const std::vector<std::pair<std::string, std::string>>& text) {
+std::string encode(const Rows& image, const std::vector<std::pair<std::string, std::string>>& text) {
   if (image.width < 1 || image.height < 1 ||
-      image.rgba.size() != 4 * static_cast<std::size_t>(image.width) * image.height) {
+      image.bytes.size() != image.pixel_bytes * static_cast<std::size_t>(image.width) * image.height) {
     throw std::runtime_error(fmt::format("an image of {} x {} pixels with {} bytes", image.width,
-                                         image.height, image.rgba.size()));
+                                         image.height, image.bytes.size()));
   }
   std::vector<png_text> texts;
   for (const auto& [key, value] : text) {
@@ -97,10 +108,8 @@ void write_whole(const std::filesystem::path& file, const std::string& bytes) {
   }
 }
 
-}  // namespace
-
-void write_png(const std::filesystem::path& file, const Image& image,
-               const std::vector<std::pair<std::string, std::string>>& text) {
+void write_rows(const std::filesystem::path& file, const Rows& image,
+                const std::vector<std::pair<std::string, std::string>>& text) {
   try {
     write_whole(file, encode(image, text));
   } catch (const std::system_error& error) {
@@ -108,6 +117,24 @@ void write_png(const std::filesystem::path& file, const Image& image,
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.what()));
   }
+}
+
+}  // namespace
+
+void write_png(const std::filesystem::path& file, const Image& image,
+               const std::vector<std::pair<std::string, std::string>>& text) {
+  write_rows(file, {image.width, image.height, image.rgba, PNG_COLOR_TYPE_RGB_ALPHA, 8, 4}, text);
+}
+
+void write_png(const std::filesystem::path& file, const DepthImage& image,
+               const std::vector<std::pair<std::string, std::string>>& text) {
+  std::vector<std::uint8_t> bytes;  // of each value the high one first
+  bytes.reserve(2 * image.values.size());
+  for (const std::uint16_t value : image.values) {
+    bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    bytes.push_back(static_cast<std::uint8_t>(value & 0xff));
+  }
+  write_rows(file, {image.width, image.height, bytes, PNG_COLOR_TYPE_GRAY, 16, 2}, text);
 }
 
 }  // namespace troupe::worldio

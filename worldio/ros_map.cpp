@@ -79,7 +79,6 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     error(0, "a map of ROS is a list of \"key: value\": image, resolution, origin, ...");
     return {};
   }
-  check_keys(node);
   RosMap map;
   if (const YAML::Node image = node["image"]; !image) {
     error(0, "a map needs \"image\", the path of its image");
@@ -113,17 +112,24 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     else
       error(mode, unknown_name("mode", name, {k_modes.begin(), k_modes.end()}));
   }
+  check_keys(node);
   if (!is_right_) return {};
   return map;
 }
 
+/// Of a map that is wrong a key that maps do not have is an error too: warnings would not be shown, and it
+/// may be the misspelt one that is missing.
 void MapReader::check_keys(const YAML::Node& map) {
+  const bool is_right = is_right_;
   for (const auto& entry : map) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (std::ranges::find(k_keys, key) == std::end(k_keys))
-      diagnostics_.warning(
-          {file_number_, line_of(entry.first.Mark())},
-          fmt::format("a map of ROS has no \"{}\"; it is ignored{}", key, did_you_mean(key, k_keys)));
+    if (std::ranges::find(k_keys, key) != std::end(k_keys)) continue;
+    const std::string suggestion = did_you_mean(key, k_keys);
+    if (is_right)
+      diagnostics_.warning({file_number_, line_of(entry.first.Mark())},
+                           fmt::format("a map of ROS has no \"{}\"; it is ignored{}", key, suggestion));
+    else
+      error(entry.first, fmt::format("a map of ROS has no \"{}\"{}", key, suggestion));
   }
 }
 

@@ -94,8 +94,8 @@ const FloorImage* StageBodies::read_image(const StageModel& model, const StagePr
   if (!name) return nullptr;
   std::filesystem::path path(*name);
   if (!path.is_absolute()) {
-    const std::filesystem::path beside_include = (document_.base_directory / path).lexically_normal();
-    const std::filesystem::path beside_world = (world_directory_ / path).lexically_normal();
+    const std::filesystem::path beside_include = tidied(document_.base_directory / path);
+    const std::filesystem::path beside_world = tidied(world_directory_ / path);
     path = find_stage_file(beside_include, {}) ? beside_include : beside_world;
   }
   const FloorImage* image = images_.read(path, flag(model, "bitmap_unknown"), values_.where(property));

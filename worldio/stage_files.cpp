@@ -22,6 +22,14 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
   return {};
 }
 
+std::filesystem::path tidied(const std::filesystem::path& path) {
+  std::filesystem::path normal = path.lexically_normal();
+  std::error_code fault;
+  const bool is_other =
+      std::filesystem::exists(path, fault) && !std::filesystem::equivalent(path, normal, fault);
+  return is_other ? path : normal;
+}
+
 std::optional<std::string> read_file(const std::filesystem::path& path) {
   if (!is_file(path)) return {};
   std::ifstream in(path, std::ios::binary);

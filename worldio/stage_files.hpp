@@ -12,6 +12,10 @@ namespace troupe::worldio {
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path);
 
+/// The path without its "." and "..", where that names the same file: behind a link to a folder "x/.." may be
+/// elsewhere.
+std::filesystem::path tidied(const std::filesystem::path& path);
+
 /// The bytes of a regular file; empty when it cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 

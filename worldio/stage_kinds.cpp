@@ -34,6 +34,13 @@ std::string limit_broken(const Field& field, double value) {
   return {};
 }
 
+/// A whole turn, in rad, is often written with few digits: 6.2832 is one.
+double within_a_turn(double angle) {
+  constexpr double k_turn = 2 * k_pi;
+  constexpr double k_rounding = 1e-5;
+  return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
+}
+
 /// Sets a field where the table has it: kinds need not know all that Stage's models say.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
@@ -144,7 +151,7 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   }
   read("fov", [&](const StageProperty& property) {
     const auto given = values_.number(property);
-    fov = given ? *given * values_.angle_unit() : fov;
+    fov = given ? within_a_turn(*given * values_.angle_unit()) : fov;
     return given && check("fov", fov, property);
   });
   read("samples", [&](const StageProperty& property) {
@@ -298,8 +305,9 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
                                        int column) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
     if (!given) return {};
-    const std::string broken = limit_broken(field, *given * to_si);
-    if (broken.empty()) return *given * to_si;
+    const double si = field.unit == engine::Unit::radians ? within_a_turn(*given * to_si) : *given * to_si;
+    const std::string broken = limit_broken(field, si);
+    if (broken.empty()) return si;
     values_.error(values_.where(property),
                   fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, *given));
     return {};

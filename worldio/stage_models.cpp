@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t k_most_steps = 20000000;
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
+/// Types of models that versions of Stage before 4.3 had.
+constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",    "puck",
+                                          "region",  "simple_laser", "speech", "wifi"};
 constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
 
 }  // namespace
@@ -39,10 +42,12 @@ void StageMacros::define(const StageItem& item) {
   const StageToken name = document_.token(item.entity.word);
   const auto [first, is_new] =
       macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
-  if (!is_new)
-    values_.warning(name.where(),
-                    fmt::format("\"{}\" is defined already, at line {}; the first definition holds",
-                                name.text, document_.token(first->second.body->word).line));
+  const Where before = document_.token(first->second.body->word).where();
+  const bool is_read_again =
+      before.file == name.file && before.line == name.line;  // of a file included twice
+  if (!is_new && !is_read_again)
+    values_.warning(name.where(), fmt::format("\"{}\" is defined already, at {}; the first definition holds",
+                                              name.text, values_.place(before, name.where())));
 }
 
 std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
@@ -86,8 +91,11 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     for (const auto& [name, macro] : macros_) near.push_back(name);
   // The order of the hash table must not choose between two names that are equally near.
   std::ranges::sort(near);
-  values_.error(model.where, fmt::format("\"{}\" is no model type, nor a macro defined before; types: {}{}",
-                                         model.type, comma_list(types), did_you_mean(model.type, near)));
+  const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
+  values_.error(model.where,
+                fmt::format("\"{}\" is no model type, nor a macro defined before{}; types: {}{}", model.type,
+                            is_dropped ? ": older versions of Stage had it, Stage 4.3 has not" : "",
+                            comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
   return {};
 }
 

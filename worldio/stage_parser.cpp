@@ -218,12 +218,11 @@ class Lexer {
   void splice(Where where, std::string_view name) {
     fs::path path(name);
     if (!path.is_absolute() && !name.starts_with('~')) path = document_.base_directory / path;
-    path = path.lexically_normal();
     const std::optional<fs::path> found = find_stage_file(path, search_path_);
     std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
     if (!text) {
       errors_.add(where,
-                  fmt::format("cannot read the included file {}{}", path.string(),
+                  fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
                               search_path_.empty() ? "" : ", nor one of that name on the search path"));
       return;
     }
@@ -245,7 +244,7 @@ class Lexer {
                                      k_most_included_bytes >> 20));
       throw GiveUp{};
     }
-    read(*found, std::move(*text));
+    read(tidied(*found), std::move(*text));
   }
 
   StageDocument& document_;

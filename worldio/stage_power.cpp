@@ -15,9 +15,10 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 
-/// What Stage works out itself for models of these types, whatever their `watts` say.
-constexpr std::array<std::string_view, 5> k_own_draw{"actuator", "blobfinder", "bumper", "position",
-                                                     "ranger"};
+/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W
+/// stand in Stage's manual, but not in its code.)
+constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
+                                                     "camera",   "position",   "ranger"};
 
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   record[static_cast<std::size_t>(table.find(name))] = std::move(value);

@@ -51,12 +51,13 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "threadpool", obsolete, ""},
 
     {"model", "name", honoured, "`/name` is a name of its own instead of one below the parent's",
-     "StageWorld.ConformanceVector7Names"},
+     "Conformance07.Names"},
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning",
      "StageWorld.ChildrenStackOnTheirParent"},
     {"model", "size", honoured,
-     "[x y z], above 0; of the older [x y] the height is the type's default, with a warning",
+     "[x y z], above 0 where there is a body; of the older [x y] the height is the type's default, with a "
+     "warning",
      "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
     {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it",
      "StageWorld.OriginMovesTheBodyButNotItsChildren"},
@@ -105,7 +106,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "watts", fixed,
      "W, drawn while the model runs, each second whatever the tick is; not of models that draw by "
      "themselves: "
-     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2)",
+     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2), camera (100)",
      "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
     {"model", "joules", fixed,
      "a power pack, full; below 0 it never runs out. An empty one stops what runs on it: see `when_empty`",
@@ -196,7 +197,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
      "robot that is stalled, misses no tick between updates, and a way to the left counts as one",
-     "Conformance2.OdometryOfADiffDriveWithErrors"},
+     "Conformance02.OdometryOfADiffDriveWithErrors"},
     {"position", "localization_origin", honoured,
      "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1",
      "Driving.WhatStageWorldsSayOfOriginsHolds"},
@@ -444,12 +445,18 @@ std::span<const StageRow* const> rows_of_name(std::string_view written) {
 std::span<const StageRow> stage_rows() { return k_rows; }
 
 const StageRow* find_stage_row(std::string_view type, std::string_view written) {
-  const StageRow* of_any_model = nullptr;
-  for (const StageRow* row : rows_of_name(written)) {
-    if (row->type == type) return row;
-    if (row->type == "model" && is_model(type)) of_any_model = row;
-  }
-  return of_any_model;
+  // The lasers and sonars of older files are rangers, and their own sensors, too.
+  const bool is_both = type == "laser" || type == "sonar";
+  const auto row_of = [&](std::string_view wanted) -> const StageRow* {
+    for (const StageRow* row : rows_of_name(written))
+      if (row->type == wanted) return row;
+    return nullptr;
+  };
+  const StageRow* row = row_of(type);
+  if (!row && is_both) row = row_of("ranger");
+  if (!row && is_model(type)) row = row_of("model");
+  if (!row && is_both) row = row_of("sensor");
+  return row;
 }
 
 bool is_without_effect(std::string_view name) {

@@ -34,6 +34,11 @@ void StageValues::warning_once(Where where, std::string message) {
   if (first_time(where, message)) diagnostics_.warning_once(where, std::move(message));
 }
 
+std::string StageValues::place(Where where, Where from) const {
+  if (where.file == from.file) return fmt::format("line {}", where.line);
+  return fmt::format("{}:{}", diagnostics_.files()->name(where.file), where.line);
+}
+
 std::optional<std::string_view> StageValues::text(const StageProperty& property) {
   if (property.tuple) {
     error(where(property), fmt::format("\"{}\" needs one value, not a tuple", key(property)));
@@ -145,7 +150,7 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
             fmt::format("\"{}\" is larger than the world, {} km", key(property), 2 * k_world_limit / 1000));
       return {};
     }
-    if (!(extent > 0)) {
+    if (extent < 0) {
       error(where(property),
             fmt::format("\"{}\" must be above 0 in every direction; here is {}", key(property), extent));
       return {};

@@ -214,6 +214,7 @@ class StageWorld {
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
   void add_part(const StageModel& model, const Place& place, Draft& draft);
   bool is_without_body(const StageModel& model);
+  void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
@@ -518,6 +519,12 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       for (Vec2& point : ring) point = to_body * point;
     solid.z = solid.z.shifted(pose_body_frame.z);
   }
+  check_extent(model, part);
+  if (model.type == "bumper" && !find("size") && !part.solids.empty())
+    values_.warning_once(
+        model.where, fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
+                                 "m; give it one, or noblocks 1",
+                                 part.size.x(), part.size.y(), part.size.z()));
   part.returns = returns(model);
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
@@ -556,6 +563,19 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
   add_children(model, below, height, holds->children, draft);
+}
+
+/// A body needs an extent; what is no more than a place, as a sensor without a body, does not.
+void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
+  const bool is_gripper = model.type == "gripper";  // whose body comes with its paddles
+  if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
+  const StageProperty* property = model.find(document_, "size");
+  const Where where = property ? values_.where(*property) : model.where;
+  if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
+    values_.warning_once(where,
+                         "\"size\" gives this model no height: only what is at that very height meets it");
+  else if (part.size.minCoeff() == 0)
+    values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
 }
 
 /// Whether it says that it has no body at all, not even that of its kind.

@@ -193,6 +193,19 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                   "w.world:12: warning: scount: obsolete, ignored by Stage too", "w.world: 10 findings"));
 }
 
+TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
+  expect_nothing("w.world",
+                 "position( size [0.4 0.4 0.4]\n"
+                 "  fiducial( alwayson 1 update_interval 200 )\n"
+                 "  blobfinder( alwayson 1 update_interval 200 size [0.1 0.1 0.1] )\n"
+                 "  bumper( alwayson 1 update_interval 200 size [0.1 0.1 0.1] bcount 1 blength 0.1 )\n"
+                 "  camera( alwayson 1 update_interval 200 )\n"
+                 "  gripper( alwayson 1 update_interval 200 pose [0.4 0 0 0] )\n"
+                 "  actuator( alwayson 1 update_interval 200 pose [-0.1 0 1 0] size [0.1 0.1 0.1] )\n"
+                 "  blinkenlight( alwayson 1 update_interval 200 pose [-0.1 0.1 0 0] ) )\n"
+                 "model( pose [5 0 0 0] fiducial_return 1 )\n");
+}
+
 TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {
   write("w.world",
         "define unused model()\nposition( name \"a\" friction 1 )\nposition( name \"b\" pose [2 0 0 0] "

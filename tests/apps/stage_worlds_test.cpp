@@ -36,6 +36,24 @@ TEST_P(StageWorlds, RunUnmodified) {
   EXPECT_THAT(lines_of(outcome.err), Each(MatchesRegex(".*/[a-z_]+\\.(world|inc):[0-9]+: warning: .+")));
 }
 
+class Conformance14 : public ProgramTest {};
+
+// Stage's program takes no notice of a world that does not load, and then waits for ever.
+TEST_F(Conformance14, AWorldThatDoesNotLoadIsExitCode2) {
+  write("parts.inc", "\n\nfoo bar\n");
+  write("bad.world", "include \"parts.inc\"\nmodel( size [1, 1 1] )\nmodel( pose [1] )\n");
+  const Outcome outcome = troupe({"run", "bad.world", "--for", "1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ::testing::ElementsAre(
+          "parts.inc:3: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
+          "quotes: foo \"bar\"",
+          "bad.world:2: error: unexpected ','; the values of a tuple are separated by blanks: [1 2 3]",
+          "bad.world:3: error: \"pose\" needs 4 values [x y z heading]; here is 1"));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Apps, StageWorlds,
     ::testing::Values(StageWorld{"benchmark/hospital.world", 1000, "2"},

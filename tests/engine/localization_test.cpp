@@ -33,7 +33,7 @@ void expect_pose(const Pose& pose, double x, double y, double heading, double wi
   EXPECT_NEAR(pose.heading, heading, within);
 }
 
-TEST(Conformance2, OdometryOfADiffDriveWithErrors) {
+TEST(Conformance02, OdometryOfADiffDriveWithErrors) {
   // odom_error [0.1 0.2 0 0.3] in a file of degrees: the last acts as 0.3 pi / 180.
   Robot robot("diff", {{"localization", "odom"},
                        {"odom_error", std::vector<double>{0.1, 0.2, radians(0.3)}},
@@ -47,7 +47,7 @@ TEST(Conformance2, OdometryOfADiffDriveWithErrors) {
   expect_pose(world.estimate(row), 0.519822, 0.539734, 1.507854);
 }
 
-TEST(Conformance2, LaidAlongTheOldHeadingOnlyTheErrorIsWrong) {
+TEST(Conformance02, LaidAlongTheOldHeadingOnlyTheErrorIsWrong) {
   Robot robot("diff",
               {{"localization", "odom"}, {"odom_error", std::vector<double>{0.1, 0.2, radians(0.3)}}});
   World world = robot.scene.world();
@@ -57,7 +57,7 @@ TEST(Conformance2, LaidAlongTheOldHeadingOnlyTheErrorIsWrong) {
   expect_pose(world.estimate(row), 0.05 * 1.1, 0, 0.1 * (1 + radians(0.3)), 1e-12);
 }
 
-TEST(Conformance3, OdometryOfAnOmniDriveHasItsLateralTermTheRightWayRound) {
+TEST(Conformance03, OdometryOfAnOmniDriveHasItsLateralTermTheRightWayRound) {
   // Stage: (0.052745, -0.024858). Its formula with the sign put right:
   Robot stage("omni", {{"localization", "odom"}, {"odom_error", k_no_error}, {"odom_heading", "new"}});
   World world = stage.scene.world();

@@ -41,6 +41,24 @@ void check(bool ok) {
   if (!ok) std::abort();
 }
 
+/// What a device looks along in a tick, by what its parameters say: the beams of rangers, the columns of blob
+/// finders, the pixels of cameras.
+double rays_of(const engine::FieldTable& table, const engine::Record& params) {
+  double rays = 0;
+  double pixels = 1;
+  for (std::size_t f = 0; f < table.fields.size() && f < params.size(); ++f) {
+    const engine::Field& field = table.fields[f];
+    if (!params[f].given()) continue;
+    if (field.type == engine::FieldType::records && field.record)
+      for (const engine::Record& record : params[f].records()) rays += rays_of(*field.record, record);
+    if (field.type != engine::FieldType::integer) continue;
+    const auto count = static_cast<double>(params[f].integer());
+    if (field.name == "samples" || field.name == "image_width") rays += count;
+    if (field.name == "width" || field.name == "height") pixels *= count;
+  }
+  return rays + pixels;
+}
+
 /// Large worlds take long, which is no finding.
 bool is_small(const engine::WorldSpec& spec) {
   std::size_t vertices = 0;
@@ -50,9 +68,9 @@ bool is_small(const engine::WorldSpec& spec) {
     for (const engine::PartSpec& part : type.parts)
       for (const Solid& solid : part.solids)
         for (const Ring& ring : solid.contours) vertices += ring.size();
-    for (const engine::DeviceSpec& sensor : type.devices)
-      for (const engine::Record& transducer : sensor.params[0].records())
-        readings += static_cast<double>(transducer[4].integer());
+    for (const engine::DeviceSpec& device : type.devices)
+      if (const engine::DeviceKind* kind = registry().device(device.kind))
+        readings += rays_of(kind->params, device.params);
     if (vertices > 5000 || readings > 5000) return false;
   }
   return spec.bodies.size() <= 200;

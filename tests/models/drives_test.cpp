@@ -37,7 +37,7 @@ struct Robot {
   BodyId body;
 };
 
-TEST(Conformance1, KinematicsOfADiffDrive) {
+TEST(Conformance01, KinematicsOfADiffDrive) {
   Robot robot("diff");
   engine::World world = robot.scene.world();
   world.set_command(world.row(robot.body), {0.5, 0, 1});
@@ -55,7 +55,7 @@ TEST(Conformance1, KinematicsOfADiffDrive) {
   EXPECT_NEAR(world.pose(robot.body).heading, 1.5, 1e-12);
 }
 
-TEST(Conformance4, CarDriveAndItsUpdateInterval) {
+TEST(Conformance04, CarDriveAndItsUpdateInterval) {
   Robot robot("car", {{"wheelbase", 0.5}}, 0.25);
   engine::World world = robot.scene.world();
   world.set_command(world.row(robot.body), {1, 0, 0.3});
@@ -74,7 +74,7 @@ TEST(Conformance4, CarDriveAndItsUpdateInterval) {
   EXPECT_EQ(robot.velocity(world).x, 0);
 }
 
-TEST(Conformance6, AStalledRobotKeepsItsPlaceAndItsVelocity) {
+TEST(Conformance06, AStalledRobotKeepsItsPlaceAndItsVelocity) {
   Robot robot("diff");
   robot.scene.spec.bodies.back().pose_world_body.x = 3;
   robot.scene.wall(3.55, -1, 4, 1);

@@ -230,6 +230,46 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
   EXPECT_GT(held, 0u);
 }
 
+TEST(Measures, ToBePutElsewhereIsNoWay) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.4, 0.4)});
+  const BodyId a = scene.body("a", bot);
+  scene.body("b", bot, {0, 3, 0, 0});
+  World world = scene.world();
+  const std::vector<MeasureSpec> specs{spec("path_length", "a"), spec("path_length"),
+                                       spec("displacement", "a")};
+  MeasureSet set = measures(world, specs);
+  const Row row = world.row(a);
+  world.set_command(row, {0.5, 0, 0});
+  const auto step = [&] {
+    world.step();
+    set.see();
+  };
+  const auto put = [&](const Pose& pose) {
+    const World::Placed there{row, pose};
+    world.set_poses({&there, 1});
+  };
+  step();
+  EXPECT_NEAR(set.value(0), 0.05, 1e-12);
+  put({-5, 5, 0, 0});
+  put({7, 2, 0, 1});  // of several the last one counts
+  step();
+  EXPECT_NEAR(set.value(0), 0.10, 1e-12);
+  EXPECT_NEAR(set.value(1), 0.05, 1e-12) << "of both, in the mean";
+  EXPECT_NEAR(set.value(2), std::hypot(7 + 0.05 * std::cos(1), 2 + 0.05 * std::sin(1)), 1e-12);
+  MeasureSet later = measures(world, specs);
+  EXPECT_EQ(later.value(0), 0);
+  step();
+  later.see();
+  EXPECT_NEAR(set.value(0), 0.15, 1e-12);
+  EXPECT_NEAR(later.value(0), 0.05, 1e-12);
+  put({0, 0, 0, 0});
+  world.reset();
+  step();
+  set.see();
+  EXPECT_NEAR(measures(world, specs).value(0), 0, 1e-12);
+}
+
 TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
   std::vector<std::vector<std::uint64_t>> runs;
   for (const engine::WorldOptions& options : {engine::WorldOptions{1, 0}, engine::WorldOptions{2, 0},

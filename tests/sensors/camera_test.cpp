@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace troupe::sensors {
@@ -199,6 +200,21 @@ TEST(Camera, IsTrueToAMarchThroughSolids) {
       }
   }
   EXPECT_LE(differ, compared / 100) << "of " << compared;  // a step may leap over a corner
+}
+
+TEST(Camera, WhatCanSeeNothingIsRefused) {
+  engine::Record params = camera(k_square);
+  params[2] = 3.0;  // near
+  params[3] = 2.0;  // far
+  try {
+    static_cast<void>(CameraScene(params).world());
+    FAIL();
+  } catch (const InputError& fault) {
+    EXPECT_NE(std::string(fault.what())
+                  .find("device \"camera\" needs a range_near below its range_far; here are 3 m and 2 m"),
+              std::string::npos)
+        << fault.what();
+  }
 }
 
 TEST(Camera, TheSameForAnyThreadsAndTiles) {

@@ -437,7 +437,7 @@ struct RobotScene : SceneBuilder {
 
 constexpr double k_quarter = k_pi / 2;
 
-TEST(Conformance, Vector8RangesBetweenFourWalls) {
+TEST(Conformance08, RangesBetweenFourWalls) {
   const auto walled = [](RobotScene s) {
     s.wall(2, -3, 2.2, 3);
     s.wall(-2.2, -3, -2, 3);
@@ -458,20 +458,20 @@ TEST(Conformance, Vector8RangesBetweenFourWalls) {
                                FloatNear(2.1648f, 0.03f), FloatNear(2.8001f, 0.03f)));
 }
 
-TEST(Conformance, Vector9NoHitIsExactlyRangeMaxWithoutIntensity) {
+TEST(Conformance09, NoHitIsExactlyRangeMaxWithoutIntensity) {
   const RobotScene s({{.pose = {0, 0, 0.5, 0}, .range_max = 3.7}});
   EXPECT_THAT(s.ranges(), ElementsAre(3.7f));
   EXPECT_THAT(s.intensities(), ElementsAre(0.0f));
 }
 
-TEST(Conformance, Vector9AnObjectOfReturnZeroIsHitWithIntensityZero) {
+TEST(Conformance09, AnObjectOfReturnZeroIsHitWithIntensityZero) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
   s.wall(2, -1, 2.1, 1, {.obstacle = true, .ranger = 0});
   EXPECT_THAT(s.ranges(), ElementsAre(2.0f));
   EXPECT_THAT(s.intensities(), ElementsAre(0.0f));
 }
 
-TEST(Conformance, Vector9ANegativeReturnIsTransparent) {
+TEST(Conformance09, ANegativeReturnIsTransparent) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
   s.wall(2, -1, 2.1, 1, {.obstacle = true, .ranger = -1});
   s.wall(3, -1, 3.1, 1, {.obstacle = true, .ranger = 0.25f});
@@ -482,7 +482,7 @@ TEST(Conformance, Vector9ANegativeReturnIsTransparent) {
   EXPECT_THAT(s.intensities(), ElementsAre(0.25f));
 }
 
-TEST(Conformance, Vector9WhatIsLowerThanTheRayIsMissed) {
+TEST(Conformance09, WhatIsLowerThanTheRayIsMissed) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
   s.body("low", s.type("low", {{{test::box_ring(0.4, 0.4)}, {0, 0.4}}}), {1, 0, 0, 0});
   s.body("low robot", s.robot("low robot", {{{test::box_ring(0.4, 0.4)}, {0, 0.4}}}), {2, 0, 0, 0});

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cfenv>
 #include <clocale>
 #include <cstdlib>
@@ -76,27 +77,56 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10},
-            {"cave-complex-laser.json", 12, 10},
-            {"crowd.json", {}, 5},
-            {"hospital.json:grid", 150, 10},
-            {"crowd.json:grid", {}, 5}};
+    return {{"hospital.json", 150, 10},      {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5},
+            {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 5},          {"lookout.json", 12, 5},
+            {"camera.world", {}, 5}};
   return {{"hospital.json", {}, 50},
           {"cave-complex-laser.json", {}, 50},
           {"crowd.json", {}, 50},
           {"hospital.json:grid", 150, 10},
-          {"crowd.json:grid", {}, 50}};
+          {"crowd.json:grid", {}, 50},
+          {"errands.json", {}, 50},
+          {"energy.json", {}, 50},
+          {"lookout.json", {}, 50},
+          {"hospital-10cm.json", 500, 10},
+          {"cave-simple.json", {}, 50},
+          {"cave-simple-laser.json", {}, 50},
+          {"cave-complex.json", {}, 50},
+          {"blobs.world", {}, 50},
+          {"bumper.world", {}, 50},
+          {"camera.world", {}, 50},
+          {"fiducial.world", {}, 50},
+          {"gate.json", {}, 50},
+          {"gripper.json", {}, 50},
+          {"lift.world", {}, 50},
+          {"magpies.json", {}, 50},
+          {"minimal.world", {}, 50},
+          {"noise.world", {}, 50}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {
   std::string name = fs::path(world.param.file()).stem().string() + (world.param.by_grid() ? "ByGrid" : "");
+  if (world.param.file().ends_with(".world")) name += "World";
   std::erase(name, '-');
   return name;
 });
 
+TEST(GoldenHashes, HoldEveryWorld) {
+  const auto golden = test::golden_hashes();
+  for (const auto& entry : fs::directory_iterator(k_worlds)) {
+    const std::string file = entry.path().filename().string();
+    if (file == "campus.json") continue;  // a million robots: perf_paper's
+    if (file.ends_with(".world") || file.ends_with(".json")) {
+      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; }))
+          << file;
+    }
+  }
+}
+
 TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
   const auto golden = test::golden_hashes();
-  for (const char* world : {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid"})
+  for (const char* world :
+       {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid", "lookout.json"})
     for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
 }
 

@@ -2,11 +2,13 @@
 #include "models/flags.hpp"
 #include "models/power.hpp"
 #include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace troupe {
@@ -62,6 +64,61 @@ TEST(EnergyScene, NothingIsLostBetweenGiversAndTakers) {
   }
   EXPECT_NEAR(given, received, 1e-9);
   EXPECT_GT(given, 0);
+}
+
+TEST(EnergyScene, ModelsTellOfTheirPacksAndTheSimulationOfAll) {
+  Simulation simulation(k_worlds / "energy.json", {.threads = 1});
+  simulation.run_for(test::k_slow_build ? 6 : 60);
+  const std::optional<Model::Energy> shuttle = simulation.find("shuttle").energy();
+  ASSERT_TRUE(shuttle);
+  const models::PowerPackState& pack = pack_of(simulation, "shuttle");
+  EXPECT_EQ(shuttle->stored_j, pack.stored);
+  EXPECT_EQ(shuttle->capacity_j, 100);
+  EXPECT_EQ(shuttle->dissipated_j, pack.dissipated);
+  EXPECT_EQ(shuttle->received_j, pack.received);
+  EXPECT_GT(shuttle->received_j, 0);
+  EXPECT_EQ(shuttle->given_j, 0);
+  EXPECT_FALSE(shuttle->infinite);
+  EXPECT_TRUE(shuttle->charging);
+  EXPECT_FALSE(simulation.find("walker").energy()->charging);
+
+  const engine::World& world = simulation.world();
+  double stored = 0;
+  for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
+    const auto energy = simulation.find(world.spec().name(BodyId(b))).energy();
+    stored += energy ? energy->stored_j : 0;
+  }
+  const Model::Energy sum = simulation.energy();
+  EXPECT_EQ(sum.stored_j, stored);
+  EXPECT_NEAR(sum.given_j, sum.received_j, 1e-9);
+  EXPECT_GT(sum.dissipated_j, shuttle->dissipated_j);
+  EXPECT_TRUE(sum.infinite);
+  EXPECT_TRUE(sum.charging);
+}
+
+class EnergyOfModels : public test::ScratchTest {};
+
+TEST_F(EnergyOfModels, PartsRunOnThePackBelowThemAndFlagsAreTheirOwn) {
+  Simulation simulation(
+      write("w.world",
+            "model( name \"base\" joules 10 alwayson 1 watts 1 model( name \"top\" )\n"
+            "  model( name \"box\" kjoules 2 model( name \"lid\" ) ) )\n"
+            "model( name \"mains\" pose [2 0 0 0] joules -1 )\n"
+            "model( name \"stone\" pose [4 0 0 0] )\n"
+            "model( name \"source\" pose [6 0 0 0] ctrl \"source 3\" model( name \"sign\" ) )\n"),
+      {.threads = 1});
+  EXPECT_EQ(simulation.find("source").flag_count(), 0u);
+  simulation.run_for(2);
+  EXPECT_NEAR(simulation.find("base").energy()->stored_j, 8, 1e-12);
+  EXPECT_NEAR(simulation.find("base.top").energy()->stored_j, 8, 1e-12);
+  EXPECT_EQ(simulation.find("base.box").energy()->stored_j, 2000);
+  EXPECT_EQ(simulation.find("base.box.lid").energy()->capacity_j, 2000);
+  EXPECT_TRUE(simulation.find("mains").energy()->infinite);
+  EXPECT_FALSE(simulation.find("stone").energy());
+  EXPECT_FALSE(simulation.find("source").energy());
+  EXPECT_EQ(simulation.find("source").flag_count(), 3u);
+  EXPECT_EQ(simulation.find("source.sign").flag_count(), 0u);
+  EXPECT_EQ(simulation.find("stone").flag_count(), 0u);
 }
 
 TEST(EnergyScene, DependsOnNeitherThreadsNorTiles) {

@@ -4,6 +4,7 @@
 #include "engine/world.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
+#include "sensors/camera.hpp"
 #include "sensors/fiducial.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -102,6 +103,48 @@ TEST(SensorScenes, TheLeftBumperFeelsThePost) {
                 ElementsAre(scene.world().find("post").value, 0u));
   }
   EXPECT_NEAR(scene.world().poses()[scene.world().row(BodyId(1)).index()].x, 0.8, 1e-9);
+}
+
+// The eye is 0.3 m above the ground; at depth 1 the picture reaches 1 m to each side and 0.75 m up and down,
+// so that pixel (c, r) looks (2 c - 39) / 40 m to the right and (29 - 2 r) / 40 m up.
+TEST(SensorScenes, TheCameraSeesCratePlateAndGate) {
+  Scene scene("camera.world");
+  scene.run_to(1);
+  const auto colors = scene.read<std::uint8_t>(sensors::k_camera_color);
+  const auto depths = scene.read<float>(sensors::k_camera_depth);
+  ASSERT_EQ(depths.size(), 40u * 30u);
+  constexpr int k_red = 0xff0000, k_green = 0x00ff00, k_blue = 0x0000ff, k_wheat = 0xf5deb3;
+  constexpr int k_floor = 0xcccccc, k_sky = 0x87ceeb;
+  const auto expect = [&](std::size_t column, std::size_t row, int color, double depth) {
+    const std::size_t i = row * 40 + column;
+    EXPECT_EQ(colors[4 * i] << 16 | colors[4 * i + 1] << 8 | colors[4 * i + 2], color)
+        << column << ", " << row;
+    EXPECT_EQ(colors[4 * i + 3], 255);
+    EXPECT_NEAR(depths[i], depth, 1e-4) << column << ", " << row;
+  };
+  // The crate's face, 2 m ahead, lies 0.25 to 0.65 to the left at depth 1, from 0.15 below to 0.15 above.
+  expect(7, 12, k_red, 2);
+  expect(14, 17, k_red, 2);
+  expect(10, 14, k_red, 2);
+  expect(6, 14, k_sky, 8);
+  expect(10, 11, k_sky, 8);
+  expect(15, 14, k_red, 0.5 / 0.225);  // its side
+  expect(16, 14, k_sky, 8);
+  // The plate is lower than the eye: its face 1.25 m ahead, then its top, 0.2 m down.
+  expect(30, 18, k_blue, 1.25);
+  expect(30, 17, k_blue, 0.2 / 0.125);
+  expect(30, 16, k_floor, 0.3 / 0.075);
+  // The gate: 2.9 m ahead, the bar from 0.5 to 0.7 m above the eye, 1 m to each side, then a post.
+  expect(20, 10, k_green, 2.9);
+  expect(20, 11, k_green, 2.9);
+  expect(20, 12, k_sky, 8);
+  expect(13, 10, k_green, 2.9);
+  expect(12, 10, k_wheat, 2.9);
+  // What is left: the floor, which ends at 8 m, and the sky.
+  expect(20, 29, k_floor, 0.3 / 0.725);
+  expect(20, 16, k_floor, 4);
+  expect(20, 15, k_sky, 8);
+  expect(20, 3, k_sky, 8);
 }
 
 TEST(SensorScenes, NoiseAndASonarsCone) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -144,48 +145,97 @@ TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
                          " is damaged: a checksum in it does not fit, or it holds more than its pixels");
 }
 
-TEST(Bitmap, ConformanceVector13PolygonsAndVertices) {
+/// What an image comes to: its size in pixels, the contours of what is solid in it with their vertices, and
+/// the box of that, in pixels from the upper left corner.
+struct Counted {
+  const char* name;
+  int width, height;
+  std::size_t polygons, vertices;
+  double left, right, top, bottom;
+};
+
+std::size_t vertices_of(const std::vector<Ring>& rings) {
+  std::size_t vertices = 0;
+  for (const Ring& ring : rings) vertices += ring.size();
+  return vertices;
+}
+
+constexpr auto k_stage_bitmaps = std::to_array<Counted>({
+    {"cave", 500, 500, 15, 1462, 0, 500, 0, 500},
+    {"cave_filled", 500, 500, 8, 729, 0, 500, 0, 500},
+    {"cave_compact", 113, 113, 17, 357, 0, 113, 0, 113},
+    {"hospital", 3117, 1189, 979, 17357, 1, 3117, 1, 1189},
+    {"hospital_section", 1086, 443, 66, 1805, 4, 1086, 0, 443},
+    {"SFU_1200x615", 1200, 615, 32, 12699, 2, 1198, 4, 613},
+    {"autolab", 809, 689, 5, 94, 2, 807, 2, 687},
+    {"uoa_robotics_lab", 566, 1262, 2, 76, 30, 535, 22, 1240},
+    {"mbicp", 420, 300, 38, 1086, 64, 336, 55, 198},
+    {"space_invader", 122, 101, 5, 66, 13, 109, 13, 83},
+    {"ghost", 23, 20, 3, 70, 4, 18, 3, 17},
+    {"889_05", 1086, 443, 63, 1665, 4, 1086, 0, 443},
+    {"SRI-AIC-kwing", 856, 293, 453, 8937, 15, 849, 44, 235},
+    {"frieburg", 1000, 898, 52, 8145, 27, 919, 30, 817},
+    {"human_outline", 200, 200, 1, 368, 22, 177, 2, 183},
+    {"rink", 805, 805, 2, 3706, 6, 801, 4, 799},
+    {"sal2", 887, 407, 19, 82, 0, 885, 60, 405},
+    {"simple_rooms", 400, 300, 2, 60, 0, 400, 0, 300},
+    {"submarine", 200, 99, 36, 962, 4, 195, 3, 98},
+    {"submarine_small", 100, 50, 29, 517, 2, 97, 1, 49},
+    {"table", 676, 288, 2, 682, 2, 675, 3, 285},
+});
+
+TEST(Conformance13, PolygonsVerticesAndBoxesOfStagesBitmaps) {
   const fs::path bitmaps = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/bitmaps";
   if (!fs::exists(bitmaps)) GTEST_SKIP() << "Stage's bitmaps are not in " << bitmaps;
-  struct Case {
-    const char* name;
-    std::size_t polygons, vertices;
-  };
   std::size_t tried = 0;
-  for (const Case& c : {Case{"cave", 15, 1462},
-                        Case{"cave_filled", 8, 729},
-                        Case{"cave_compact", 17, 357},
-                        Case{"hospital", 979, 17357},
-                        Case{"hospital_section", 66, 1805},
-                        Case{"SFU_1200x615", 32, 12699},
-                        Case{"autolab", 5, 94},
-                        Case{"uoa_robotics_lab", 2, 76},
-                        Case{"mbicp", 38, 1086},
-                        Case{"space_invader", 5, 66},
-                        Case{"ghost", 3, 70},
-                        Case{"889_05", 63, 1665},
-                        Case{"SRI-AIC-kwing", 453, 8937},
-                        Case{"frieburg", 52, 8145},
-                        Case{"human_outline", 1, 368},
-                        Case{"rink", 2, 3706},
-                        Case{"sal2", 19, 82},
-                        Case{"simple_rooms", 2, 60},
-                        Case{"submarine", 36, 962},
-                        Case{"submarine_small", 29, 517},
-                        Case{"table", 2, 682}}) {
-    const fs::path file = bitmaps / (std::string(c.name) + ".png");
+  for (const Counted& expected : k_stage_bitmaps) {
+    const fs::path file = bitmaps / (std::string(expected.name) + ".png");
     if (!fs::exists(file)) continue;
     Diagnostics diagnostics;
     const auto bitmap = read_bitmap(file, {}, diagnostics);
-    ASSERT_TRUE(bitmap) << c.name;
+    ASSERT_TRUE(bitmap) << expected.name;
+    EXPECT_EQ(bitmap->width, expected.width) << expected.name;
+    EXPECT_EQ(bitmap->height, expected.height) << expected.name;
     const std::vector<Ring> rings = bitmap_contours(*bitmap);
-    std::size_t vertices = 0;
-    for (const Ring& ring : rings) vertices += ring.size();
-    EXPECT_EQ(rings.size(), c.polygons) << c.name;
-    EXPECT_EQ(vertices, c.vertices) << c.name;
+    EXPECT_EQ(rings.size(), expected.polygons) << expected.name;
+    EXPECT_EQ(vertices_of(rings), expected.vertices) << expected.name;
+    Box box;
+    for (const Ring& ring : rings) box.extend(bounds(ring));
+    EXPECT_EQ(box.min.x(), expected.left) << expected.name;
+    EXPECT_EQ(box.max.x(), expected.right) << expected.name;
+    EXPECT_EQ(-box.max.y(), expected.top) << expected.name;
+    EXPECT_EQ(-box.min.y(), expected.bottom) << expected.name;
     ++tried;
   }
   EXPECT_GE(tried, 7u);
+}
+
+// Worked out by hand: contours begin at their leftmost, of those their uppermost corner and go clockwise
+// around what is solid; of two ways on at a corner the one to the smaller (x, y) comes first; what lies on a
+// straight line vanishes, but never the second of the first three corners.
+TEST(Conformance13, PolygonsAndVerticesOfSmallImages) {
+  struct Small {
+    std::vector<std::string> rows;
+    std::size_t polygons, vertices;
+  };
+  for (const Small& small : {
+           Small{{"#"}, 1, 4},
+           Small{{"##"}, 1, 5},           // (0 0) (1 0) (2 0) (2 1) (0 1)
+           Small{{"####"}, 1, 5},         // (0 0) (1 0) (4 0) (4 1) (0 1)
+           Small{{"#", "#", "#"}, 1, 5},  // (0 0) (1 0) (1 3) (0 3) (0 1)
+           Small{{"##", "##"}, 1, 6},     // and (0 1), which ends it
+           Small{{"###", "###", "###"}, 1, 6},
+           Small{{"###", "#.#", "###"}, 2, 10},  // a hole of one pixel has 4
+           Small{{"#####", "#...#", "#...#", "#...#", "#####"}, 2, 12},
+           Small{{"#.", "##"}, 1, 7},
+           Small{{"#.", ".#"}, 2, 8},  // left before right: they come apart
+           Small{{".#", "#."}, 1, 8},  // up before down: they hang together
+           Small{{"#.#", "...", "#.#"}, 4, 16},
+       }) {
+    const std::vector<Ring> rings = bitmap_contours(bitmap_of(small.rows));
+    EXPECT_EQ(rings.size(), small.polygons) << testing::PrintToString(small.rows);
+    EXPECT_EQ(vertices_of(rings), small.vertices) << testing::PrintToString(small.rows);
+  }
 }
 
 }  // namespace

@@ -121,6 +121,31 @@ TEST_F(WritePng, TheSameImageGivesTheSameBytes) {
   EXPECT_EQ(bytes_of(folder_ / "a.png"), bytes_of(folder_ / "b.png"));
 }
 
+TEST_F(WritePng, DepthsHaveSixteenBits) {
+  const DepthImage image{3, 2, {0, 1, 255, 256, 4660, 65535}};
+  const fs::path file = folder_ / "depth.png";
+  write_png(file, image, {{"unit", "mm"}});
+  std::FILE* in = std::fopen(file.c_str(), "rb");
+  ASSERT_NE(in, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, in);
+  png_read_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+  EXPECT_EQ(png_get_bit_depth(png, info), 16);
+  EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_GRAY);
+  EXPECT_EQ(png_get_image_width(png, info), 3u);
+  ASSERT_EQ(png_get_image_height(png, info), 2u);
+  png_bytepp rows = png_get_rows(png, info);
+  std::vector<std::uint16_t> values;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 3; ++column)
+      values.push_back(static_cast<std::uint16_t>(rows[row][2 * column] << 8 | rows[row][2 * column + 1]));
+  EXPECT_EQ(values, image.values);
+  png_destroy_read_struct(&png, &info, nullptr);
+  std::fclose(in);
+  EXPECT_THROW(write_png(file, DepthImage{3, 2, {0, 1}}), std::runtime_error);
+}
+
 TEST_F(WritePng, ReplacesWhatWasThere) {
   write_png(folder_ / "a.png", noise(50, 50));
   write_png(folder_ / "a.png", noise(3, 4));

@@ -94,6 +94,14 @@ TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
                           "ignored (did you mean \"occupied_thresh\"?)"));
 }
 
+TEST_F(RosMapTest, TheMisspeltKeyIsShownBesideTheMissingOne) {
+  EXPECT_FALSE(parse("image: lab.pgm\nresoluton: 0.05\norigin: [-1.5, 2, 0]\n"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml: error: a map needs \"resolution\", the edge of a cell in m",
+                          "maps/lab.yaml:2: error: a map of ROS has no \"resoluton\" (did you mean "
+                          "\"resolution\"?)"));
+}
+
 TEST_F(RosMapTest, WhatIsNoYamlIsAnError) {
   EXPECT_FALSE(parse("image: lab.pgm\n\tresolution: [1\n"));
   EXPECT_THAT(messages_, ElementsAre(StartsWith("maps/lab.yaml:2: error: this is no YAML: ")));

@@ -14,27 +14,28 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 class StageParser : public StageTest {};
+class Conformance14 : public StageTest {};
 
 // Conformance vector 14: the parser, row by row of what Stage gets wrong or refuses.
 
-TEST_F(StageParser, ConformanceVector14CommaInATuple) {
+TEST_F(Conformance14, CommaInATuple) {
   load("model(\n  pose [1, 2 3 4] )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: unexpected ','; the values of a tuple are separated by "
                           "blanks: [1 2 3]"));
 }
 
-TEST_F(StageParser, ConformanceVector14MissingParenthesis) {
+TEST_F(Conformance14, MissingParenthesis) {
   load("model()\n\nmodel(\n  size [1 1 1]\n");
   EXPECT_THAT(messages(), ElementsAre("w.world:3: error: the ( of \"model\" is never closed"));
 }
 
-TEST_F(StageParser, ConformanceVector14ExtraParenthesis) {
+TEST_F(Conformance14, ExtraParenthesis) {
   load("model()\n)\nmodel()");
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: this ) closes nothing"));
 }
 
-TEST_F(StageParser, ConformanceVector14EntityWithoutParentheses) {
+TEST_F(Conformance14, EntityWithoutParentheses) {
   load("model\nmodel( position\n name \"x\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"model\" needs a value on the same line, or a body in ( )",
@@ -47,7 +48,7 @@ TEST_F(StageParser, AByteOrderMarkIsNoText) {
   EXPECT_EQ(name_of(spec, 1), "x");
 }
 
-TEST_F(StageParser, ConformanceVector14UnquotedString) {
+TEST_F(Conformance14, UnquotedString) {
   const auto spec = load("model(\n color red\n name \"x\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: the value of \"color\" must be a number, a string or a "
@@ -55,13 +56,13 @@ TEST_F(StageParser, ConformanceVector14UnquotedString) {
   EXPECT_EQ(name_of(spec, 1), "x");  // reading goes on behind the error
 }
 
-TEST_F(StageParser, ConformanceVector14DefineWithoutBase) {
+TEST_F(Conformance14, DefineWithoutBase) {
   load("define foo (\n size [1 1 1] )\nmodel()");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: define foo needs a base: define foo position( ... )"));
 }
 
-TEST_F(StageParser, ConformanceVector14IncludeWithoutQuotes) {
+TEST_F(Conformance14, IncludeWithoutQuotes) {
   load("# one\ninclude map.inc\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: include needs a file name in double quotes: include "
@@ -70,18 +71,18 @@ TEST_F(StageParser, ConformanceVector14IncludeWithoutQuotes) {
                           "in ( )"));
 }
 
-TEST_F(StageParser, ConformanceVector14WordWithoutValueAtTheEnd) {
+TEST_F(Conformance14, WordWithoutValueAtTheEnd) {
   load("model()\nfoo");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: \"foo\" needs a value on the same line, or a body in ( )"));
 }
 
-TEST_F(StageParser, ConformanceVector14NamelessBody) {
+TEST_F(Conformance14, NamelessBody) {
   load("model(\n ( size [1 1 1] ) )");
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a ( must follow a model's type or a macro's name"));
 }
 
-TEST_F(StageParser, ConformanceVector14ErrorsInAnIncludedFileNameIt) {
+TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {
   write("a.inc", "# one\n# two\ndefine rob position( size [1 0 1] )\nfoo bar\n");
   load("include \"a.inc\"\n\nrob()\nmodel( pose [1 2] )\n");
   EXPECT_THAT(
@@ -93,7 +94,7 @@ TEST_F(StageParser, ConformanceVector14ErrorsInAnIncludedFileNameIt) {
           "w.world:4: error: \"pose\" needs 4 values [x y z heading]; here are 2"));
 }
 
-TEST_F(StageParser, ConformanceVector14ShortTuples) {
+TEST_F(Conformance14, ShortTuples) {
   load("model( pose [1 2] )\nmodel( size [1] )\nposition( velocity_bounds [1 2 3] )\n");
   EXPECT_THAT(
       messages(),
@@ -103,7 +104,7 @@ TEST_F(StageParser, ConformanceVector14ShortTuples) {
                   "amax]; here are 3"));
 }
 
-TEST_F(StageParser, ConformanceVector14UnknownType) {
+TEST_F(Conformance14, UnknownType) {
   load("model( lazer() )\npositron()");
   EXPECT_THAT(
       messages(),
@@ -116,7 +117,7 @@ TEST_F(StageParser, ConformanceVector14UnknownType) {
           "model, position, ranger (did you mean \"position\"?)"));
 }
 
-TEST_F(StageParser, ConformanceVector14UnknownProperty) {
+TEST_F(Conformance14, UnknownProperty) {
   load("speedupp 2\nmodel( colour \"red\"\n wibble 3 )\nranger( samples 3 )");
   EXPECT_THAT(
       messages(),
@@ -130,19 +131,33 @@ TEST_F(StageParser, ConformanceVector14UnknownProperty) {
                   "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
 }
 
-TEST_F(StageParser, ConformanceVector14MissingBitmap) {
+TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   load("model(\n bitmap \"no.png\" )");
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the image no.png"));
+  write("text.png", "no image");
+  load("model( bitmap \"text.png\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: error: text.png is no PNG, JPEG, BMP or PNM image")));
 }
 
-TEST_F(StageParser, ConformanceVector14MissingController) {
+TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none
+  const auto spec = load("model( color \"SteelBlue\" )");
+  EXPECT_EQ(spec.bodies[1].color, (Color{70 / 255.0f, 130 / 255.0f, 180 / 255.0f, 1}));
+}
+
+TEST_F(Conformance14, TheDebuggingAidLoads) {
+  EXPECT_THAT(load("test 1\nmodel()").bodies, SizeIs(2));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: accepted without effect")));
+}
+
+TEST_F(Conformance14, MissingController) {
   load("position(\n ctrl \"wandr 1\" )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: unknown controller \"wandr\"; known: expand, expand_pioneer, "
                           "expand_swarm, script, source, wander (did you mean \"wander\"?)"));
 }
 
-TEST_F(StageParser, ConformanceVector14PiecesInWrongPlaces) {
+TEST_F(Conformance14, PiecesInWrongPlaces) {
   load("block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )");
   const auto found = messages();
   EXPECT_THAT(found,
@@ -152,7 +167,7 @@ TEST_F(StageParser, ConformanceVector14PiecesInWrongPlaces) {
                                      "w.world:4: error: a block holds properties only, no \"model\""}));
 }
 
-TEST_F(StageParser, ConformanceVector14FirstDefineWins) {
+TEST_F(Conformance14, FirstDefineWins) {
   const auto spec = load("define a model( name \"first\" )\ndefine a model( name \"second\" )\na()");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: warning: \"a\" is defined already, at line 1; the first definition "
@@ -160,18 +175,47 @@ TEST_F(StageParser, ConformanceVector14FirstDefineWins) {
   EXPECT_EQ(name_of(spec, 1), "first");
 }
 
-TEST_F(StageParser, ConformanceVector14LastPropertyWins) {
+TEST_F(Conformance14, LastPropertyWins) {
   EXPECT_EQ(name_of(load("model( name \"a\" size [1 1 1] name \"b\" )"), 1), "b");
 }
 
-TEST_F(StageParser, ConformanceVector14IncludeInABody) {
+TEST_F(Conformance14, IncludeInABody) {
   write("name.inc", "name \"inside\"\n");
   EXPECT_EQ(name_of(load("model(\n include \"name.inc\"\n size [1 1 1]\n)"), 1), "inside");
 }
 
-TEST_F(StageParser, ConformanceVector14CommentBeforeTheBody) {
+TEST_F(Conformance14, CommentBeforeTheBody) {
   EXPECT_THAT(load("model # a comment\n\n # another\n (name \"x\"#third\n)").bodies, SizeIs(2));
   EXPECT_THAT(load("define foo # c\n model # d\n ( )\nfoo()").bodies, SizeIs(2));
+}
+
+// What must be read.
+
+TEST_F(Conformance14, OverridesInAnInstance) {
+  const auto spec =
+      load("define box model( name \"box\" size [1 2 3] )\nbox( name \"mine\" )\nbox( size [4 5 6] )\nbox()");
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "mine", "box", "box"));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is taken already")));
+  EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(type_of(spec, 2).parts[0].size, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(type_of(spec, 3).parts[0].size, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(Conformance14, MacrosWithChildren) {
+  const auto spec = load(
+      "define wheel model( size [0.1 0.02 0.1] )\ndefine cart model( wheel() wheel() )\n"
+      "define wagon cart( wheel() )\nwagon( wheel( name \"spare\" ) )");
+  EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "model:0", "model:1", "model:2", "spare"));
+}
+
+TEST_F(Conformance14, NestedThreeDeep) {
+  const auto spec = load("model( name \"a\" model( name \"b\" model( name \"c\" model() ) ) )");
+  EXPECT_THAT(part_names(type_of(spec, 1)), ElementsAre("", "b", "b.c", "b.c.model:0"));
+}
+
+TEST_F(Conformance14, NumberedNames) {
+  load("ranger( spose[0] [1 2 3] spose[1] [ 4 5 6 ] sensor() )\n");
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: obsolete, ignored by Stage too: spose[k]"));
 }
 
 TEST_F(StageParser, ParsesWhatStageParses) {

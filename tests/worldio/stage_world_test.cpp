@@ -19,6 +19,7 @@ using testing::SizeIs;
 constexpr double k_degree = k_pi / 180;
 
 class StageWorld : public StageTest {};
+class Conformance07 : public StageTest {};
 
 const engine::FieldTable& ranger_table() { return test_registry().device("ranger")->params; }
 
@@ -194,7 +195,7 @@ TEST_F(StageWorld, PopulationsAndPointersAreForJson) {
 
 // Names.
 
-TEST_F(StageWorld, ConformanceVector7Names) {
+TEST_F(Conformance07, Names) {
   const auto spec = load(
       "model()\nposition()\nmodel( name \"box\" )\nmodel( name \"/g\" )\n"
       "position( name \"r0\" ranger() ranger( name \"eye\" model() ) ranger() model( name \"/gkid\" model() "
@@ -217,7 +218,7 @@ TEST_F(StageWorld, ConformanceVector7Names) {
   EXPECT_THAT(spec.part_aliases, SizeIs(2));
 }
 
-TEST_F(StageWorld, ConformanceVector7Sizes) {
+TEST_F(Conformance07, Sizes) {
   const auto spec = load("model()\nranger( sensor() )\nfiducial()\nposition()\n");
   EXPECT_THAT(messages(), IsEmpty());
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(0.4, 0.4, 1.0));
@@ -242,7 +243,11 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
 
 TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
-  EXPECT_THAT(messages(), SizeIs(1));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
+                  "x 1 m; give it one, or noblocks 1",
+                  "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -406,15 +411,34 @@ TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
                           "than half"));
 }
 
-TEST_F(StageWorld, ZeroAndNegativeSizesAreErrors) {
+TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
   load(
-      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [0 1 1] ) )\nmodel( size [1000000 "
-      "1 1] )");
+      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size "
+      "[1000000 "
+      "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
+      "[1 1] z [0 1] ) )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction; here is 0",
                           "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
-                          "w.world:3: error: \"size\" must be above 0 in every direction; here is 0",
-                          "w.world:4: error: \"size\" is larger than the world, 200 km"));
+                          "w.world:3: error: \"size\" must be above 0 in every direction; here is -1",
+                          "w.world:4: error: \"size\" is larger than the world, 200 km",
+                          "w.world:5: error: \"size\" must be above 0 in every direction; here is 0"));
+}
+
+TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
+  const auto spec = load(
+      "position( size [0.4 0.4 0.2]\n"
+      "  ranger( size [0 0 0] pose [0 0 0.1 0] sensor( size [0 0 0] ) model( size [0.1 0.1 0.1] ) )\n"
+      "  fiducial( size [0 0 0] ) )\n"
+      "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
+                          "that very height meets it"));
+  const engine::TypeSpec& robot = type_of(spec, 1);
+  EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
+  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
+  EXPECT_NEAR(robot.parts[2].pose_body_part.z, 0.3, 1e-15);  // it stands on nothing high
+  EXPECT_EQ(type_of(spec, 3).parts[0].solids[0].z, (ZInterval{0, 0}));
 }
 
 // Frames.
@@ -629,11 +653,11 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
 
 TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
   load(
-      "ranger( sensor( pose [0 0]\n size [0 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
+      "ranger( sensor( pose [0 0]\n size [-1 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
       "ranger( sensor( pose [1] range [3 2] ) )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
-                          "w.world:2: error: \"size\" must be above 0 in every direction; here is 0",
+                          "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
                           "w.world:3: error: \"range\" must be at least 0 m; here is -1",
                           "w.world:3: error: \"range\" must be above 0 m; here is -2",
                           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),

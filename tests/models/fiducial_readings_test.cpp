@@ -1,0 +1,49 @@
+#include "models/fiducial_readings.hpp"
+
+#include "sensors/fiducial.hpp"
+#include "tests/support/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace troupe::models {
+namespace {
+
+// The fields are found by name: what the sensor's own list of them says must be the same.
+TEST(FiducialReadings, AreThoseOfTheFinder) {
+  test::SceneBuilder scene;
+  const TypeId robot = scene.robot("robot", {test::box(0.2, 0.2)});
+  scene[robot].devices = {
+      {.name = "finder",
+       .kind = "fiducial",
+       .params = test::record(test::registry().device("fiducial")->params, {{"most_targets", 2}}),
+       .pose_body_sensor = {0, 0, 0.5, 0}}};
+  const BodyId body = scene.body("r", robot);
+  for (int i = 1; i <= 3; ++i) {
+    const std::string name = std::string("target").append(std::to_string(i));
+    scene.body(name, scene.type(name, {test::box(0.2, 0.2)}, {.fiducial = 10 * i}),
+               {1.0 * i, 1.5 - 0.5 * i, 0, 0.25 * i});
+  }
+  engine::World world = scene.world();
+  world.step();
+  const Row row = world.row(body);
+  const engine::BodyType::Device& device = world.type(row).devices[0];
+  const engine::Readings seen(world.percepts(device), world.slot(row));
+  const FiducialReadings readings(device.prepared);
+
+  EXPECT_EQ(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0], 3u);
+  ASSERT_EQ(readings.count(seen), 2u) << "as many as there are entries";
+  EXPECT_EQ(readings.id(seen, 0), 10);
+  EXPECT_EQ(readings.id(seen, 1), 20);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(readings.range(seen, i), seen.field<float>(sensors::k_fiducial_range)[i]);
+    EXPECT_EQ(readings.bearing(seen, i), seen.field<float>(sensors::k_fiducial_bearing)[i]);
+    EXPECT_EQ(readings.heading(seen, i), seen.field<float>(sensors::k_fiducial_heading)[i]);
+  }
+  EXPECT_FLOAT_EQ(readings.heading(seen, 1), 0.5f);
+  EXPECT_FLOAT_EQ(readings.bearing(seen, 0), 0.7853982f);
+}
+
+}  // namespace
+}  // namespace troupe::models

@@ -1,0 +1,248 @@
+// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our
+// own. They load with the warnings that belong to them and no others, run, and give the same bits on other
+// threads.
+
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "tests/support/slow_build.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const fs::path k_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles";
+
+struct Style {
+  const char* file;
+  std::size_t bodies;                      ///< the ground left out
+  std::size_t robots;                      ///< of them those that have a drive
+  std::size_t devices;                     ///< of the first robot
+  bool moves = false;                      ///< it has controllers that drive
+  std::vector<std::string> warnings = {};  ///< the beginnings of all, from the file's name on
+
+  friend std::ostream& operator<<(std::ostream& out, const Style& style) { return out << style.file; }
+};
+
+class StageStyles : public ::testing::TestWithParam<Style> {};
+
+/// Without the folder before it.
+std::string shortened(std::string line) {
+  const std::string folder = k_styles.string() + "/";
+  for (std::size_t at; (at = line.find(folder)) != std::string::npos;) line.erase(at, folder.size());
+  return line;
+}
+
+TEST_P(StageStyles, LoadsWithItsWarningsAndRuns) {
+  const Style& style = GetParam();
+  Simulation simulation(k_styles / style.file, {.threads = 1});
+  const engine::World& world = simulation.world();
+  EXPECT_EQ(world.spec().bodies.size(), style.bodies + 1);
+  ASSERT_EQ(simulation.robots(), style.robots);
+  if (style.robots > 0) {
+    const BodyId first = world.find(simulation.robot_names().front());
+    EXPECT_EQ(world.type(world.row(first)).devices.size(), style.devices);
+  }
+  std::vector<std::string> warnings;
+  for (const std::string& warning : simulation.warnings()) warnings.push_back(shortened(warning));
+  EXPECT_EQ(warnings.size(), style.warnings.size()) << ::testing::PrintToString(warnings);
+  for (std::size_t i = 0; i < std::min(warnings.size(), style.warnings.size()); ++i)
+    EXPECT_THAT(warnings[i], ::testing::StartsWith(style.warnings[i]));
+
+  const double seconds = test::k_slow_build ? 0.3 : 3;
+  simulation.run_for(seconds);
+  const Statistics statistics = simulation.statistics();
+  EXPECT_EQ(statistics.held_at_bounds, 0u);
+  EXPECT_TRUE(std::isfinite(statistics.mean_displacement_m));
+  EXPECT_EQ(statistics.mean_displacement_m > 0, style.moves);
+  Simulation again(k_styles / style.file, {.threads = 2, .tile_size_m = 1.3});
+  again.run_for(seconds);
+  EXPECT_EQ(again.hash_log_line(), simulation.hash_log_line());
+}
+
+std::vector<Style> styles() {
+  return {{"demo.world",
+           3,
+           2,
+           2,
+           true,
+           {"demo.world:10: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+            "demo.world:7: warning: accepted, but only Stage's window would use it: paused, window, "
+            "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
+          {"follow.world",
+           2,
+           1,
+           2,
+           true,
+           {"follow.world:8: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+          {"blocks.world",
+           3,
+           2,
+           2,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "inc/figure.inc:6: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"}},
+          {"noise.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"disc.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"camera.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"everything.world",
+           11,
+           7,
+           5,
+           true,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "everything.world:10: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+          {"odometry.world",
+           4,
+           3,
+           5,
+           false,
+           {"inc/carts.inc:149: warning: old syntax: \"origin\" takes [x y z heading]; three values are read "
+            "as [x y heading]",
+            "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+            "as [x y heading] (and 2 more)",
+            "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 0.02 m",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
+            "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
+            "horizfov of a camera, size3"}},
+          {"lab.world",
+           11,
+           1,
+           3,
+           true,
+           {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 1 m (and 1 more)",
+            "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
+            "y heading]",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "inc/beacons.inc:2: warning: obsolete, ignored by Stage too: laser_return"}},
+          {"charging.world",
+           10,
+           6,
+           6,
+           true,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"forage.world",
+           9,
+           4,
+           5,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"forage2.world",
+           9,
+           3,
+           3,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"flock.world",
+           17,
+           16,
+           2,
+           true,
+           {"flock.world:7: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"city.world",
+           4,
+           3,
+           2,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"units.world", 2, 1, 1, true},
+          {"old_swarm.world",
+           10,
+           10,
+           0,
+           false,
+           {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 1 m",
+            "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
+            "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+            "as [x y heading] (and 9 more)",
+            "old_swarm.world:3: warning: obsolete, ignored by Stage too: size, gui_interval, polygons, "
+            "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Styles, StageStyles, ::testing::ValuesIn(styles()), [](const auto& style) {
+  std::string name = fs::path(style.param.file).stem();
+  std::erase(name, '_');
+  return name;
+});
+
+/// What loading it says.
+std::string refusal(const char* file) {
+  try {
+    const Simulation simulation(k_styles / file, {.threads = 1});
+  } catch (const InputError& error) {
+    return shortened(error.what());
+  }
+  return "it loads";
+}
+
+// What Stage 4.3 does not load either, it leaves with a number, or hangs over; here each place is told.
+
+TEST(StageStylesRefused, RadiosAndMapsOfOlderVersions) {
+  const std::string text = refusal("wifi.world");
+  EXPECT_THAT(text, HasSubstr("wifi.world:8: error: \"map\" is no model type, nor a macro defined before"));
+  EXPECT_THAT(text,
+              HasSubstr("wifi.world:9: error: \"wifi\" is no model type, nor a macro defined before: older "
+                        "versions of Stage had it, Stage 4.3 has not"));
+}
+
+TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {
+  const std::string text = refusal("lost.world");
+  EXPECT_THAT(text, HasSubstr("lost.world:1: error: cannot read the included file "));
+  EXPECT_THAT(text, HasSubstr("tests/troupe/pioneer.inc\n"));  // beside the folder, where it is said to be
+  EXPECT_THAT(text, HasSubstr("lost.world:2: error: cannot read the included file wifi/map.inc"));
+}
+
+TEST(StageStylesRefused, ControllersThatNobodyHas) {
+  EXPECT_THAT(refusal("no_plugin.world"),
+              HasSubstr("no_plugin.world:4: error: unknown controller \"fasr_plan\"; known: "));
+}
+
+}  // namespace
+}  // namespace troupe
