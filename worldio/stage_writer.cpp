@@ -1,12 +1,9 @@
 #include "worldio/stage_writer.hpp"
 
-#include "worldio/bitmap.hpp"
-#include "worldio/colors.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/floor_image.hpp"
 #include "worldio/json_types.hpp"
 #include "worldio/load.hpp"
-#include "worldio/ros_map.hpp"
 #include "worldio/stage_devices.hpp"
 #include "worldio/stage_round_trip.hpp"
 #include "worldio/stage_text.hpp"
@@ -18,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -34,10 +32,6 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 using engine::WorldSpec;
-
-const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
-  return engine::get(table, record, name);
-}
 
 double milliseconds(double seconds) {
   return solved(seconds, seconds * 1000, [](double ms) { return ms / 1000; });
@@ -332,6 +326,9 @@ void TypeText::write_controllers(std::uint32_t p) {
     }
     calls.push_back(std::move(call));
   }
+  if (calls.empty()) return;
+  const auto first = std::ranges::find(type_.controllers, p, &engine::ControllerSpec::part);
+  if (!(p == 0 && type_.drive) && !own_device(p)) text_.number("update_interval", milliseconds(first->period_s));
   if (calls.size() == 1) text_.text("ctrl", calls.front());
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
