@@ -51,7 +51,15 @@ struct ImageSpec {
   bool keeps_margins = false;     ///< the whole image fills the part's size, not only what of it is solid
   bool unknown_is_solid = false;  ///< of a map: cells that nobody has seen
   bool boundary = false;          ///< four walls stand just inside its edges
+  Pose origin;                    ///< of the image's middle, or of a map's frame, in the part's frame
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
+};
+
+/// The blocks that a part's solids are made from, as Stage does it: stretched together to fill the part's size,
+/// centred in x and y, and put at `origin` in the part's frame. Kept for the same reason.
+struct FittedBlocks {
+  std::vector<Solid> blocks;
+  Pose origin;
 };
 
 /// One model of a type's tree.
@@ -67,6 +75,7 @@ struct PartSpec {
   Returns returns;
   bool floor_plan = false;     ///< outlined by an image
   std::optional<ImageSpec> image;
+  std::optional<FittedBlocks> fitted;
   std::optional<Color> color;  ///< not given: the body's own
   Where where;
 };

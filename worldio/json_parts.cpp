@@ -62,6 +62,9 @@ const Field k_z{.name = "z",
 /// In which the points of a block are given.
 const Field k_frame{
     .name = "frame", .type = FieldType::text, .fallback = "part", .choices = {"part", "body"}};
+/// Whether blocks are stretched to the size, and where their middle is then.
+const Field k_fit{.name = "fit", .type = FieldType::boolean, .fallback = false};
+const Field k_origin{.name = "origin", .type = FieldType::record, .record = &engine::pose_fields()};
 const Field k_pose{.name = "pose", .type = FieldType::record, .record = &engine::pose_fields()};
 
 Solid box(const Eigen::Vector3d& size) {
@@ -133,6 +136,18 @@ std::optional<Solid> read_block(const JsonCursor& at, const Pose& pose_body_part
   return placed(std::move(solid), pose_body_part);
 }
 
+std::vector<Solid> read_blocks(JsonObject& object, const Pose& pose_body_part) {
+  std::vector<Solid> solids;
+  const JsonNode* node = object.find("blocks");
+  if (!node) return solids;
+  const JsonCursor blocks(object.at(), "blocks", *node);
+  const JsonNode::List* list = read_list(blocks);
+  for (std::size_t i = 0; list && i < list->size(); ++i)
+    if (auto solid = read_block(JsonCursor(blocks, i, (*list)[i]), pose_body_part))
+      solids.push_back(std::move(*solid));
+  return solids;
+}
+
 JsonNode block_node(const Solid& solid, bool is_in_part_frame) {
   JsonNode::Object object;
   const Ring& ring = solid.contours.front();
@@ -166,6 +181,48 @@ bool same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 std::vector<double> list_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+Pose pose_of(const Value& value) {
+  const engine::Record& fields = value.records().front();
+  const auto number = [&](std::string_view name) {
+    return engine::get(engine::pose_fields(), fields, name).number();
+  };
+  return {number("x"), number("y"), number("z"), number("heading")};
+}
+
+Value value_of(const Pose& pose) {
+  return std::vector<engine::Record>{{pose.x, pose.y, pose.z, pose.heading}};
+}
+
+/// What Stage makes of blocks, in the body's frame.
+std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartSpec& part) {
+  std::vector<Solid> solids = fitted.blocks;
+  normalise(solids, part.size);
+  const Pose pose_body_frame = compose(part.pose_body_part, fitted.origin);
+  for (Solid& solid : solids) solid = placed(std::move(solid), pose_body_frame);
+  return solids;
+}
+
+/// `size_m`, `blocks`, `fit` and `origin`, where the blocks are to be stretched.
+void read_fitted(JsonObject& object, PartSpec& part) {
+  const FieldTable table{{k_size}};
+  const Value size = read_fields(object, table)[0];
+  engine::FittedBlocks fitted;
+  if (const Value origin = read_field(object, k_origin); origin.given()) fitted.origin = pose_of(origin);
+  fitted.blocks = read_blocks(object, Pose());
+  if (!size.given()) return;
+  part.size = Eigen::Vector3d::Map(size.numbers().data());
+  part.solids = fitted_solids(fitted, part);
+  part.fitted = std::move(fitted);
+}
+
+/// Whether its blocks make its solids again.
+bool is_fitted(const PartSpec& part) {
+  if (!part.fitted || part.size.minCoeff() <= 0) return false;
+  const std::vector<Solid> solids = fitted_solids(*part.fitted, part);
+  return std::equal(solids.begin(), solids.end(), part.solids.begin(), part.solids.end(),
+                    [](const Solid& a, const Solid& b) { return same_bits(a, b); });
+}
+
 /// The one box that `size_m` would put there.
 bool is_box(const PartSpec& part) {
   if (part.solids.size() != 1 || part.size.minCoeff() <= 0) return false;
@@ -178,19 +235,11 @@ bool is_box(const PartSpec& part) {
 
 Pose read_pose(JsonObject& object, const Pose& fallback) {
   const Value value = read_field(object, k_pose);
-  if (!value.given()) return fallback;
-  const engine::Record& fields = value.records()[0];
-  const auto number = [&](std::string_view name) {
-    return engine::get(engine::pose_fields(), fields, name).number();
-  };
-  return {number("x"), number("y"), number("z"), number("heading")};
+  return value.given() ? pose_of(value) : fallback;
 }
 
 void write_pose(const Pose& pose, JsonNode::Object& object, const Pose& fallback) {
-  const auto record = [](const Pose& p) {
-    return Value(std::vector<engine::Record>{{p.x, p.y, p.z, p.heading}});
-  };
-  if (!worldio::same_bits(record(pose), record(fallback))) write_field(k_pose, record(pose), object);
+  if (!worldio::same_bits(value_of(pose), value_of(fallback))) write_field(k_pose, value_of(pose), object);
 }
 
 bool read_boolean(JsonObject& object, std::string_view name, bool fallback) {
@@ -329,13 +378,7 @@ std::vector<Solid> read_solids(JsonObject& object, const Pose& pose_body_part) {
     solids.push_back(box(Eigen::Vector3d::Map(size.numbers().data())));
     if (pose_body_part != Pose()) solids.back() = placed(std::move(solids.back()), pose_body_part);
   }
-  const JsonNode* node = object.find("blocks");
-  if (!node) return solids;
-  const JsonCursor blocks(object.at(), "blocks", *node);
-  const JsonNode::List* list = read_list(blocks);
-  for (std::size_t i = 0; list && i < list->size(); ++i)
-    if (auto solid = read_block(JsonCursor(blocks, i, (*list)[i]), pose_body_part))
-      solids.push_back(std::move(*solid));
+  for (Solid& solid : read_blocks(object, pose_body_part)) solids.push_back(std::move(solid));
   return solids;
 }
 
@@ -349,6 +392,14 @@ void measure_part(PartSpec& part) {
   if (!extent.empty()) part.size = {extent.size().x(), extent.size().y(), z.max - z.min};
 }
 
+std::vector<Solid> image_solids(const FloorImage& image, PartSpec& part) {
+  std::vector<Solid> solids = image_body(image, *part.image, part.size);
+  const Pose pose_body_image = compose(part.pose_body_part, part.image->origin);
+  if (pose_body_image != Pose())
+    for (Solid& solid : solids) solid = placed(std::move(solid), pose_body_image);
+  return solids;
+}
+
 bool read_shape(JsonObject& object, ImageFolder& images, PartSpec& part) {
   const bool has_image = object.find("bitmap") != nullptr;
   bool is_given = has_image;
@@ -356,10 +407,13 @@ bool read_shape(JsonObject& object, ImageFolder& images, PartSpec& part) {
     if (const auto given = read_image(object, images.images, images.folder)) {
       part.size = given->size;
       part.image = given->spec;
-      part.solids = image_body(*given->image, given->spec, part.size);
-      if (part.pose_body_part != Pose())
-        for (Solid& solid : part.solids) solid = placed(std::move(solid), part.pose_body_part);
+      if (const Value origin = read_field(object, k_origin); origin.given())
+        part.image->origin = pose_of(origin);
+      part.solids = image_solids(*given->image, part);
     }
+  } else if (read_boolean(object, "fit", false)) {
+    is_given = true;
+    read_fitted(object, part);
   } else {
     const bool has_blocks = object.find("blocks") != nullptr;
     part.solids = read_solids(object, part.pose_body_part);
@@ -379,8 +433,16 @@ Eigen::Vector3d write_shape(const PartSpec& part, const std::filesystem::path* f
   PartSpec read = part;  // what a reader makes of it
   if (as_image) {
     write_image(*part.image, part.size, *folder, object);
+    if (part.image->origin != Pose()) write_field(k_origin, value_of(part.image->origin), object);
   } else if (is_box(part)) {
     write_field(k_size, list_of(part.size), object);
+  } else if (is_fitted(part)) {
+    write_field(k_size, list_of(part.size), object);
+    write_field(k_fit, true, object);
+    if (part.fitted->origin != Pose()) write_field(k_origin, value_of(part.fitted->origin), object);
+    JsonNode::List blocks;
+    for (const Solid& block : part.fitted->blocks) blocks.push_back(block_node(block, true));
+    add_member(object, "blocks", std::move(blocks));
   } else {
     JsonNode::List blocks;
     const bool is_in_part_frame = part.pose_body_part == Pose();

@@ -57,13 +57,16 @@ std::optional<JsonImage> read_image(JsonObject& object, FloorImages& images,
 void write_image(const engine::ImageSpec& image, const Eigen::Vector3d& size,
                  const std::filesystem::path& folder, JsonNode::Object& object);
 
+/// What the image of a part makes of it, in the body's frame; the part's size is that of a map of ROS then.
+std::vector<Solid> image_solids(const FloorImage& image, engine::PartSpec& part);
+
 /// Where the images of a world are.
 struct ImageFolder {
   FloorImages& images;
   std::filesystem::path folder;
 };
-/// The keys `size_m`, `blocks` or `bitmap`, and `floor_plan`, for a part whose pose is known; its solids are in
-/// the body's frame. True where one of the first three is there.
+/// The keys `size_m`, `blocks` (with `fit` and `origin`) or `bitmap`, and `floor_plan`, for a part whose pose is
+/// known; its solids are in the body's frame. True where one of the first three is there.
 bool read_shape(JsonObject& object, ImageFolder& images, engine::PartSpec& part);
 /// `folder` as for write_image(); null: an image is written as its outlines. Returns the size that the part
 /// has once it is read.

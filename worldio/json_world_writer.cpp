@@ -45,9 +45,8 @@ class WorldWriter {
  private:
   std::size_t count_floor_plans();
   bool is_floor_plan(std::size_t body);
-  /// Whether an image makes these solids again.
-  template <class Make>
-  bool makes(const engine::ImageSpec& image, const PartSpec& part, Make make);
+  /// Whether the image of a part makes its solids again.
+  bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
   JsonNode floor_plan_node(const BodySpec& body) const;
   JsonNode types_node(std::size_t first);
@@ -65,22 +64,20 @@ class WorldWriter {
   std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
 };
 
-template <class Make>
-bool WorldWriter::makes(const engine::ImageSpec& image, const PartSpec& part, Make make) {
-  const FloorImage* pixels = images_.read(image.file, image.unknown_is_solid, {});
-  if (!pixels || pixels->contours.empty()) return false;
-  Eigen::Vector3d size = part.size;
-  std::vector<Solid> solids = make(*pixels, image, size);
-  if (part.pose_body_part != Pose())
-    for (Solid& solid : solids) solid = placed(std::move(solid), part.pose_body_part);
-  return size == part.size && solids == part.solids;
+bool WorldWriter::makes(const PartSpec& part, bool as_floor_plan) {
+  const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
+  if (!image || image->contours.empty()) return false;
+  PartSpec made = part;
+  made.solids =
+      as_floor_plan ? floor_plan_body(*image, *made.image, made.size) : image_solids(*image, made);
+  return made.size == part.size && made.solids == part.solids;
 }
 
 /// Images that do not make their part's solids are not named: the part's frame is another, or they changed.
 void WorldWriter::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
-      if (part.image && !makes(*part.image, part, image_body)) part.image.reset();
+      if (part.image && !makes(part, false)) part.image.reset();
 }
 
 /// What `floorplans` can say: a model that is an image and nothing else, of a type of its own.
@@ -92,7 +89,7 @@ bool WorldWriter::is_floor_plan(std::size_t body) {
   const bool is_bare = type.parts.size() == 1 && !type.drive && type.devices.empty() && type.controllers.empty();
   if (!is_bare || !part.image || !part.floor_plan || part.kind != "model" || part.color || !part.alias.empty())
     return false;
-  return type.name == spec_.names.text(spec.name) && makes(*part.image, part, floor_plan_body);
+  return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
 }
 
 /// They come first, behind the ground.
@@ -206,16 +203,23 @@ Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const 
                 FloorPlans floor_plans, const engine::Registry& registry,
                 const std::shared_ptr<SourceFiles>& files) {
   Attempt result;
+  const Where whole{files->add(file.string()), 0};
   try {
     JsonNode document = WorldWriter(spec, file, registry).document(checks, floor_plans);
-    place_nodes(document, {files->add(file.string()), 0});
-    static_cast<void>(json_text(document));  // throws where it cannot be written
+    place_nodes(document, whole);
     Diagnostics found(files);
-    const WorldSpec back = read_json_world(file, document, registry, {}, found);
-    result.findings.assign(found.findings().begin(), found.findings().end());
-    std::erase_if(result.findings, [](const Finding& f) { return f.severity != Severity::error; });
-    if (result.findings.empty()) result.difference = spec_difference(spec, back);
-    if (result.findings.empty() && result.difference.empty()) result.document = std::move(document);
+    const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
+    const WorldSpec back = read ? read_json_world(file, *read, registry, {}, found) : WorldSpec();
+    if (found.has_errors()) {
+      Diagnostics placed(files);  // the same where it stands in what was read
+      if (read) read_json_world(file, document, registry, {}, placed);
+      const auto findings = placed.has_errors() ? placed.findings() : found.findings();
+      result.findings.assign(findings.begin(), findings.end());
+      std::erase_if(result.findings, [](const Finding& f) { return f.severity != Severity::error; });
+    } else {
+      result.difference = spec_difference(spec, back);
+      if (result.difference.empty()) result.document = std::move(document);
+    }
   } catch (const std::runtime_error& fault) {
     result.difference = fault.what();
   }

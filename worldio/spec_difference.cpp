@@ -66,9 +66,10 @@ std::string first_of(const List& a, const List& b, std::string_view what, Compar
 }
 
 std::string difference(const engine::PartSpec& a, const engine::PartSpec& b) {
-  const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, color, where] =
-      a;
-  static_cast<void>(image);  // its solids are here
+  const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, fitted, color,
+               where] = a;
+  static_cast<void>(image);  // what they make is here
+  static_cast<void>(fitted);
   static_cast<void>(where);
   return Difference(fmt::format("part \"{}\"", name))
       .is(name == b.name, "name")

@@ -53,7 +53,7 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
                            .boundary = flag(model, "boundary")};
     const FloorImage* image = read_image(*bitmap, spec);
     if (image && image->place) check_map(model, *image, size, blocks);
-    if (image && (image->place || blocks.empty())) return {image_body(*image, spec, size), spec};
+    if (image && (image->place || blocks.empty())) return {image_body(*image, spec, size), spec, {}};
     if (image && spec.keeps_margins) {
       solids.push_back(image->solid(size));
       frame.max = size.head<2>() / 2;
@@ -62,6 +62,8 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
       solids.push_back({image->contours, {0, 1}});
     }
   }
+  StageBody body;
+  if (is_default && blocks.empty() && !flag(model, "boundary")) body.blocks = solids;
   normalise(solids, size, frame);
   if (flag(model, "boundary")) {
     add_boundary(size, solids);
@@ -70,9 +72,12 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
                       "as in Stage, the blocks of this model discard its boundary");
   }
   if (is_default && !blocks.empty()) solids.clear();
+  const bool is_all_blocks = solids.empty() && frame.empty();
   for (const StageModel& block : blocks) add_block(block, solids);
+  if (is_all_blocks) body.blocks = solids;
   normalise(solids, size, frame);
-  return {std::move(solids), {}};
+  body.solids = std::move(solids);
+  return body;
 }
 
 void StageBodies::check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,

@@ -15,10 +15,11 @@
 
 namespace troupe::worldio {
 
-/// What a model shows of itself, and the image that it is made from, where that is all of it.
+/// What a model shows of itself, and the image, or the blocks, that it is made from, where these are all of it.
 struct StageBody {
   std::vector<Solid> solids;
   std::optional<engine::ImageSpec> image;
+  std::vector<Solid> blocks;
 };
 
 /// Makes the solids of models: default bodies, bitmaps, boundaries and blocks.

@@ -508,6 +508,8 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   StageBody body = bodies_.make(model, kind, part.size, holds->blocks);
   part.solids = std::move(body.solids);
   part.image = std::move(body.image);
+  if (part.image) part.image->origin = origin;
+  if (!body.blocks.empty()) part.fitted = engine::FittedBlocks{std::move(body.blocks), origin};
   vertices_ += count_vertices(part.solids);
   if (vertices_ > engine::k_most_vertices) {
     values_.error(draft.where,

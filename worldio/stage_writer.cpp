@@ -86,8 +86,10 @@ class TypeText {
 
   void write_part(std::uint32_t p);
   void write_body(const PartSpec& part, const DeviceSpec* own);
+  static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
   bool write_image(const PartSpec& part);
   void write_blocks(const PartSpec& part);
+  void write_block(const Solid& block, Where where);
   void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where);
   void write_returns(const engine::Returns& returns);
   void write_drive(const engine::DriveSpec& drive);
@@ -172,19 +174,19 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   const engine::ModelKind* kind = registry_.model(part.kind);
   const DeviceKind* device = own ? kind_of(*own) : nullptr;
   if (write_image(part)) return;
-  if (device && device->body && !part.solids.empty()) return write_size(part.size, kind, part.where);
-  if (part.solids.empty()) {
-    if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
-    return write_size(part.size, kind, part.where);
-  }
-  if (kind->has_default_body && part.size.minCoeff() > 0) {
-    const double x = part.size.x() / 2;
-    const double y = part.size.y() / 2;
-    const Solid box{{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, part.size.z()}};
-    if (part.solids == std::vector{placed(box, part.pose_body_part)})
-      return write_size(part.size, kind, part.where);
-  }
-  write_blocks(part);
+  const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
+  if (is_brought_along || is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
+  if (!part.solids.empty()) return write_blocks(part);
+  if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
+  write_size(part.size, kind, part.where);
+}
+
+bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kind) {
+  if (!kind.has_default_body || part.size.minCoeff() <= 0) return false;
+  const double x = part.size.x() / 2;
+  const double y = part.size.y() / 2;
+  const Solid box{{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, part.size.z()}};
+  return part.solids == std::vector{placed(box, part.pose_body_part)};
 }
 
 /// True where an image, of this size or as large as what is there, makes just this.
@@ -195,14 +197,14 @@ bool TypeText::write_image(const PartSpec& part) {
   const Box extent = extent_of(part.solids);
   const std::array sizes{part.size, Eigen::Vector3d(extent.size().x(), extent.size().y(), part.size.z())};
   for (const Eigen::Vector3d& size : sizes) {
-    Eigen::Vector3d made = size;
-    std::vector<Solid> solids = image_body(*image, *part.image, made);
-    for (Solid& solid : solids) solid = placed(std::move(solid), part.pose_body_part);
-    if (solids != part.solids) continue;
+    PartSpec made = part;
+    made.size = size;
+    if (image_solids(*image, made) != part.solids) continue;
     JsonNode::Object path;
     worldio::write_image(*part.image, size, folder_, path);
     text_.text("bitmap", *path.front().node.text());
     text_.numbers("size", std::array{size.x(), size.y(), size.z()});
+    if (part.image->origin != Pose()) text_.pose("origin", part.image->origin);
     if (part.image->keeps_margins) text_.flag("bitmap_margins", true);
     if (part.image->unknown_is_solid) text_.flag("bitmap_unknown", true);
     if (part.image->boundary) text_.flag("boundary", true);
@@ -213,6 +215,12 @@ bool TypeText::write_image(const PartSpec& part) {
 
 /// Stage scales the blocks of a model to its size and centres them, which `origin` undoes.
 void TypeText::write_blocks(const PartSpec& part) {
+  if (part.fitted) {
+    write_size(part.size, nullptr, part.where);
+    if (part.fitted->origin != Pose()) text_.pose("origin", part.fitted->origin);
+    for (const Solid& block : part.fitted->blocks) write_block(block, part.where);
+    return;
+  }
   const Transform frame(part.pose_body_part);
   const Box whole = extent_of(part.solids);
   const Vec2 middle = whole.center() - frame.position;
@@ -236,16 +244,18 @@ void TypeText::write_blocks(const PartSpec& part) {
   for (const Solid& solid : solids) z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
   write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr, part.where);
   if (origin != Pose()) text_.pose("origin", origin);
-  for (const Solid& solid : solids) {
-    if (solid.contours.size() != 1) return lacks(part.where, "a body with holes: Stage's blocks have none");
-    const Ring& ring = solid.contours.front();
-    text_.open("block");
-    text_.number("points", static_cast<double>(ring.size()));
-    for (std::size_t i = 0; i < ring.size(); ++i)
-      text_.numbers(fmt::format("point[{}]", i), std::array{ring[i].x(), ring[i].y()});
-    text_.numbers("z", std::array{solid.z.min, solid.z.max});
-    text_.close();
-  }
+  for (const Solid& solid : solids) write_block(solid, part.where);
+}
+
+void TypeText::write_block(const Solid& block, Where where) {
+  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have none");
+  const Ring& ring = block.contours.front();
+  text_.open("block");
+  text_.number("points", static_cast<double>(ring.size()));
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    text_.numbers(fmt::format("point[{}]", i), std::array{ring[i].x(), ring[i].y()});
+  text_.numbers("z", std::array{block.z.min, block.z.max});
+  text_.close();
 }
 
 void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where) {
