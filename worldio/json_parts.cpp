@@ -404,11 +404,11 @@ bool read_shape(JsonObject& object, ImageFolder& images, PartSpec& part) {
   const bool has_image = object.find("bitmap") != nullptr;
   bool is_given = has_image;
   if (has_image) {
+    const Value origin = read_field(object, k_origin);
     if (const auto given = read_image(object, images.images, images.folder)) {
       part.size = given->size;
       part.image = given->spec;
-      if (const Value origin = read_field(object, k_origin); origin.given())
-        part.image->origin = pose_of(origin);
+      if (origin.given()) part.image->origin = pose_of(origin);
       part.solids = image_solids(*given->image, part);
     }
   } else if (read_boolean(object, "fit", false)) {

@@ -36,6 +36,7 @@ class ConvertTest : public test::ScratchTest {
   /// Converts a world to a file of the scratch folder; what was found is kept in `found`.
   fs::path convert(const fs::path& from, const fs::path& to, const worldio::LoadOptions& options = {}) {
     Diagnostics diagnostics;
+    fs::create_directories((folder_ / to).parent_path());
     const worldio::ConvertedWorld world =
         worldio::convert_world(from, folder_ / to, registry_, options, diagnostics);
     found.clear();
@@ -229,7 +230,7 @@ TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
     "bot": {"size_m": [0.3, 0.3, 0.2], "color": "blue", "drive": {"kind": "diff", "turn_max_degps": 45},
       "sensors": [
         {"name": "eye", "kind": "ranger", "pose": {"x_m": 0.1, "z_m": 0.1, "heading_deg": 7}, "transducers": [
-          {"pose": {"heading_deg": -33}, "fov_deg": 40, "samples": 5, "range_max_m": 3},
+          {"pose": {"heading_deg": -33}, "fov_deg": 40, "samples": 11, "range_max_m": 3},
           {"pose": {"x_m": 0.01, "heading_deg": 33}, "range_max_m": 3, "noise_stddev_m": 0.013}]},
         {"name": "second", "kind": "ranger", "transducers": [{}], "period_s": 0.2}],
       "controller": {"kind": "wander", "cruise_speed_mps": 0.37}},
