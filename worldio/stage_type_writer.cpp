@@ -271,7 +271,10 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) text_.number("watts", value("draw").number());
+      if (value("draw").number() > 0) {  // only what runs draws
+        text_.number("watts", value("draw").number());
+        text_.flag("alwayson", true);
+      }
       if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
       if (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty())
         text_.flag("alwayson", true);
