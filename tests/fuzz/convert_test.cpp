@@ -40,7 +40,7 @@ std::string content(const fs::path& file) {
 
 /// The states of ticks 0 and 20; nothing where the world cannot be built, as of a controller without sensors.
 std::vector<std::uint64_t> states(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  Diagnostics diagnostics;
+  Diagnostics diagnostics(spec.files);
   try {
     engine::World world(spec, registry, {.threads = 1}, diagnostics);
     std::vector<std::uint64_t> found{world.hashes().state};
