@@ -242,6 +242,16 @@ void write_pose(const Pose& pose, JsonNode::Object& object, const Pose& fallback
   if (!worldio::same_bits(value_of(pose), value_of(fallback))) write_field(k_pose, value_of(pose), object);
 }
 
+void write_place(const Pose& pose, JsonNode::Object& object) {
+  JsonNode::Object place;
+  const std::vector<Field>& fields = engine::pose_fields().fields;
+  write_field(fields[0], pose.x, place);
+  write_field(fields[1], pose.y, place);
+  if (!worldio::same_bits(pose.z, 0)) write_field(fields[2], pose.z, place);
+  write_field(fields[3], pose.heading, place);
+  add_member(object, k_pose.name, std::move(place));
+}
+
 bool read_boolean(JsonObject& object, std::string_view name, bool fallback) {
   const Value value = read_field(object, {.name = name, .type = FieldType::boolean});
   return value.given() ? value.boolean() : fallback;

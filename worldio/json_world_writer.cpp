@@ -162,7 +162,7 @@ JsonNode WorldWriter::model_node(std::size_t b) const {
   if (const auto alias = aliases_.find(static_cast<std::uint32_t>(b)); alias != aliases_.end())
     add_member(object, "alias", spec_.names.text(alias->second));
   add_member(object, "type", keys_[type]);
-  write_pose(body.pose_world_body, object);
+  write_place(body.pose_world_body, object);
   if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
   if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {
     JsonNode::List names;

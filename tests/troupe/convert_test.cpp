@@ -182,7 +182,7 @@ minibot( name "r1" pose [-0.25 2 0 0] color "red" )
   for (const char* line : {
            R"("minibot": {)", R"("size_m": [0.2, 0.2, 0.2],)", R"("color": "SteelBlue",)", R"("kind": "diff")",
            R"({"name": "r0", "alias": "position:0", "type": "minibot", "pose": {"x_m": 1, "y_m": 2, "heading_deg": 90}},)",
-           R"("pose": {"x_m": -0.25, "y_m": 2}, "color": "red"})", R"("controller": {"kind": "expand")",
+           R"("pose": {"x_m": -0.25, "y_m": 2, "heading_deg": 0}, "color": "red"})", R"("controller": {"kind": "expand")",
            R"("name": "ranger:0",)"})
     EXPECT_THAT(text, HasSubstr(line));
 }

@@ -259,9 +259,9 @@ TEST(JsonWorldWriter, AnglesAreDegreesWhereNothingIsLost) {
   const double between = std::nextafter(radians(30), 4);
   spec.bodies.push_back({.name = spec.names.add("c"), .type = TypeId(1), .pose_world_body = {0, 0, 0, between}});
   const std::string text = written(spec);
-  EXPECT_THAT(text, HasSubstr(R"("name": "a", "type": "t", "pose": {"heading_deg": 30})"));
-  EXPECT_THAT(text, HasSubstr(R"("name": "b", "type": "t", "pose": {"heading_rad": 0.1})"));
-  EXPECT_THAT(text, HasSubstr(R"("name": "c", "type": "t", "pose": {"heading_rad": 0.5235987755982989})"));
+  EXPECT_THAT(text, HasSubstr(R"("name": "a", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_deg": 30})"));
+  EXPECT_THAT(text, HasSubstr(R"("name": "b", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.1})"));
+  EXPECT_THAT(text, HasSubstr(R"("name": "c", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.5235987755982989})"));
 }
 
 TEST(JsonText, NumbersAreShortAndComeBack) {

@@ -202,8 +202,6 @@ TEST_F(StageWorld, PointersReachIntoWhatItBecomesInJson) {
   EXPECT_EQ(type_of(spec, 1).parts[0].solids[0].z, (ZInterval{0, 0.25}));
 
   options.set = {{"/models/1/pose/x", "4.5"}};
-  load("box( )\n", options);
-  messages();
   load("model( )\nmodel( )\n", options);
   EXPECT_THAT(messages(), testing::ElementsAre(testing::HasSubstr("/models/1/pose: \"x\" needs its unit")));
   options.set = {{"/types/model/size_m", "[1, 0, 1]"}};
