@@ -59,7 +59,8 @@ CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
   add_file("OUT", options.out, "File to write, in the other format or the same");
   command->add_flag("--force", options.force, "Replace a file that is there already")
       ->disable_flag_override();
-  add_set_option(*command, "Change a value on the way: a JSON pointer into the world; repeatable", options.set);
+  add_set_option(*command, "Change a value on the way: a JSON pointer into the world; repeatable",
+                 options.set);
   add_plugin_path_option(*command, options.plugin_path);
   return command;
 }

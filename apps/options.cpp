@@ -113,7 +113,8 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_values(
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
-  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable", options.simulation.set);
+  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable",
+                 options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);
 }
 

@@ -55,8 +55,8 @@ struct ImageSpec {
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
 
-/// The blocks that a part's solids are made from, as Stage does it: stretched together to fill the part's size,
-/// centred in x and y, and put at `origin` in the part's frame. Kept for the same reason.
+/// The blocks that a part's solids are made from, as Stage does it: stretched together to fill the part's
+/// size, centred in x and y, and put at `origin` in the part's frame. Kept for the same reason.
 struct FittedBlocks {
   std::vector<Solid> blocks;
   Pose origin;
@@ -64,16 +64,16 @@ struct FittedBlocks {
 
 /// One model of a type's tree.
 struct PartSpec {
-  std::string name;          ///< below the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;         ///< its generated name, where the world gave it another; else empty
-  std::string kind;          ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;  ///< index of the part it stands on; the root's own is 0
+  std::string name;              ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string alias;             ///< its generated name, where the world gave it another; else empty
+  std::string kind;              ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;      ///< index of the part it stands on; the root's own is 0
   std::int32_t joint = k_rigid;  ///< index of the joint that it moves with
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
   Returns returns;
-  bool floor_plan = false;     ///< outlined by an image
+  bool floor_plan = false;  ///< outlined by an image
   std::optional<ImageSpec> image;
   std::optional<FittedBlocks> fitted;
   std::optional<Color> color;  ///< not given: the body's own
@@ -87,9 +87,9 @@ struct DeviceSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it stands on
   std::int32_t moves = k_rigid;  ///< index of the first of the joints that it moves (DeviceKind::joints)
   Record params;                 ///< by the kind's field table
-  Pose pose_body_sensor;   ///< frame in which the kind's parameters are given
-  double period_s = 0;     ///< 0: every tick
-  bool active = true;      ///< runs without a subscriber
+  Pose pose_body_sensor;         ///< frame in which the kind's parameters are given
+  double period_s = 0;           ///< 0: every tick
+  bool active = true;            ///< runs without a subscriber
   Where where;
 };
 

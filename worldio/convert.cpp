@@ -26,7 +26,8 @@ std::optional<JsonNode> document_of(const std::filesystem::path& file, const Dia
   if (file.extension() != ".json") return std::nullopt;
   Diagnostics reported;  // when it was loaded
   const std::optional<std::string> text = read_file(file);
-  return text ? parse_json(*text, {diagnostics.files()->add(file.string()), 0}, false, reported) : std::nullopt;
+  return text ? parse_json(*text, {diagnostics.files()->add(file.string()), 0}, false, reported)
+              : std::nullopt;
 }
 
 }  // namespace
@@ -36,9 +37,9 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
                              Diagnostics& diagnostics) {
   const std::string ending = to.extension().string();
   if (ending != ".world" && ending != ".json") {
-    diagnostics.error({diagnostics.files()->add(to.string()), 0},
-                      fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"",
-                                  ending));
+    diagnostics.error(
+        {diagnostics.files()->add(to.string()), 0},
+        fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending));
     return {};
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);

@@ -191,9 +191,8 @@ Value read_under_its_keys(JsonObject& object, const Field& field, bool& present)
 std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   std::array<char, 32> digits{};
   constexpr int k_digits = 9;
-  const auto [end, fault] =
-      std::to_chars(digits.data(), digits.data() + digits.size(), si / suffix.to_si, std::chars_format::general,
-                    k_digits);
+  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), si / suffix.to_si,
+                                          std::chars_format::general, k_digits);
   double value = 0;
   std::from_chars(digits.data(), end, value);
   if (!same_bits(value * suffix.to_si, si)) return std::nullopt;
@@ -211,7 +210,8 @@ std::optional<std::vector<double>> exactly_in(std::span<const double> si, const 
 
 /// Angles are thought of in degrees, everything else in the SI unit.
 bool has_degrees(Unit unit) {
-  return unit == Unit::radians || unit == Unit::radians_per_second || unit == Unit::radians_per_second_squared;
+  return unit == Unit::radians || unit == Unit::radians_per_second ||
+         unit == Unit::radians_per_second_squared;
 }
 
 std::vector<std::pair<Color, std::string>> named_colors() {
@@ -239,21 +239,22 @@ JsonNode colors_node(const std::vector<double>& parts) {
 }
 
 bool same_records(const Record& a, const Record& b) {
-  return a.size() == b.size() &&
-         std::equal(a.begin(), a.end(), b.begin(), [](const Value& x, const Value& y) { return same_bits(x, y); });
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                            [](const Value& x, const Value& y) { return same_bits(x, y); });
 }
 
 }  // namespace
 
-bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 bool same_bits(const Value& a, const Value& b) {
   if (a.v.index() != b.v.index()) return false;
   if (const auto* x = std::get_if<double>(&a.v)) return same_bits(*x, b.number());
   if (const auto* x = std::get_if<std::vector<double>>(&a.v))
-    return x->size() == b.numbers().size() &&
-           std::equal(x->begin(), x->end(), b.numbers().begin(),
-                      [](double p, double q) { return same_bits(p, q); });
+    return x->size() == b.numbers().size() && std::equal(x->begin(), x->end(), b.numbers().begin(),
+                                                         [](double p, double q) { return same_bits(p, q); });
   if (const auto* x = std::get_if<std::vector<Record>>(&a.v))
     return x->size() == b.records().size() &&
            std::equal(x->begin(), x->end(), b.records().begin(), same_records);

@@ -170,8 +170,9 @@ bool same_bits(const Solid& a, const Solid& b) {
     return worldio::same_bits(p.x(), q.x()) && worldio::same_bits(p.y(), q.y());
   };
   if (!worldio::same_bits(a.z.min, b.z.min) || !worldio::same_bits(a.z.max, b.z.max)) return false;
-  return std::equal(a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(),
-                    [&](const Ring& r, const Ring& s) { return std::equal(r.begin(), r.end(), s.begin(), s.end(), same); });
+  return std::equal(
+      a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(),
+      [&](const Ring& r, const Ring& s) { return std::equal(r.begin(), r.end(), s.begin(), s.end(), same); });
 }
 
 bool same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {

@@ -68,8 +68,8 @@ struct ImageFolder {
   FloorImages& images;
   std::filesystem::path folder;
 };
-/// The keys `size_m`, `blocks` (with `fit` and `origin`) or `bitmap`, and `floor_plan`, for a part whose pose is
-/// known; its solids are in the body's frame. True where one of the first three is there.
+/// The keys `size_m`, `blocks` (with `fit` and `origin`) or `bitmap`, and `floor_plan`, for a part whose pose
+/// is known; its solids are in the body's frame. True where one of the first three is there.
 bool read_shape(JsonObject& object, ImageFolder& images, engine::PartSpec& part);
 /// `folder` as for write_image(); null: an image is written as its outlines. Returns the size that the part
 /// has once it is read.

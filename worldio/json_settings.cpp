@@ -26,8 +26,7 @@ using engine::WorldSpec;
 constexpr std::int64_t k_version = 1;
 
 const Field k_tick{.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600};
-const Field k_quit_time{
-    .name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true};
+const Field k_quit_time{.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true};
 const Field k_measure_every{.name = "measure_every", .unit = Unit::seconds, .min = 0, .max = 1e9};
 const Field k_resolution{.name = "resolution",
                          .unit = Unit::meters,
@@ -145,8 +144,7 @@ void write_settings(const WorldSpec& spec, const JsonChecks& checks, std::string
     write_field(k_measure_every, spec.measure_every_s, object);
   if (spec.ranging != usual.ranging)
     add_member(object, "ranging", std::string(engine::ranging_engine_name(spec.ranging)));
-  if (!same_bits(spec.resolution_m, usual.resolution_m))
-    write_field(k_resolution, spec.resolution_m, object);
+  if (!same_bits(spec.resolution_m, usual.resolution_m)) write_field(k_resolution, spec.resolution_m, object);
   if (spec.bounds && with_bounds)
     add_node(object, "bounds_m", points_node(std::array{spec.bounds->min, spec.bounds->max}));
   for (const engine::NamedBody& alias : spec.aliases)

@@ -34,8 +34,9 @@ std::string text_of(const std::string& text) {
   for (std::string_view rest = text; !rest.empty();) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
-      throw std::runtime_error(fmt::format("a text of the world is no UTF-8, in which JSON is written: \"{}\"",
-                                           text.substr(0, text.size() - rest.size())));
+      throw std::runtime_error(
+          fmt::format("a text of the world is no UTF-8, in which JSON is written: \"{}\"",
+                      text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')
       out += {'\\', c};
@@ -50,7 +51,8 @@ std::string text_of(const std::string& text) {
 
 std::string number_of(double x) {
   if (!std::isfinite(x)) throw std::runtime_error("a number of the world is not finite");
-  if (x == 0) return std::signbit(x) ? "-0.0" : "0";  // -0 would come back as a whole number, without its sign
+  if (x == 0)
+    return std::signbit(x) ? "-0.0" : "0";  // -0 would come back as a whole number, without its sign
   std::array<char, 32> digits{};
   const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
   return {digits.data(), end};
@@ -124,8 +126,9 @@ class Printer {
   void add_list(const JsonNode::List& list, std::size_t indent) {
     const auto is_short = [](const JsonNode& node) {
       const JsonNode::List* numbers = node.list();
-      return numbers ? std::ranges::all_of(*numbers, [](const JsonNode& x) { return !x.list() && !x.object(); })
-                     : !node.object();
+      return numbers
+                 ? std::ranges::all_of(*numbers, [](const JsonNode& x) { return !x.list() && !x.object(); })
+                 : !node.object();
     };
     const bool fills = std::ranges::all_of(list, is_short);
     out_ += '[';

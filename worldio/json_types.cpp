@@ -151,8 +151,7 @@ void TypeReader::read_root(JsonObject& object, std::optional<Color>& color) {
     engine::DeviceSpec& device = type_.devices[rider.device];
     const std::string fault =
         rider.names_joint ? find_joint(rider.on, device.joint) : put_on(device, rider.on);
-    if (!fault.empty())
-      at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, fault));
+    if (!fault.empty()) at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, fault));
   }
   read_order(object);
   const auto needs_drive = [&](const engine::ControllerSpec& controller) {
@@ -194,7 +193,8 @@ void TypeReader::read_own_device(JsonObject& object, bool has_shape, Stand& stan
   const JsonCursor at(object.at(), "device", *node);
   JsonObject own(at);
   const engine::ModelKind* model = registry_.model(part.kind);
-  const engine::DeviceKind* kind = model && !model->device.empty() ? registry_.device(model->device) : nullptr;
+  const engine::DeviceKind* kind =
+      model && !model->device.empty() ? registry_.device(model->device) : nullptr;
   if (!kind || own.find("kind"))
     kind = read_kind(own, "device", names(registry_.devices),
                      [&](std::string_view name) { return registry_.device(name); });
@@ -218,10 +218,8 @@ void TypeReader::read_own_device(JsonObject& object, bool has_shape, Stand& stan
 }
 
 void TypeReader::read_contents(JsonObject& object, const Stand& stand) {
-  each_of(object, "sensors",
-          [&](const JsonCursor& at) { read_device(at, DeviceList::sensors, stand); });
-  each_of(object, "devices",
-          [&](const JsonCursor& at) { read_device(at, DeviceList::devices, stand); });
+  each_of(object, "sensors", [&](const JsonCursor& at) { read_device(at, DeviceList::sensors, stand); });
+  each_of(object, "devices", [&](const JsonCursor& at) { read_device(at, DeviceList::devices, stand); });
   const JsonNode* one = object.find("controller");
   if (one) read_controller(JsonCursor(object.at(), "controller", *one), stand.part);
   if (const JsonNode* many = object.find("controllers"); one && many)
@@ -382,8 +380,9 @@ void TypeReader::read_order(JsonObject& object) {
   if (!list) return;
   std::vector<engine::DeviceSpec> ordered;
   for (const JsonNode& entry : *list) {
-    const auto found = entry.text() ? std::ranges::find(type_.devices, *entry.text(), &engine::DeviceSpec::name)
-                                    : type_.devices.end();
+    const auto found = entry.text()
+                           ? std::ranges::find(type_.devices, *entry.text(), &engine::DeviceSpec::name)
+                           : type_.devices.end();
     if (found == type_.devices.end()) continue;
     ordered.push_back(std::move(*found));
     type_.devices.erase(found);

@@ -19,7 +19,8 @@ using engine::PartSpec;
 
 template <class Kind>
 const Kind& known(const Kind* kind, const std::string& name) {
-  if (!kind) throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that nobody registered", name));
+  if (!kind)
+    throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that nobody registered", name));
   return *kind;
 }
 

@@ -1,3 +1,4 @@
+#include "worldio/json_world.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/placement.hpp"
@@ -8,7 +9,6 @@
 #include "worldio/json_reader.hpp"
 #include "worldio/json_settings.hpp"
 #include "worldio/json_types.hpp"
-#include "worldio/json_world.hpp"
 #include "worldio/load.hpp"
 #include "worldio/measures_json.hpp"
 

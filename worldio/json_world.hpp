@@ -19,8 +19,8 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
 /// The document that reads back as this world, to the last bit, where it lies in `file`: populations are
 /// listed one by one, angles are in degrees where that loses nothing, images stay images, with paths relative
 /// to the file, where they make the same solids again; overlaps and repeated names are errors again unless
-/// there are any. Its nodes stand where the spec's do. It is read to make sure; empty, with errors, where JSON
-/// has no words for something.
+/// there are any. Its nodes stand where the spec's do. It is read to make sure; empty, with errors, where
+/// JSON has no words for something.
 std::optional<JsonNode> write_json_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                                          const engine::Registry& registry, Diagnostics& diagnostics);
 

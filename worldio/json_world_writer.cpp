@@ -58,7 +58,7 @@ class WorldWriter {
   std::filesystem::path folder_;
   Diagnostics image_findings_;  // of images that cannot be read any more, which are outlines then
   FloorImages images_;
-  std::vector<std::string> keys_;           // of the types
+  std::vector<std::string> keys_;             // of the types
   std::vector<std::optional<Color>> colors_;  // of the types: that of their first body
   std::unordered_map<std::uint32_t, engine::Name> aliases_;
   std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
@@ -68,8 +68,7 @@ bool WorldWriter::makes(const PartSpec& part, bool as_floor_plan) {
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
   if (!image || image->contours.empty()) return false;
   PartSpec made = part;
-  made.solids =
-      as_floor_plan ? floor_plan_body(*image, *made.image, made.size) : image_solids(*image, made);
+  made.solids = as_floor_plan ? floor_plan_body(*image, *made.image, made.size) : image_solids(*image, made);
   return made.size == part.size && made.solids == part.solids;
 }
 
@@ -86,8 +85,10 @@ bool WorldWriter::is_floor_plan(std::size_t body) {
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
   const TypeSpec& type = spec_.types[body];
   const PartSpec& part = type.parts.front();
-  const bool is_bare = type.parts.size() == 1 && !type.drive && type.devices.empty() && type.controllers.empty();
-  if (!is_bare || !part.image || !part.floor_plan || part.kind != "model" || part.color || !part.alias.empty())
+  const bool is_bare =
+      type.parts.size() == 1 && !type.drive && type.devices.empty() && type.controllers.empty();
+  if (!is_bare || !part.image || !part.floor_plan || part.kind != "model" || part.color ||
+      !part.alias.empty())
     return false;
   return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
 }

@@ -42,7 +42,8 @@ class Difference {
   explicit Difference(std::string of) : of_(std::move(of)) {}
 
   Difference& is(bool same, std::string_view what) {
-    if (!same && text_.empty()) text_ = of_.empty() ? std::string(what) : fmt::format("{}: its {}", of_, what);
+    if (!same && text_.empty())
+      text_ = of_.empty() ? std::string(what) : fmt::format("{}: its {}", of_, what);
     return *this;
   }
   /// What is inside says itself what it is.
@@ -66,8 +67,8 @@ std::string first_of(const List& a, const List& b, std::string_view what, Compar
 }
 
 std::string difference(const engine::PartSpec& a, const engine::PartSpec& b) {
-  const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, fitted, color,
-               where] = a;
+  const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, fitted,
+               color, where] = a;
   static_cast<void>(image);  // what they make is here
   static_cast<void>(fitted);
   static_cast<void>(where);
@@ -205,16 +206,18 @@ bool same_part_names(const WorldSpec& a, const WorldSpec& b) {
 }  // namespace
 
 std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
-  const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where, bounds,
-               types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch, window] = a;
+  const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
+               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
+               window] = a;
   static_cast<void>(files);
   static_cast<void>(resolution_where);
   static_cast<void>(names);
   static_cast<void>(bodies);
   static_cast<void>(aliases);
   static_cast<void>(part_aliases);
-  const bool same_bounds = bounds && b.bounds ? same(bounds->min, b.bounds->min) && same(bounds->max, b.bounds->max)
-                                              : bounds.has_value() == b.bounds.has_value();
+  const bool same_bounds = bounds && b.bounds
+                               ? same(bounds->min, b.bounds->min) && same(bounds->max, b.bounds->max)
+                               : bounds.has_value() == b.bounds.has_value();
   const bool same_window =
       window && b.window ? same(*window, *b.window) : window.has_value() == b.window.has_value();
   const auto compare = [](const auto& x, const auto& y) { return difference(x, y); };

@@ -15,7 +15,8 @@
 
 namespace troupe::worldio {
 
-/// What a model shows of itself, and the image, or the blocks, that it is made from, where these are all of it.
+/// What a model shows of itself, and the image, or the blocks, that it is made from, where these are all of
+/// it.
 struct StageBody {
   std::vector<Solid> solids;
   std::optional<engine::ImageSpec> image;

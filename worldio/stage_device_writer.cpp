@@ -44,7 +44,7 @@ void write_parameters(const DeviceSpec& device, const DeviceKind& kind, StageTex
         return one.model == parameter.model && one.property == parameter.property && one.column == 1;
       });
       text.numbers(parameter.property,
-                    std::array{as_number(value), as_number(get(kind.params, device.params, other->field))});
+                   std::array{as_number(value), as_number(get(kind.params, device.params, other->field))});
     } else if (!same_bits(value, defaults[at])) {
       switch (kind.params.fields[at].type) {
         case FieldType::boolean: text.flag(parameter.property, value.boolean()); break;
@@ -64,8 +64,8 @@ void write_ranger(const DeviceSpec& device, const DeviceKind& kind, StageText& t
     const auto number = [&](std::string_view name) { return get(table, transducer, name).number(); };
     const Record& pose = get(table, transducer, "pose").records().front();
     constexpr double k_middle = 0.02 / 2;  // m: of the height of Stage's transducers, where their beams leave
-    const double z = solved(pose[2].number(), pose[2].number() - k_middle,
-                            [](double x) { return x + k_middle; });
+    const double z =
+        solved(pose[2].number(), pose[2].number() - k_middle, [](double x) { return x + k_middle; });
     text.open("sensor");
     text.pose("pose", {pose[0].number(), pose[1].number(), z, pose[3].number()});
     text.numbers("range", std::array{number("range_min"), number("range_max")});
@@ -77,9 +77,9 @@ void write_ranger(const DeviceSpec& device, const DeviceKind& kind, StageText& t
     if (stddev > 0 || angular > 0 || number("noise_proportional") > 0) {
       const double step = number("fov") / static_cast<double>(std::max<std::int64_t>(samples - 1, 1));
       const double variance = solved(stddev, stddev * stddev, [](double x) { return sqrt(x); });
-      const double share = angular == 0 || step == 0
-                               ? 0
-                               : solved(angular, angular / (0.5 * step), [step](double x) { return 0.5 * step * x; });
+      const double share = angular == 0 || step == 0 ? 0
+                                                     : solved(angular, angular / (0.5 * step),
+                                                              [step](double x) { return 0.5 * step * x; });
       text.numbers("noise", std::array{variance, number("noise_proportional"), share});
     }
     if (number("beam_width") > 0) text.number("beam_width", number("beam_width"));
@@ -96,7 +96,7 @@ void write_bumpers(const DeviceSpec& device, const DeviceKind& kind, StageText& 
   for (std::size_t k = 0; k < bumpers.size(); ++k) {
     const Record& pose = get(table, bumpers[k], "pose").records().front();
     text.numbers(fmt::format("bpose[{}]", k),
-                  std::array{pose[0].number(), pose[1].number(), pose[2].number(), pose[3].number()});
+                 std::array{pose[0].number(), pose[1].number(), pose[2].number(), pose[3].number()});
     text.number(fmt::format("blength[{}]", k), get(table, bumpers[k], "length").number());
   }
 }
@@ -154,14 +154,14 @@ void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& 
   text.number("update_interval", stage_milliseconds(drive.period_s));
   const double quarter_turn = radians(90);
   text.numbers("velocity_bounds",
-                std::array{value("velocity_min_x", -1), value("velocity_max_x", 1), value("velocity_min_y", -1),
-                           value("velocity_max_y", 1), -1.0, 1.0, value("turn_min", -quarter_turn),
-                           value("turn_max", quarter_turn)});
+               std::array{value("velocity_min_x", -1), value("velocity_max_x", 1),
+                          value("velocity_min_y", -1), value("velocity_max_y", 1), -1.0, 1.0,
+                          value("turn_min", -quarter_turn), value("turn_max", quarter_turn)});
   text.numbers("acceleration_bounds",
-                std::array{value("acceleration_min_x", -1), value("acceleration_max_x", 1),
-                           value("acceleration_min_y", -1), value("acceleration_max_y", 1), -1.0, 1.0,
-                           value("turn_acceleration_min", -quarter_turn),
-                           value("turn_acceleration_max", quarter_turn)});
+               std::array{value("acceleration_min_x", -1), value("acceleration_max_x", 1),
+                          value("acceleration_min_y", -1), value("acceleration_max_y", 1), -1.0, 1.0,
+                          value("turn_acceleration_min", -quarter_turn),
+                          value("turn_acceleration_max", quarter_turn)});
   if (kind.params.find("wheelbase") >= 0) text.number("wheelbase", value("wheelbase", 1));
   const std::array start{value("start_x", 0), value("start_y", 0), 0.0, value("start_turn", 0)};
   if (start != std::array{0.0, 0.0, 0.0, 0.0}) text.numbers("velocity", start);
@@ -172,7 +172,7 @@ void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& 
   const std::vector<double>& origin = get(kind.params, drive.params, "localization_origin").numbers();
   if (origin.size() == 2) {
     text.numbers("localization_origin",
-                  std::array{origin[0], origin[1], 0.0, value("localization_origin_heading", 0)});
+                 std::array{origin[0], origin[1], 0.0, value("localization_origin_heading", 0)});
     if (localization == "gps") text.flag("gps_origin", true);
   }
   const std::vector<double>& error = get(kind.params, drive.params, "odom_error").numbers();

@@ -6,8 +6,8 @@
 
 #include <string>
 
-/// Devices, drives and controllers as properties of Stage's models, the way back from StageKinds, in a file of
-/// metres and radians. What has no property is left out, for check_stage_round_trip() to find.
+/// Devices, drives and controllers as properties of Stage's models, the way back from StageKinds, in a file
+/// of metres and radians. What has no property is left out, for check_stage_round_trip() to find.
 namespace troupe::worldio {
 
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);

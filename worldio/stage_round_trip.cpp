@@ -64,7 +64,8 @@ class RoundTrip {
 
  private:
   void lacks(Where where, const std::string& what) {
-    diagnostics_.error(where, fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+    diagnostics_.error(where,
+                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
   }
   void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
                     const FieldTable& table);
@@ -112,8 +113,9 @@ void RoundTrip::check_devices() {
   for (const DeviceSpec& device : type_.devices) {
     const auto other = std::ranges::find(back_.devices, device.name, &DeviceSpec::name);
     if (other == back_.devices.end() || other->kind != device.kind)
-      lacks(device.where, fmt::format("device \"{}\", a {}: Stage has no such device, or calls it something else",
-                                      device.name, device.kind));
+      lacks(device.where,
+            fmt::format("device \"{}\", a {}: Stage has no such device, or calls it something else",
+                        device.name, device.kind));
     else
       check_device(device, *other);
   }
@@ -167,9 +169,10 @@ void RoundTrip::check_controllers() {
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
     if (kind->furnish)
-      diagnostics_.error(a.where, fmt::format("a .world file cannot say this: type \"{}\": {}: it would furnish "
-                                              "its model once more",
-                                              type_.name, owner));
+      diagnostics_.error(a.where,
+                         fmt::format("a .world file cannot say this: type \"{}\": {}: it would furnish "
+                                     "its model once more",
+                                     type_.name, owner));
     // With a drive, a controller is due when its drive is.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
@@ -205,9 +208,10 @@ void RoundTrip::check_bodies() {
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)
-      diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: Stage centres bodies: its outline is rounded, "
-                                                "by at most {:.2g} m, and hashes may differ",
-                                                type_.name, owner, *off));
+      diagnostics_.warning(a.where,
+                           fmt::format("type \"{}\": {}: Stage centres bodies: its outline is rounded, "
+                                       "by at most {:.2g} m, and hashes may differ",
+                                       type_.name, owner, *off));
   }
 }
 
@@ -219,7 +223,8 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
   const auto lacks = [&](Where where, const std::string& what) {
     diagnostics.error(where, fmt::format("a .world file cannot say this: {}", what));
   };
-  if (!same_bits(spec.tick_s, back.tick_s)) lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
+  if (!same_bits(spec.tick_s, back.tick_s))
+    lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
     return lacks(whole, fmt::format("{} bodies", spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;

@@ -13,7 +13,8 @@ Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c) {
   const Transform transform(pose_a_b);
   const Rotation& turn = transform.rotation;
   const Vec2 offset = pose_a_c.position() - transform.position;
-  Pose guess{offset.x() * turn.cos + offset.y() * turn.sin, offset.y() * turn.cos - offset.x() * turn.sin, 0, 0};
+  Pose guess{offset.x() * turn.cos + offset.y() * turn.sin, offset.y() * turn.cos - offset.x() * turn.sin, 0,
+             0};
   guess.z = solved(pose_a_c.z, pose_a_c.z - pose_a_b.z, [&](double z) { return pose_a_b.z + z; });
   guess.heading = solved(pose_a_c.heading, wrap_angle(pose_a_c.heading - pose_a_b.heading),
                          [&](double heading) { return wrap_angle(pose_a_b.heading + heading); });
@@ -54,7 +55,9 @@ void StageText::open(std::string_view word) {
   indent_ += 2;
 }
 
-void StageText::define(std::string_view word, std::string_view base) { open(fmt::format("define {} {}", word, base)); }
+void StageText::define(std::string_view word, std::string_view base) {
+  open(fmt::format("define {} {}", word, base));
+}
 
 void StageText::close() {
   indent_ -= 2;
@@ -108,9 +111,10 @@ std::string StageText::spelt(double value) {
 
 std::string StageText::spelt(std::string_view text) {
   if (text.find_first_of("\"\n\r") != text.npos)
-    diagnostics_.error(where_, fmt::format("a .world file cannot say \"{}\": its texts hold no quotes and no line "
-                                           "ends",
-                                           text));
+    diagnostics_.error(where_,
+                       fmt::format("a .world file cannot say \"{}\": its texts hold no quotes and no line "
+                                   "ends",
+                                   text));
   return fmt::format("\"{}\"", text);
 }
 

@@ -44,7 +44,8 @@ class TypeText {
 
  private:
   void lacks(Where where, const std::string& what) {
-    diagnostics_.error(where, fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+    diagnostics_.error(where,
+                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
   }
   const DeviceKind* kind_of(const DeviceSpec& device) const { return registry_.device(device.kind); }
   bool is_property(const DeviceSpec& device) const {
@@ -194,7 +195,8 @@ void TypeText::write_blocks(const PartSpec& part) {
   const Box whole = extent_of(part.solids);
   const Vec2 middle = whole.center() - frame.position;
   const Rotation& turn = frame.rotation;
-  Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0, 0};
+  Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
+              0};
   constexpr double k_centred = 1e-9;  // of the extent: less is rounding
   if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
@@ -202,7 +204,8 @@ void TypeText::write_blocks(const PartSpec& part) {
   for (Solid& solid : solids) {
     for (Ring& ring : solid.contours)
       for (Vec2& point : ring)
-        point = relative_pose(pose_body_blocks, {point.x(), point.y(), 0, pose_body_blocks.heading}).position();
+        point =
+            relative_pose(pose_body_blocks, {point.x(), point.y(), 0, pose_body_blocks.heading}).position();
     const auto lowered = [&](double z) {
       return solved(z, z - pose_body_blocks.z, [&](double x) { return x + pose_body_blocks.z; });
     };
@@ -254,7 +257,8 @@ void TypeText::write_controllers(std::uint32_t p) {
     period_s = controller.period_s;
   }
   if (calls.empty()) return;
-  if (!(p == 0 && type_.drive) && !own_device(p)) text_.number("update_interval", stage_milliseconds(period_s));
+  if (!(p == 0 && type_.drive) && !own_device(p))
+    text_.number("update_interval", stage_milliseconds(period_s));
   if (calls.size() == 1) text_.text("ctrl", calls.front());
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
@@ -306,7 +310,8 @@ void TypeText::write_children(std::uint32_t p) {
     const engine::ModelKind* model = registry_.model(device->kind);
     text_.at(device->where);
     if (!model || model->device != device->kind || !kind_of(*device)) {
-      lacks(device->where, fmt::format("device \"{}\": there is no model of kind {}", device->name, device->kind));
+      lacks(device->where,
+            fmt::format("device \"{}\": there is no model of kind {}", device->name, device->kind));
       continue;
     }
     text_.open(device->kind);

@@ -131,7 +131,8 @@ engine::Record read_stage_window(const StageModel& window, const StageDocument& 
     const bool is_switch = known == std::end(k_properties);
     const StageProperty* property = window.find(document, is_switch ? field.name : known->stage);
     if (!property) continue;
-    Value value = read_value(*property, field, is_switch ? 1 : factor(known->scale, values.length_unit()), values);
+    Value value =
+        read_value(*property, field, is_switch ? 1 : factor(known->scale, values.length_unit()), values);
     if (value.given()) record[i] = std::move(value);
   }
   return record;

@@ -87,9 +87,10 @@ void WorldText::refuse_what_stage_lacks() {
   if (document_ && document_->find("bounds_m"))
     lacks("bounds_m", "it reaches 100 km in each direction");
   else if (spec_.bounds)
-    diagnostics_.warning(where_of("floorplans"),
-                         "a .world reaches 100 km in each direction: robots that leave the floor plans are held "
-                         "no more");
+    diagnostics_.warning(
+        where_of("floorplans"),
+        "a .world reaches 100 km in each direction: robots that leave the floor plans are held "
+        "no more");
 }
 
 void WorldText::write_settings() {
@@ -129,16 +130,18 @@ void WorldText::write_types() {
     if (!is_used[t]) continue;
     const TypeSpec& type = spec_.types[t];
     macros_[t] = word_of(type.name);
-    for (int n = 2; !taken.insert(macros_[t]).second; ++n) macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
+    for (int n = 2; !taken.insert(macros_[t]).second; ++n)
+      macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
     TypeSpec colored = type;  // a part without a colour of its own has its body's
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
       if (colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
       if (has_many_colors[t])
-        diagnostics_.error(colored.parts[p].where,
-                           fmt::format("a .world file cannot say this: type \"{}\": part \"{}\" takes the color "
-                                       "of its body",
-                                       type.name, colored.parts[p].name));
+        diagnostics_.error(
+            colored.parts[p].where,
+            fmt::format("a .world file cannot say this: type \"{}\": part \"{}\" takes the color "
+                        "of its body",
+                        type.name, colored.parts[p].name));
     }
     write_stage_type(colored, macros_[t], colors_[t], {folder_, registry_, images_, diagnostics_}, text_);
   }
@@ -157,8 +160,9 @@ void WorldText::write_body(const engine::BodySpec& body) {
 
 }  // namespace
 
-std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path& file, const JsonNode* document,
-                              const engine::Registry& registry, Diagnostics& diagnostics) {
+std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path& file,
+                              const JsonNode* document, const engine::Registry& registry,
+                              Diagnostics& diagnostics) {
   std::string text = WorldText(spec, file, document, registry, diagnostics).write();
   if (diagnostics.has_errors()) return text;
   Diagnostics found;

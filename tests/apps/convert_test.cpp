@@ -66,26 +66,30 @@ TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
 TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {
   write("w.world", "model( size [1 0 1] )\n");
   EXPECT_THAT(refused({"convert", "w.world", "w.json"}).err, StartsWith("w.world:1: error: \"size\""));
-  EXPECT_THAT(refused({"convert", "none.world", "w.json"}).err, HasSubstr("none.world: error: there is no such"));
+  EXPECT_THAT(refused({"convert", "none.world", "w.json"}).err,
+              HasSubstr("none.world: error: there is no such"));
   write("good.world", k_world);
   EXPECT_THAT(refused({"convert", "good.world", "w.yaml"}).err,
               HasSubstr("w.yaml: error: a world's file name ends in .world"));
-  EXPECT_THAT(refused({"convert", "good.world", "nowhere/w.json"}).err, HasSubstr("there is no folder nowhere"));
+  EXPECT_THAT(refused({"convert", "good.world", "nowhere/w.json"}).err,
+              HasSubstr("there is no folder nowhere"));
   write("w.json", R"({"troupe": 1,
  "ranging": "grid"})");
-  EXPECT_EQ(refused({"convert", "w.json", "out.world"}).err,
-            "w.json:2: error: a .world file cannot say this: \"ranging\": which engine finds ranges is an option "
-            "of the run, --raytracer\n");
+  EXPECT_EQ(
+      refused({"convert", "w.json", "out.world"}).err,
+      "w.json:2: error: a .world file cannot say this: \"ranging\": which engine finds ranges is an option "
+      "of the run, --raytracer\n");
 }
 
 TEST_F(ConvertCommand, SetReachesIntoWhatIsWritten) {
   write("w.world", k_world);
-  ASSERT_EQ(troupe({"convert", "w.world", "w.json", "--set", "/models/1/pose/x_m=7", "--set", "/seed=9"}).code, 0);
-  EXPECT_THAT(read("w.json"), AllOf(HasSubstr("\"x_m\": 7"), HasSubstr("\"seed\": 9"), Not(HasSubstr("\"x_m\": 3"))));
+  ASSERT_EQ(
+      troupe({"convert", "w.world", "w.json", "--set", "/models/1/pose/x_m=7", "--set", "/seed=9"}).code, 0);
+  EXPECT_THAT(read("w.json"),
+              AllOf(HasSubstr("\"x_m\": 7"), HasSubstr("\"seed\": 9"), Not(HasSubstr("\"x_m\": 3"))));
   // The same pointers, when the world itself is run.
-  const Outcome outcome =
-      troupe({"run", "w.world", "--for", "1", "--quiet", "--hash-log", "a.log", "--set", "/models/1/pose/x_m=7",
-              "--set", "/seed=9"});
+  const Outcome outcome = troupe({"run", "w.world", "--for", "1", "--quiet", "--hash-log", "a.log", "--set",
+                                  "/models/1/pose/x_m=7", "--set", "/seed=9"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(troupe({"run", "w.json", "--for", "1", "--quiet", "--hash-log", "b.log"}).code, 0);
   EXPECT_EQ(lines_of(read("a.log")).back(), lines_of(read("b.log")).back());

@@ -28,7 +28,8 @@ std::vector<fs::path> seeds(const std::string& kind) {
   std::vector<fs::path> files;
   for (const char* folder : {"corpus", "findings"})
     if (fs::exists(k_folder / folder / kind))
-      for (const auto& entry : fs::directory_iterator(k_folder / folder / kind)) files.push_back(entry.path());
+      for (const auto& entry : fs::directory_iterator(k_folder / folder / kind))
+        files.push_back(entry.path());
   std::ranges::sort(files);
   return files;
 }
@@ -63,7 +64,8 @@ TEST(ConvertedSeeds, AreTheSameWorlds) {
   for (const std::string kind : {"stage", "json"})
     for (const fs::path& seed : seeds(kind)) {
       SCOPED_TRACE(seed.string());
-      const fs::path beside = k_folder / "files" / ("fuzz." + (kind == "stage" ? std::string("world") : kind));
+      const fs::path beside =
+          k_folder / "files" / ("fuzz." + (kind == "stage" ? std::string("world") : kind));
       const std::string text = content(seed);
       Diagnostics diagnostics;
       engine::WorldSpec spec;
@@ -84,7 +86,8 @@ TEST(ConvertedSeeds, AreTheSameWorlds) {
       ASSERT_TRUE(document) << faults;
       ++converted;
       Diagnostics again;
-      engine::WorldSpec back = worldio::load_json_world(out, worldio::json_text(*document), registry, {}, again);
+      engine::WorldSpec back =
+          worldio::load_json_world(out, worldio::json_text(*document), registry, {}, again);
       ASSERT_FALSE(again.has_errors()) << again.text(again.findings().front());
       spec.ranging = back.ranging = engine::RangingEngine::exact;  // the grid may take 2 GiB, by design
       EXPECT_EQ(states(back, registry), states(spec, registry));

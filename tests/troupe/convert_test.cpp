@@ -91,25 +91,26 @@ TEST_P(ConvertedWorlds, ComeBackFromJsonAsWorldsOfStage) {
   EXPECT_EQ(hash_log(back, ticks), hash_log(world, ticks));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Convert, ConvertedWorlds,
-    ::testing::Values(World{"worlds/minimal.world", 50}, World{"worlds/noise.world"}, World{"worlds/bumper.world"},
-                      World{"worlds/fiducial.world"}, World{"worlds/blobs.world"}, World{"worlds/crowd.json", 10},
-                      World{"worlds/cave-complex-laser.json", 5}, World{"worlds/foraging.json"},
-                      World{"worlds/energy.json"}, World{"worlds/errands.json"}, World{"worlds/lookout.json"},
-                      World{"../shared/stage-worlds/simple.world", 50},
-                      World{"../shared/stage-worlds/pioneer_walle.world", 50},
-                      World{"../shared/stage-worlds/roomba.world", 50},
-                      World{"../shared/stage-worlds/sensor_noise_demo.world", 50},
-                      World{"../shared/stage-worlds/lsp_test.world", 50},
-                      World{"../shared/stage-worlds/pioneer_flocking.world", 20},
-                      World{"../shared/stage-worlds/benchmark/cave.world", 10}),
-    [](const auto& test) {
-      std::string name = fs::path(test.param.file).filename().string();
-      for (char& c : name)
-        if (c == '.' || c == '-' || c == '_') c = '0';
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds,
+                         ::testing::Values(World{"worlds/minimal.world", 50}, World{"worlds/noise.world"},
+                                           World{"worlds/bumper.world"}, World{"worlds/fiducial.world"},
+                                           World{"worlds/blobs.world"}, World{"worlds/crowd.json", 10},
+                                           World{"worlds/cave-complex-laser.json", 5},
+                                           World{"worlds/foraging.json"}, World{"worlds/energy.json"},
+                                           World{"worlds/errands.json"}, World{"worlds/lookout.json"},
+                                           World{"../shared/stage-worlds/simple.world", 50},
+                                           World{"../shared/stage-worlds/pioneer_walle.world", 50},
+                                           World{"../shared/stage-worlds/roomba.world", 50},
+                                           World{"../shared/stage-worlds/sensor_noise_demo.world", 50},
+                                           World{"../shared/stage-worlds/lsp_test.world", 50},
+                                           World{"../shared/stage-worlds/pioneer_flocking.world", 20},
+                                           World{"../shared/stage-worlds/benchmark/cave.world", 10}),
+                         [](const auto& test) {
+                           std::string name = fs::path(test.param.file).filename().string();
+                           for (char& c : name)
+                             if (c == '.' || c == '-' || c == '_') c = '0';
+                           return name;
+                         });
 
 /// All that a world of Stage can say that is not a property of one model alone.
 constexpr std::string_view k_zoo = R"(
@@ -178,12 +179,14 @@ define minibot position( size [0.2 0.2 0.2] color "SteelBlue" drive "diff"
   ranger( pose [0 0 -0.1 30] sensor( range [0 2] ) ) ctrl "expand" )
 minibot( name "r0" pose [1 2 0 90] )
 minibot( name "r1" pose [-0.25 2 0 0] color "red" )
-)"), "w.json"));
-  for (const char* line : {
-           R"("minibot": {)", R"("size_m": [0.2, 0.2, 0.2],)", R"("color": "SteelBlue",)", R"("kind": "diff")",
-           R"({"name": "r0", "alias": "position:0", "type": "minibot", "pose": {"x_m": 1, "y_m": 2, "heading_deg": 90}},)",
-           R"("pose": {"x_m": -0.25, "y_m": 2, "heading_deg": 0}, "color": "red"})", R"("controller": {"kind": "expand")",
-           R"("name": "ranger:0",)"})
+)"),
+                                           "w.json"));
+  for (
+      const char* line :
+      {R"("minibot": {)", R"("size_m": [0.2, 0.2, 0.2],)", R"("color": "SteelBlue",)", R"("kind": "diff")",
+       R"({"name": "r0", "alias": "position:0", "type": "minibot", "pose": {"x_m": 1, "y_m": 2, "heading_deg": 90}},)",
+       R"("pose": {"x_m": -0.25, "y_m": 2, "heading_deg": 0},)", R"("controller": {"kind": "expand")",
+       R"("name": "ranger:0",)"})
     EXPECT_THAT(text, HasSubstr(line));
 }
 
@@ -215,13 +218,14 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
   for (const char* line : {"  \"ranging\": \"grid\",\n", "  \"measures\": [\"stalls\"],\n"})
     text.erase(text.find(line), std::string_view(line).size());
   convert(write("w.json", text), "w.world");
-  EXPECT_THAT(found, testing::UnorderedElementsAre(
-                         HasSubstr("w.json:5: error: a .world file cannot say this: type \"bot\": device \"eye\" "
-                                   "transducers: \"noise_relative\""),
-                         HasSubstr("w.json:6: error: a .world file cannot say this: type \"bot\": device \"fid\": "
-                                   "\"most_targets\""),
-                         HasSubstr("w.json:8: error: a .world file cannot say this: type \"bot\": device \"pack\""),
-                         HasSubstr("that it has no \"power\"")));
+  EXPECT_THAT(found,
+              testing::UnorderedElementsAre(
+                  HasSubstr("w.json:5: error: a .world file cannot say this: type \"bot\": device \"eye\" "
+                            "transducers: \"noise_relative\""),
+                  HasSubstr("w.json:6: error: a .world file cannot say this: type \"bot\": device \"fid\": "
+                            "\"most_targets\""),
+                  HasSubstr("w.json:8: error: a .world file cannot say this: type \"bot\": device \"pack\""),
+                  HasSubstr("that it has no \"power\"")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {

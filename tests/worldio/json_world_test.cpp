@@ -514,8 +514,10 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
-          "measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, "
-          "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window"));
+          "measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, "
+          "record, "
+          "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, "
+          "types, watch, window"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

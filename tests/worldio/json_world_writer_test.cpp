@@ -1,11 +1,11 @@
 // What is written of a world reads back as the same world, to the last bit.
 
-#include "worldio/json_world.hpp"
 #include "engine/add_device.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/json_text.hpp"
+#include "worldio/json_world.hpp"
 #include "worldio/spec_difference.hpp"
 
 #include <gmock/gmock.h>
@@ -81,7 +81,8 @@ class RandomWorld {
     const double max = std::min(field.max, 1e6);
     switch (field.type) {
       case FieldType::boolean: return chance();
-      case FieldType::integer: return static_cast<std::int64_t>(std::clamp(std::floor(number(min, max)), min, max));
+      case FieldType::integer:
+        return static_cast<std::int64_t>(std::clamp(std::floor(number(min, max)), min, max));
       case FieldType::number: return number(min, max);
       case FieldType::text:
         return field.choices.empty() ? Value("some text, \"quoted\"\n\\")
@@ -118,7 +119,8 @@ class RandomWorld {
   Ring ring(int corners, double radius) {
     Ring points;
     for (int i = 0; i < corners; ++i)
-      points.emplace_back(radius * std::cos(2 * k_pi * i / corners), radius * std::sin(2 * k_pi * i / corners));
+      points.emplace_back(radius * std::cos(2 * k_pi * i / corners),
+                          radius * std::sin(2 * k_pi * i / corners));
     return points;
   }
   std::vector<Solid> solids() {
@@ -144,9 +146,10 @@ class RandomWorld {
     root.floor_plan = chance();
     root.size = {number(0, 2), number(0, 2), number(0.1, 2)};
     if (chance()) {
-      const engine::DriveKind& kind = registry().drives[static_cast<std::size_t>(
-          below(static_cast<int>(registry().drives.size())))];
-      type.drive = engine::DriveSpec{std::string(kind.name), record(kind.params), one_of({0.0, 0.1, 0.7}), {}};
+      const engine::DriveKind& kind =
+          registry().drives[static_cast<std::size_t>(below(static_cast<int>(registry().drives.size())))];
+      type.drive =
+          engine::DriveSpec{std::string(kind.name), record(kind.params), one_of({0.0, 0.1, 0.7}), {}};
       if (chance()) root.kind = "position";
     }
     type.parts.push_back(std::move(root));
@@ -187,7 +190,8 @@ class RandomWorld {
     for (const char* name : {"ranger", "fiducial", "blobfinder", "blinkenlight", "power_contact"}) {
       if (below(3) > 0) continue;
       const DeviceKind& kind = *registry().device(name);
-      engine::DeviceSpec device{.name = name + std::to_string(type.devices.size()), .kind = name, .part = part};
+      engine::DeviceSpec device{
+          .name = name + std::to_string(type.devices.size()), .kind = name, .part = part};
       device.joint = chance() ? joint : engine::k_rigid;
       device.params = record(kind.params);
       if (chance()) device.pose_body_sensor = pose();
@@ -197,7 +201,8 @@ class RandomWorld {
     }
     for (const char* name : {"source", "sink"}) {
       if (below(4) > 0) continue;
-      type.controllers.push_back({name, part, record(registry().controller(name)->params), one_of({0.0, 0.3}), {}});
+      type.controllers.push_back(
+          {name, part, record(registry().controller(name)->params), one_of({0.0, 0.3}), {}});
     }
   }
 
@@ -254,14 +259,21 @@ TEST(JsonWorldWriter, AnglesAreDegreesWhereNothingIsLost) {
   WorldSpec spec;
   engine::add_ground(spec);
   spec.types.push_back({.name = "t", .parts = {{.kind = "model"}}});
-  spec.bodies.push_back({.name = spec.names.add("a"), .type = TypeId(1), .pose_world_body = {0, 0, 0, radians(30)}});
+  spec.bodies.push_back(
+      {.name = spec.names.add("a"), .type = TypeId(1), .pose_world_body = {0, 0, 0, radians(30)}});
   spec.bodies.push_back({.name = spec.names.add("b"), .type = TypeId(1), .pose_world_body = {0, 0, 0, 0.1}});
   const double between = std::nextafter(radians(30), 4);
-  spec.bodies.push_back({.name = spec.names.add("c"), .type = TypeId(1), .pose_world_body = {0, 0, 0, between}});
+  spec.bodies.push_back(
+      {.name = spec.names.add("c"), .type = TypeId(1), .pose_world_body = {0, 0, 0, between}});
   const std::string text = written(spec);
-  EXPECT_THAT(text, HasSubstr(R"("name": "a", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_deg": 30})"));
-  EXPECT_THAT(text, HasSubstr(R"("name": "b", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.1})"));
-  EXPECT_THAT(text, HasSubstr(R"("name": "c", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.5235987755982989})"));
+  EXPECT_THAT(text,
+              HasSubstr(R"("name": "a", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_deg": 30})"));
+  EXPECT_THAT(text,
+              HasSubstr(R"("name": "b", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.1})"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          R"("name": "c", "type": "t", "pose": {"x_m": 0, "y_m": 0, "heading_rad": 0.5235987755982989})"));
 }
 
 TEST(JsonText, NumbersAreShortAndComeBack) {
@@ -275,7 +287,8 @@ TEST(JsonText, NumbersAreShortAndComeBack) {
 }
 
 TEST(JsonText, TextsAreUtf8) {
-  EXPECT_EQ(json_text(json_node(std::string("a\"\\\n\x01 \xc3\xa9"))), "\"a\\\"\\\\\\u000a\\u0001 \xc3\xa9\"\n");
+  EXPECT_EQ(json_text(json_node(std::string("a\"\\\n\x01 \xc3\xa9"))),
+            "\"a\\\"\\\\\\u000a\\u0001 \xc3\xa9\"\n");
   for (const char* wrong : {"\xe9", "\xc0\x80", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe2\x82"})
     EXPECT_THROW(json_text(json_node(std::string(wrong))), std::runtime_error);
 }
@@ -287,7 +300,8 @@ TEST(JsonText, WhatFitsStandsOnALine) {
   add_member(object, "short", JsonNode::List{json_node(true), json_node(std::monostate())});
   add_member(object, "points", std::move(points));
   const std::string text = json_text(json_node(std::move(object)));
-  EXPECT_THAT(text, testing::StartsWith("{\n  \"short\": [true, null],\n  \"points\": [\n    [0.5, -0.25], [1.5"));
+  EXPECT_THAT(text,
+              testing::StartsWith("{\n  \"short\": [true, null],\n  \"points\": [\n    [0.5, -0.25], [1.5"));
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = text.find('\n', at);
     EXPECT_LE(end - at, 110u);
