@@ -1,4 +1,5 @@
 #include "apps/check.hpp"
+#include "apps/convert.hpp"
 #include "apps/describe.hpp"
 #include "apps/diff.hpp"
 #include "apps/info.hpp"
@@ -28,6 +29,7 @@ Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
   troupe lint worlds/hospital.json
+  troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
   troupe run --help)";
 
@@ -86,6 +88,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::filesystem::path cut_off;
   const CLI::App* repair_command = add_repair_command(app, cut_off);
+  ConvertOptions conversion;
+  const CLI::App* convert_command = add_convert_command(app, conversion);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -114,6 +118,7 @@ int troupe_main(int argc, char** argv) {
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);
+  if (convert_command->parsed()) return convert(conversion);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {

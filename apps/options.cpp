@@ -113,7 +113,8 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_values(
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
-  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable", options);
+  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable",
+                 options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);
 }
 
@@ -125,9 +126,9 @@ void add_end_option(CLI::App& app, WorldOptions& options) {
   });
 }
 
-void add_set_option(CLI::App& app, const char* help, WorldOptions& options) {
+void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set) {
   add_values(app, "--set", "POINTER=VALUE", help,
-             [&options](const std::string& text) { options.simulation.set.push_back(assignment(text)); });
+             [&set](const std::string& text) { set.push_back(assignment(text)); });
 }
 
 double end_of(const WorldOptions& options, const Simulation& simulation) {

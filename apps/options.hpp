@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
@@ -55,7 +56,7 @@ void add_world_options(CLI::App& app, WorldOptions& options);
 void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Of these, what a run that is resumed takes too.
 void add_end_option(CLI::App& app, WorldOptions& options);
-void add_set_option(CLI::App& app, const char* help, WorldOptions& options);
+void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
 /// Where the run ends, s: --for, else where the world asks to. Throws InputError when neither says so.
 double end_of(const WorldOptions& options, const Simulation& simulation);

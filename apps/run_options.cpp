@@ -312,7 +312,8 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
       ->option_text(" ")
       ->required();
   add_end_option(*resume, options);
-  add_set_option(*resume, "Change a value of the stored world: a JSON pointer into it; repeatable", options);
+  add_set_option(*resume, "Change a value of the stored world: a JSON pointer into it; repeatable",
+                 options.simulation.set);
   resume
       ->add_flag("--across-versions", options.across_versions,
                  "Though another version of Troupe wrote the checkpoint")

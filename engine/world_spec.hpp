@@ -45,6 +45,23 @@ struct JointSpec {
   Pose pose_body_joint;           ///< at rest; the joint moves in this frame
 };
 
+/// The image that a part's solids are made from: for who writes the world again, since all else is in them.
+struct ImageSpec {
+  std::string file;               ///< as it was found; of a map of ROS its YAML
+  bool keeps_margins = false;     ///< the whole image fills the part's size, not only what of it is solid
+  bool unknown_is_solid = false;  ///< of a map: cells that nobody has seen
+  bool boundary = false;          ///< four walls stand just inside its edges
+  Pose origin;                    ///< of the image's middle, or of a map's frame, in the part's frame
+  friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
+};
+
+/// The blocks that a part's solids are made from, as Stage does it: stretched together to fill the part's
+/// size, centred in x and y, and put at `origin` in the part's frame. Kept for the same reason.
+struct FittedBlocks {
+  std::vector<Solid> blocks;
+  Pose origin;
+};
+
 /// One model of a type's tree.
 struct PartSpec {
   std::string name;              ///< below the body's name: "ranger:0"; empty for the root (part 0)
@@ -56,7 +73,9 @@ struct PartSpec {
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
   Returns returns;
-  bool floor_plan = false;     ///< outlined by an image
+  bool floor_plan = false;  ///< outlined by an image
+  std::optional<ImageSpec> image;
+  std::optional<FittedBlocks> fitted;
   std::optional<Color> color;  ///< not given: the body's own
   Where where;
 };

@@ -1,12 +1,18 @@
 #include "worldio/fields_json.hpp"
 
 #include "worldio/colors.hpp"
+#include "worldio/json_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -181,7 +187,129 @@ Value read_under_its_keys(JsonObject& object, const Field& field, bool& present)
   return value;
 }
 
+/// Degrees of at most nine digits that turn into just this angle; empty where there are none.
+std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
+  std::array<char, 32> digits{};
+  constexpr int k_digits = 9;
+  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), si / suffix.to_si,
+                                          std::chars_format::general, k_digits);
+  double value = 0;
+  std::from_chars(digits.data(), end, value);
+  if (!same_bits(value * suffix.to_si, si)) return std::nullopt;
+  return value;
+}
+
+/// The numbers in another unit, with nothing lost; empty where that cannot be.
+std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
+  std::vector<double> values;
+  for (const double x : si)
+    if (const auto value = exactly_in(x, suffix)) values.push_back(*value);
+  if (values.size() < si.size()) return std::nullopt;
+  return values;
+}
+
+/// Angles are thought of in degrees, everything else in the SI unit.
+bool has_degrees(Unit unit) {
+  return unit == Unit::radians || unit == Unit::radians_per_second ||
+         unit == Unit::radians_per_second_squared;
+}
+
+std::vector<std::pair<Color, std::string>> named_colors() {
+  std::vector<std::pair<Color, std::string>> colors;
+  const auto add = [&colors](std::string name) {
+    if (const auto color = color_by_name(name)) colors.emplace_back(*color, std::move(name));
+  };
+  for (const std::string_view name : color_names()) add(std::string(name));
+  for (int level = 0; level <= 100; ++level) add(fmt::format("gray{}", level));
+  return colors;
+}
+
+JsonNode record_node(const Record& record, const FieldTable& table) {
+  JsonNode::Object object;
+  write_fields(record, table, object);
+  return json_node(std::move(object));
+}
+
+JsonNode colors_node(const std::vector<double>& parts) {
+  JsonNode::List list;
+  for (std::size_t i = 0; i + 2 < parts.size(); i += 3)
+    list.push_back(color_node({static_cast<float>(parts[i]), static_cast<float>(parts[i + 1]),
+                               static_cast<float>(parts[i + 2]), 1}));
+  return json_node(std::move(list));
+}
+
+bool same_records(const Record& a, const Record& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                            [](const Value& x, const Value& y) { return same_bits(x, y); });
+}
+
 }  // namespace
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+bool same_bits(const Value& a, const Value& b) {
+  if (a.v.index() != b.v.index()) return false;
+  if (const auto* x = std::get_if<double>(&a.v)) return same_bits(*x, b.number());
+  if (const auto* x = std::get_if<std::vector<double>>(&a.v))
+    return x->size() == b.numbers().size() && std::equal(x->begin(), x->end(), b.numbers().begin(),
+                                                         [](double p, double q) { return same_bits(p, q); });
+  if (const auto* x = std::get_if<std::vector<Record>>(&a.v))
+    return x->size() == b.records().size() &&
+           std::equal(x->begin(), x->end(), b.records().begin(), same_records);
+  return a == b;
+}
+
+void write_field(const Field& field, const Value& value, JsonNode::Object& object) {
+  const auto suffixes = engine::unit_suffixes(field.unit);
+  const auto key = [&](const UnitSuffix& suffix) { return fmt::format("{}{}", field.name, suffix.suffix); };
+  const UnitSuffix& si = suffixes.front();
+  const UnitSuffix& shown = has_degrees(field.unit) ? suffixes[1] : si;
+  if (!value.given()) return;
+  switch (field.type) {
+    case FieldType::boolean: return add_member(object, key(si), value.boolean());
+    case FieldType::integer: return add_member(object, key(si), value.integer());
+    case FieldType::number:
+      if (const auto x = exactly_in(value.number(), shown)) return add_member(object, key(shown), *x);
+      return add_member(object, key(si), value.number());
+    case FieldType::text: return add_member(object, key(si), value.text());
+    case FieldType::numbers:
+      if (const auto list = exactly_in(value.numbers(), shown))
+        return add_node(object, key(shown), json_numbers(*list));
+      return add_node(object, key(si), json_numbers(value.numbers()));
+    case FieldType::colors: return add_node(object, key(si), colors_node(value.numbers()));
+    case FieldType::record:
+      return add_node(object, key(si), record_node(value.records().front(), *field.record));
+    case FieldType::records: break;
+  }
+  JsonNode::List list;
+  for (const Record& record : value.records()) list.push_back(record_node(record, *field.record));
+  add_member(object, key(si), std::move(list));
+}
+
+void write_fields(const Record& record, const FieldTable& table, JsonNode::Object& object) {
+  const Record defaults = table.defaults();
+  for (std::size_t i = 0; i < table.fields.size(); ++i)
+    if (!same_bits(record[i], defaults[i])) write_field(table.fields[i], record[i], object);
+}
+
+double short_number(float x) {
+  std::array<char, 32> digits{};
+  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
+  double value = 0;
+  std::from_chars(digits.data(), end, value);
+  return static_cast<float>(value) == x ? value : static_cast<double>(x);
+}
+
+JsonNode color_node(const Color& color) {
+  static const std::vector<std::pair<Color, std::string>> names = named_colors();
+  const auto named = std::ranges::find(names, color, &std::pair<Color, std::string>::first);
+  if (named != names.end()) return json_node(named->second);
+  std::vector<double> parts{short_number(color.r), short_number(color.g), short_number(color.b)};
+  if (color.a != 1) parts.push_back(short_number(color.a));
+  return json_numbers(parts);
+}
 
 Value read_field(JsonObject& object, const Field& field) {
   bool present = false;

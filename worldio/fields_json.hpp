@@ -28,6 +28,25 @@ engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
 /// A colour's name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, and reported, where it is wrong.
 std::optional<Color> read_color(const JsonCursor& at);
 
+// What is written reads back to the same bits: an angle stands in degrees only where these turn into the same
+// radians again.
+
+/// Adds a value under the key of its field and unit; nothing where it is not given.
+void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
+
+/// Adds the fields that read_fields() would not find otherwise: those that are not at their default.
+void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
+
+/// As read_color() reads it.
+JsonNode color_node(const Color& color);
+
+/// The number of few digits that is this float once it is read as one.
+double short_number(float x);
+
+/// Whether two values are the same to the last bit: 0 and -0 are not.
+bool same_bits(const engine::Value& a, const engine::Value& b);
+bool same_bits(double a, double b);
+
 /// The object under a key, every field of a table and nothing else; empty where the key is not there.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);

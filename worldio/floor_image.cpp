@@ -4,6 +4,7 @@
 #include "worldio/ros_map.hpp"
 
 #include <string>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -27,6 +28,34 @@ Solid FloorImage::solid(const Eigen::Vector3d& size) const {
   Solid solid{contours, {0, size.z()}};
   fit_image(width, height, size, solid.contours);
   return solid;
+}
+
+std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
+                                   Eigen::Vector3d& size) {
+  std::vector<Solid> solids;
+  if (image.place) size.head<2>() = image.place->size_m;
+  if (image.place || spec.keeps_margins) {
+    solids.push_back(image.solid(size));
+  } else {
+    solids.push_back({image.contours, {0, 1}});
+    normalise(solids, size);
+  }
+  if (spec.boundary) add_boundary(size, solids);
+  if (image.place)
+    for (Solid& solid : solids) solid = placed(std::move(solid), image.place->pose_map_center);
+  return solids;
+}
+
+std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size) {
+  std::vector<Solid> solids = floor_plan_body(image, spec, size);
+  if (image.place) return solids;
+  Box frame;  // of an image whose margins are kept
+  if (spec.keeps_margins) {
+    frame.max = size.head<2>() / 2;
+    frame.min = -frame.max;
+  }
+  normalise(solids, size, frame);
+  return solids;
 }
 
 const FloorImage* FloorImages::read(const std::filesystem::path& file, bool unknown_is_solid, Where where) {

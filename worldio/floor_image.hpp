@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/geometry.hpp"
 #include "base/pose.hpp"
+#include "engine/world_spec.hpp"
 
 #include <Eigen/Core>
 
@@ -30,6 +31,14 @@ struct FloorImage {
   /// One solid from the floor up: the whole image, margins included, fills the size, centred.
   Solid solid(const Eigen::Vector3d& size) const;
 };
+
+/// The body of a floor plan, in its own frame: what of the image is solid fills `size` and is centred; z is
+/// from the floor up. A map of ROS has its own size in x and y, which is put into `size`, and its own place.
+std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
+                                   Eigen::Vector3d& size);
+/// The same of a model, as Stage has it: what is there in the end, boundary included, is fitted once more,
+/// which may change last bits.
+std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size);
 
 /// Images of one world, each read once.
 class FloorImages {

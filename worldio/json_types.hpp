@@ -3,17 +3,14 @@
 #include "base/color.hpp"
 #include "engine/kinds.hpp"
 #include "engine/world_spec.hpp"
+#include "worldio/json_parts.hpp"
 #include "worldio/json_reader.hpp"
 
-#include <cstddef>
-#include <limits>
+#include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace troupe::worldio {
-
-inline constexpr double k_max_size_m = 100000;
 
 /// A type as a JSON world describes it.
 struct JsonType {
@@ -22,19 +19,18 @@ struct JsonType {
 };
 
 /// Reads `types/NAME`. What is wrong is reported; the result is then meaningless.
-JsonType read_type(const JsonCursor& at, const std::string& name, const engine::Registry& registry);
+JsonType read_type(const JsonCursor& at, const std::string& name, const engine::Registry& registry,
+                   ImageFolder& images);
 
-/// The key `pose` of an object; the identity where it is absent.
-Pose read_pose(JsonObject& object);
-/// The keys `obstacle` and `ranger_return`.
-engine::Returns read_returns(JsonObject& object);
-/// Pairs of metres: [[x, y], ...]. Empty, and reported, where they are wrong or number fewer or more than
-/// asked.
-std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
-                              std::size_t most = std::numeric_limits<std::size_t>::max());
+/// The object that reads back as this type where it stands under `key`. `folder` as for write_shape().
+JsonNode type_node(const engine::TypeSpec& type, const std::string& key, const std::optional<Color>& color,
+                   const engine::Registry& registry, const std::filesystem::path* folder);
 
-/// What is wrong with a ring as the outline of a block: repeated points, crossing edges, no area. Empty:
-/// nothing.
-std::string outline_fault(const Ring& ring);
+/// How often a drive, a device or a controller runs: `period`, or `update_period` for kinds with a period of
+/// their own.
+engine::Field period_field(const engine::FieldTable& params);
+
+/// Whether a part that is this device moves with it: an actuator does, a gripper's base does not.
+inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

@@ -1,16 +1,16 @@
+#include "worldio/json_world.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/placement.hpp"
-#include "worldio/bitmap.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/floor_image.hpp"
 #include "worldio/json_document.hpp"
+#include "worldio/json_parts.hpp"
 #include "worldio/json_reader.hpp"
-#include "worldio/json_record.hpp"
+#include "worldio/json_settings.hpp"
 #include "worldio/json_types.hpp"
 #include "worldio/load.hpp"
 #include "worldio/measures_json.hpp"
-#include "worldio/ros_map.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,6 @@ using engine::Unit;
 using engine::Value;
 using engine::WorldSpec;
 
-constexpr std::int64_t k_version = 1;
 constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
@@ -37,6 +36,8 @@ constexpr Color k_body_color{1, 0, 0, 1};
 
 struct Model {
   BodySpec body;
+  std::optional<engine::Name> alias;
+  std::vector<std::string> global_parts;  ///< parts that have names of their own
   std::string pointer;
 };
 
@@ -68,8 +69,10 @@ class WorldReader {
     engine::add_ground(spec_);
     const JsonCursor root(document, diagnostics_);
     JsonObject object(root);
-    read_settings(object);
+    checks_ = read_settings(object, options_, spec_);
+    const std::optional<Box> bounds = spec_.bounds;  // beat those of the floor plans
     each(object, "floorplans", [&](const JsonCursor& at) { read_floorplan(at); });
+    if (bounds) spec_.bounds = bounds;
     read_types(object);
     each(object, "models", [&](const JsonCursor& at) { read_model(at); });
     each(object, "populations", [&](const JsonCursor& at) { read_population(at); });
@@ -93,12 +96,12 @@ class WorldReader {
     for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
   }
 
-  void read_settings(JsonObject& object);
   void read_floorplan(const JsonCursor& at);
   /// What a floor plan's image makes of it.
   struct Walls {
     Eigen::Vector3d size;
     std::vector<Solid> solids;
+    engine::ImageSpec image;
     Pose pose_body_center;  ///< of the box of this size
   };
   std::optional<Walls> read_walls(JsonObject& object);
@@ -111,6 +114,7 @@ class WorldReader {
   void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
   void place_population(const Population& population, const partition::StaticScene& scene,
                         engine::Crowd& crowd, partition::Parallel& parallel);
+  void name_parts(const Model& model, BodyId body);
   void report_repeated_names();
 
   std::string read_name(JsonObject& object, std::string_view what);
@@ -123,6 +127,7 @@ class WorldReader {
   const LoadOptions& options_;
   Diagnostics& diagnostics_;
   WorldSpec spec_;
+  JsonChecks checks_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   FloorImages images_;                                     // plans may share one
@@ -133,68 +138,12 @@ class WorldReader {
   std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
 };
 
-void WorldReader::read_settings(JsonObject& object) {
-  if (const JsonNode* node =
-          object.require("troupe", fmt::format("the version of the format, {}", k_version))) {
-    const auto* version = std::get_if<std::int64_t>(&node->value);
-    const JsonCursor at(object.at(), "troupe", *node);
-    if (!version)
-      at.expected(fmt::format("the version of the format, {}", k_version));
-    else if (*version != k_version)
-      at.error(fmt::format("format version {} is not known: this version reads {}", *version, k_version));
-  }
-  if (const JsonNode* node = object.find("title")) {
-    if (const std::string* title = read_text(JsonCursor(object.at(), "title", *node), "the world's title"))
-      spec_.title = *title;
-  }
-  if (const JsonNode* node = object.find("seed")) {
-    const auto* small = std::get_if<std::int64_t>(&node->value);
-    const auto* big = std::get_if<std::uint64_t>(&node->value);
-    if (big)
-      spec_.seed = *big;
-    else if (small && *small >= 0)
-      spec_.seed = static_cast<std::uint64_t>(*small);
-    else
-      JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
-  }
-  if (options_.seed) spec_.seed = *options_.seed;
-
-  const Value tick = read_field(object, {.name = "tick", .unit = Unit::seconds, .min = 1e-6, .max = 3600});
-  if (tick.given()) spec_.tick_s = tick.number();
-  const Value quit = read_field(
-      object, {.name = "quit_time", .unit = Unit::seconds, .min = 0, .max = 1e9, .above_min = true});
-  if (quit.given()) spec_.quit_time_s = quit.number();
-  const Value every =
-      read_field(object, {.name = "measure_every", .unit = Unit::seconds, .min = 0, .max = 1e9});
-  if (every.given()) spec_.measure_every_s = every.number();
-  const auto& names = engine::k_ranging_engines;
-  const Value ranging = read_field(
-      object, {.name = "ranging", .type = FieldType::text, .choices = {names.begin(), names.end()}});
-  if (ranging.given())
-    spec_.ranging =
-        static_cast<engine::RangingEngine>(std::ranges::find(names, ranging.text()) - names.begin());
-  const Field resolution_field{.name = "resolution",
-                               .unit = Unit::meters,
-                               .min = engine::k_min_resolution_m,
-                               .max = engine::k_max_resolution_m};
-  const Value resolution = read_field(object, resolution_field);
-  spec_.resolution_where = object.at().where();
-  for (const engine::UnitSuffix& unit : engine::unit_suffixes(Unit::meters))
-    if (const JsonNode* node = object.find(fmt::format("resolution{}", unit.suffix)))
-      spec_.resolution_where = node->where;
-  if (resolution.given()) spec_.resolution_m = resolution.number();
-  if (const JsonNode* node = object.find("record"))
-    spec_.record = read_record(JsonCursor(object.at(), "record", *node));
-  if (const auto watch = read_block(object, "watch", engine::watch_fields()))
-    spec_.watch = engine::watch_spec(*watch);
-  spec_.window = read_block(object, "window", engine::window_fields());
-}
-
 void WorldReader::read_floorplan(const JsonCursor& at) {
   JsonObject object(at);
   const std::string name = read_name(object, "floor plan");
   BodySpec body{.name = spec_.names.add(name), .color = k_floorplan_color, .where = at.where()};
   body.pose_world_body = read_pose(object);
+  body.pose_world_body.heading = wrap_angle(body.pose_world_body.heading);
   if (const JsonNode* node = object.find("color"))
     body.color = read_color(JsonCursor(at, "color", *node)).value_or(body.color);
   engine::PartSpec part{
@@ -202,6 +151,7 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   if (const auto walls = read_walls(object)) {
     part.size = walls->size;
     part.solids = walls->solids;
+    part.image = walls->image;
     vertices_ += count_vertices(part.solids);
     if (vertices_ > engine::k_most_vertices) {
       at.error(fmt::format("too large: the outlines of the floor plans have more than {} corners",
@@ -225,65 +175,13 @@ void WorldReader::read_floorplan(const JsonCursor& at) {
   spec_.bodies.push_back(body);
 }
 
-/// Every key is looked at, so that all that is wrong is reported; empty when anything is.
+/// Empty when anything is wrong, which is then reported.
 std::optional<WorldReader::Walls> WorldReader::read_walls(JsonObject& object) {
-  constexpr std::string_view k_path =
-      "the path of an image, or of the YAML of a map, relative to the world file";
-  const JsonNode* node = object.require("bitmap", k_path);
-  const std::string* path = node ? read_text(JsonCursor(object.at(), "bitmap", *node), k_path) : nullptr;
-  const bool is_map = path && is_ros_map(*path);
-  const engine::FieldTable common{{
-      {.name = "boundary", .type = FieldType::boolean, .fallback = false},
-      is_map ? Field{.name = "unknown",
-                     .type = FieldType::text,
-                     .fallback = "free",
-                     .choices = {"free", "solid"}}
-             : Field{.name = "margins",
-                     .type = FieldType::text,
-                     .fallback = "trim",
-                     .choices = {"trim", "keep"}},
-      is_map ? Field{.name = "height",
-                     .unit = Unit::meters,
-                     .fallback = 1.0,
-                     .min = 0,
-                     .max = k_max_size_m,
-                     .above_min = true}
-             : Field{.name = "size",
-                     .type = FieldType::numbers,
-                     .unit = Unit::meters,
-                     .min = 0,
-                     .max = k_max_size_m,
-                     .text = "[x, y, height]",
-                     .columns = 3,
-                     .above_min = true},
-  }};
-  const engine::Record record = read_fields(object, common);
-  if (!path || !record[2].given()) return {};
-  const bool choice = record[1].text() == (is_map ? "solid" : "keep");
-  const FloorImage* image = images_.read(file_.parent_path() / *path, is_map && choice, node->where);
-  if (!image) return {};
-  if (image->contours.empty()) {
-    JsonCursor(object.at(), "bitmap", *node)
-        .error(is_map ? fmt::format("\"{}\" has no occupied cell", *path)
-                      : fmt::format("\"{}\" has no dark pixel: nothing of it is solid", *path));
-    return {};
-  }
-  Walls walls;
-  if (is_map) {
-    walls.size << image->place->size_m, record[2].number();
-    walls.pose_body_center = image->place->pose_map_center;
-  } else {
-    walls.size = Eigen::Vector3d::Map(record[2].numbers().data());
-  }
-  if (is_map || choice) {
-    walls.solids.push_back(image->solid(walls.size));
-  } else {
-    walls.solids.push_back({image->contours, {0, 1}});
-    normalise(walls.solids, walls.size);
-  }
-  if (record[0].boolean()) add_boundary(walls.size, walls.solids);
-  if (is_map)
-    for (Solid& solid : walls.solids) solid = placed(std::move(solid), walls.pose_body_center);
+  const auto given = read_image(object, images_, file_.parent_path());
+  if (!given) return {};
+  Walls walls{.size = given->size, .image = given->spec};
+  walls.solids = floor_plan_body(*given->image, given->spec, walls.size);
+  if (given->image->place) walls.pose_body_center = given->image->place->pose_map_center;
   return walls;
 }
 
@@ -292,9 +190,10 @@ void WorldReader::read_types(JsonObject& object) {
     const JsonCursor at(object.at(), "types", *node);
     if (!node->object()) at.expected("an object of types by name");
     type_colors_.resize(spec_.types.size());
+    ImageFolder images{images_, file_.parent_path()};
     if (const JsonNode::Object* members = node->object())
       for (const JsonMember& member : *members) {
-        JsonType type = read_type(JsonCursor(at, member.key, member.node), member.key, registry_);
+        JsonType type = read_type(JsonCursor(at, member.key, member.node), member.key, registry_, images);
         type_ids_.emplace(member.key, TypeId(spec_.types.size()));
         spec_.types.push_back(std::move(type.spec));
         type_colors_.push_back(type.color);
@@ -315,6 +214,17 @@ void WorldReader::read_model(const JsonCursor& at) {
   model.body.color = color_of(model.body.type);
   if (const JsonNode* node = object.find("color"))
     model.body.color = read_color(JsonCursor(at, "color", *node)).value_or(model.body.color);
+  if (const JsonNode* node = object.find("alias"))
+    if (const std::string* alias = read_text(JsonCursor(at, "alias", *node), "another name of the model"))
+      model.alias = spec_.names.add(*alias);
+  each(object, "global_parts", [&](const JsonCursor& part) {
+    if (const std::string* name = read_text(part, "the name of a part")) {
+      const auto& parts = spec_.types[model.body.type.index()].parts;
+      if (std::ranges::find(parts, *name, &engine::PartSpec::name) == parts.end())
+        part.error(fmt::format("the model has no part \"{}\"", *name));
+      model.global_parts.push_back(*name);
+    }
+  });
   object.finish();
   models_.push_back(std::move(model));
 }
@@ -474,7 +384,10 @@ void WorldReader::place_bodies() {
 
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
-  for (const Model& model : models_) spec_.bodies.push_back(model.body);
+  for (const Model& model : models_) {
+    name_parts(model, BodyId(spec_.bodies.size()));
+    spec_.bodies.push_back(model.body);
+  }
   partition::Parallel parallel(options_.threads);
   for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
 }
@@ -486,10 +399,11 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
                                                spec_.names.text(body.name), spec_.names.text(other.name)));
   };
-  if (!shape.empty())
+  if (checks_.overlaps && !shape.empty())
     for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
       overlaps(spec_.bodies[wall.index()]);
-  for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
+  if (checks_.overlaps)
+    for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
@@ -529,6 +443,12 @@ void WorldReader::place_population(const Population& population, const partition
   }
 }
 
+void WorldReader::name_parts(const Model& model, BodyId body) {
+  if (model.alias) spec_.aliases.push_back({*model.alias, body});
+  for (const std::string& part : model.global_parts)
+    spec_.part_aliases.insert_or_assign(part, engine::PartName{body, part});
+}
+
 void WorldReader::report_repeated_names() {
   engine::NameMap taken;
   taken.reserve(spec_.bodies.size());
@@ -539,6 +459,12 @@ void WorldReader::report_repeated_names() {
     if (first == BodyId(i) ||
         (reported && reported->file == body.where.file && reported->line == body.where.line))
       continue;
+    if (!checks_.same_names) {
+      diagnostics_.warning_once(body.where,
+                                fmt::format("the name \"{}\" is taken already; looking it up finds the last",
+                                            spec_.name(BodyId(i))));
+      continue;
+    }
     const Where other = spec_.bodies[first.index()].where;
     diagnostics_.error(
         body.where,
@@ -596,6 +522,12 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
 
 }  // namespace
 
+WorldSpec read_json_world(const std::filesystem::path& file, const JsonNode& document,
+                          const engine::Registry& registry, const LoadOptions& options,
+                          Diagnostics& diagnostics) {
+  return WorldReader(file, registry, options, diagnostics).read(document);
+}
+
 WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
                           const engine::Registry& registry, const LoadOptions& options,
                           Diagnostics& diagnostics) {
@@ -608,7 +540,7 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
   }
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(*document, name, count, diagnostics);
-  return WorldReader(file, registry, options, diagnostics).read(*document);
+  return read_json_world(file, *document, registry, options, diagnostics);
 }
 
 }  // namespace troupe::worldio

@@ -1,6 +1,7 @@
 #include "worldio/measures_json.hpp"
 
 #include "worldio/fields_json.hpp"
+#include "worldio/json_text.hpp"
 
 #include <fmt/format.h>
 
@@ -82,6 +83,16 @@ std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engi
     return std::nullopt;
   }
   return spec;
+}
+
+JsonNode measure_node(const engine::MeasureSpec& measure, const engine::Registry& registry) {
+  JsonNode::Object object;
+  add_member(object, "kind", measure.kind);
+  if (!measure.of.empty()) add_member(object, "of", measure.of);
+  if (!measure.name.empty()) add_member(object, "name", measure.name);
+  if (const engine::MeasureKind* kind = registry.measure(measure.kind))
+    write_fields(measure.params, kind->params, object);
+  return json_node(std::move(object), measure.where);
 }
 
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,

@@ -12,6 +12,8 @@ namespace troupe::worldio {
 /// An entry of `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot of that name), or
 /// {`kind`, `name`, `of`, parameters}. Empty, and reported, where it is wrong.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
+/// The object that reads back as this measure.
+JsonNode measure_node(const engine::MeasureSpec& measure, const engine::Registry& registry);
 
 /// The same from a text of its own, as the command line gives it: bare, or a JSON object. Findings stand at
 /// `source`.

@@ -1,12 +1,12 @@
 #include "worldio/png.hpp"
 
+#include "worldio/whole_file.hpp"
+
 #include <fmt/format.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
 #include <new>
@@ -85,27 +85,6 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
   png_destroy_write_struct(&png, &info);
   if (!whole) throw std::runtime_error(fmt::format("libpng: {}", message.data()));
   return bytes;
-}
-
-/// Throws std::system_error; leaves nothing behind then.
-void write_whole(const std::filesystem::path& file, const std::string& bytes) {
-  // The process id keeps two programs that write one name out of each other's way.
-  std::filesystem::path partial = file;
-  partial += fmt::format(".{}.partial", getpid());
-  const auto failed = [&] { return std::system_error(errno, std::generic_category()); };
-
-  std::FILE* const out = std::fopen(partial.c_str(), "wb");
-  if (!out) throw failed();
-  const bool written =
-      std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!written) errno = write_error;
-  if (!written || !closed || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const int reason = errno;
-    std::remove(partial.c_str());
-    throw std::system_error(reason, std::generic_category());
-  }
 }
 
 void write_rows(const std::filesystem::path& file, const Rows& image,

@@ -34,8 +34,8 @@ bool StageBodies::flag(const StageModel& model, std::string_view key) {
   return property && values_.flag(*property).value_or(false);
 }
 
-std::vector<Solid> StageBodies::make(const StageModel& model, const engine::ModelKind& kind,
-                                     Eigen::Vector3d& size, const std::vector<StageModel>& blocks) {
+StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
+                            const std::vector<StageModel>& blocks) {
   std::vector<Solid> solids;
   // As long as this is set, the first explicit block discards all there is.
   bool is_default = kind.has_default_body;
@@ -48,9 +48,13 @@ std::vector<Solid> StageBodies::make(const StageModel& model, const engine::Mode
   if (const StageProperty* bitmap = model.find(document_, "bitmap")) {
     if (is_default) solids.clear();
     is_default = false;
-    const FloorImage* image = read_image(model, *bitmap);
-    if (image && image->place) return map(model, *image, size, blocks);
-    if (image && flag(model, "bitmap_margins")) {
+    engine::ImageSpec spec{.keeps_margins = flag(model, "bitmap_margins"),
+                           .unknown_is_solid = flag(model, "bitmap_unknown"),
+                           .boundary = flag(model, "boundary")};
+    const FloorImage* image = read_image(*bitmap, spec);
+    if (image && image->place) check_map(model, *image, size, blocks);
+    if (image && (image->place || blocks.empty())) return {image_body(*image, spec, size), spec, {}};
+    if (image && spec.keeps_margins) {
       solids.push_back(image->solid(size));
       frame.max = size.head<2>() / 2;
       frame.min = -frame.max;
@@ -58,6 +62,8 @@ std::vector<Solid> StageBodies::make(const StageModel& model, const engine::Mode
       solids.push_back({image->contours, {0, 1}});
     }
   }
+  StageBody body;
+  if (is_default && blocks.empty() && !flag(model, "boundary")) body.blocks = solids;
   normalise(solids, size, frame);
   if (flag(model, "boundary")) {
     add_boundary(size, solids);
@@ -66,15 +72,17 @@ std::vector<Solid> StageBodies::make(const StageModel& model, const engine::Mode
                       "as in Stage, the blocks of this model discard its boundary");
   }
   if (is_default && !blocks.empty()) solids.clear();
+  const bool is_all_blocks = solids.empty() && frame.empty();
   for (const StageModel& block : blocks) add_block(block, solids);
+  if (is_all_blocks) body.blocks = solids;
   normalise(solids, size, frame);
-  return solids;
+  body.solids = std::move(solids);
+  return body;
 }
 
-/// A map says itself how large it is and where it lies.
-std::vector<Solid> StageBodies::map(const StageModel& model, const FloorImage& image, Eigen::Vector3d& size,
-                                    const std::vector<StageModel>& blocks) {
-  const auto& [size_m, pose_map_center] = *image.place;
+void StageBodies::check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
+                            const std::vector<StageModel>& blocks) {
+  const Eigen::Vector2d& size_m = map.place->size_m;
   if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
     values_.warning(values_.where(*property),
                     fmt::format("of \"size\" the height alone counts: the map is {:g} m x {:g} m", size_m.x(),
@@ -82,14 +90,9 @@ std::vector<Solid> StageBodies::map(const StageModel& model, const FloorImage& i
   if (!blocks.empty())
     values_.error(blocks.front().where,
                   "a model with a map of ROS takes no blocks: the map is not stretched");
-  size.head<2>() = size_m;
-  std::vector<Solid> solids{image.solid(size)};
-  if (flag(model, "boundary")) add_boundary(size, solids);
-  for (Solid& solid : solids) solid = placed(std::move(solid), pose_map_center);
-  return solids;
 }
 
-const FloorImage* StageBodies::read_image(const StageModel& model, const StageProperty& property) {
+const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
   const auto name = values_.text(property);
   if (!name) return nullptr;
   std::filesystem::path path(*name);
@@ -98,7 +101,8 @@ const FloorImage* StageBodies::read_image(const StageModel& model, const StagePr
     const std::filesystem::path beside_world = tidied(world_directory_ / path);
     path = find_stage_file(beside_include, {}) ? beside_include : beside_world;
   }
-  const FloorImage* image = images_.read(path, flag(model, "bitmap_unknown"), values_.where(property));
+  spec.file = path.string();
+  const FloorImage* image = images_.read(path, spec.unknown_is_solid, values_.where(property));
   if (!image || !image->contours.empty()) return image;
   values_.error(
       values_.where(property),

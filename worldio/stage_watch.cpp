@@ -6,6 +6,7 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -43,10 +44,10 @@ constexpr WindowProperty k_properties[] = {
     {"follow_model", "follow"},
 };
 
-double factor(Scale scale, const StageValues& values) {
+double factor(Scale scale, double length_unit) {
   switch (scale) {
     case Scale::one: break;
-    case Scale::length: return values.length_unit();
+    case Scale::length: return length_unit;
     case Scale::degrees: return radians(1);
     case Scale::milliseconds: return 0.001;
   }
@@ -130,10 +131,50 @@ engine::Record read_stage_window(const StageModel& window, const StageDocument& 
     const bool is_switch = known == std::end(k_properties);
     const StageProperty* property = window.find(document, is_switch ? field.name : known->stage);
     if (!property) continue;
-    Value value = read_value(*property, field, is_switch ? 1 : factor(known->scale, values), values);
+    Value value =
+        read_value(*property, field, is_switch ? 1 : factor(known->scale, values.length_unit()), values);
     if (value.given()) record[i] = std::move(value);
   }
   return record;
+}
+
+void write_stage_watch(const engine::WatchSpec& watch, StageText& text) {
+  const auto& [clock, clock_ticks, rate, paused] = watch;
+  const engine::WatchSpec usual;
+  if (clock) text.flag("show_clock", true);
+  if (clock_ticks != usual.clock_ticks) text.number("show_clock_interval", static_cast<double>(clock_ticks));
+  if (rate != usual.rate) text.number("speedup", rate);
+  if (paused) text.flag("paused", true);
+}
+
+void write_stage_window(const engine::Record& window, StageText& text) {
+  const engine::FieldTable& table = engine::window_fields();
+  text.open("window");
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const Field& field = table.fields[i];
+    const auto* known = std::ranges::find(k_properties, field.name, &WindowProperty::field);
+    const bool is_switch = known == std::end(k_properties);
+    const std::string_view key = is_switch ? field.name : known->stage;
+    const double to_si = is_switch ? 1 : factor(known->scale, 1);
+    const auto written = [to_si](double si) {
+      return solved(si, si / to_si, [to_si](double x) { return x * to_si; });
+    };
+    const Value& value = window[i];
+    if (same_bits(value, field.fallback)) continue;
+    switch (field.type) {
+      case FieldType::boolean: text.flag(key, value.boolean()); break;
+      case FieldType::integer: text.number(key, static_cast<double>(value.integer())); break;
+      case FieldType::text: text.text(key, value.text()); break;
+      case FieldType::numbers: {
+        std::vector<double> numbers;
+        for (const double x : value.numbers()) numbers.push_back(written(x));
+        text.numbers(key, numbers);
+        break;
+      }
+      default: text.number(key, written(value.number()));
+    }
+  }
+  text.close();
 }
 
 }  // namespace troupe::worldio

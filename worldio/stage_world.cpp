@@ -1,5 +1,7 @@
 #include "engine/add_device.hpp"
 #include "engine/world_spec.hpp"
+#include "worldio/json_document.hpp"
+#include "worldio/json_world.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage_body.hpp"
 #include "worldio/stage_kinds.hpp"
@@ -504,7 +506,11 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   if (const StageProperty* property = find("origin"))
     if (const auto given = values_.pose(*property)) origin = *given;
   const Pose pose_body_frame = compose(place.pose_body_part, origin);
-  part.solids = bodies_.make(model, kind, part.size, holds->blocks);
+  StageBody body = bodies_.make(model, kind, part.size, holds->blocks);
+  part.solids = std::move(body.solids);
+  part.image = std::move(body.image);
+  if (part.image) part.image->origin = origin;
+  if (!body.blocks.empty()) part.fitted = engine::FittedBlocks{std::move(body.blocks), origin};
   vertices_ += count_vertices(part.solids);
   if (vertices_ > engine::k_most_vertices) {
     values_.error(draft.where,
@@ -701,6 +707,15 @@ Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, co
   return fallback;
 }
 
+/// A `.world` has no keys to set: --set reaches into the document that `troupe convert` would write.
+WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, const engine::Registry& registry,
+                  const LoadOptions& options, Diagnostics& diagnostics) {
+  std::optional<JsonNode> document = write_json_world(spec, file, registry, diagnostics);
+  if (!document) return spec;
+  for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
+  return read_json_world(file, *document, registry, options, diagnostics);
+}
+
 }  // namespace
 
 WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
@@ -713,11 +728,10 @@ WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
   if (!options.robots.empty())
     diagnostics.error(whole,
                       "--robots needs a world with populations; a .world file lists its robots one by one");
-  if (!options.set.empty())
-    diagnostics.error(whole, "--set reaches into JSON worlds; a .world file has no keys to set");
   const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
-  return spec;
+  if (options.set.empty() || diagnostics.has_errors()) return spec;
+  return changed(spec, file, registry, options, diagnostics);
 }
 
 }  // namespace troupe::worldio

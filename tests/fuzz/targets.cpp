@@ -6,6 +6,7 @@
 #include "worldio/bitmap.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/hdf5_file.hpp"
+#include "worldio/json_world.hpp"
 #include "worldio/load.hpp"
 #include "worldio/recording_reader.hpp"
 #include "worldio/recording_repair.hpp"
@@ -76,6 +77,14 @@ bool is_small(const engine::WorldSpec& spec) {
   return spec.bodies.size() <= 200;
 }
 
+/// What was read can be written, or is told why not; the writer itself sees to it that it reads back.
+void write(const engine::WorldSpec& spec, const Diagnostics& diagnostics) {
+  if (!is_small(spec)) return;
+  Diagnostics found(diagnostics.files());
+  const auto document = worldio::write_json_world(spec, k_folder / "written.json", registry(), found);
+  check(document.has_value() != found.has_errors());
+}
+
 void run(engine::WorldSpec spec, Diagnostics& diagnostics) {
   if (!is_small(spec)) return;
   spec.ranging = engine::RangingEngine::exact;  // the grid may take 2 GiB, by design
@@ -99,7 +108,9 @@ void read(Load load) {
       engine::WorldSpec spec = load(options, diagnostics);
       if (diagnostics.has_errors()) continue;
       check(!spec.bodies.empty());
-      if (!thorough) run(std::move(spec), diagnostics);
+      if (thorough) continue;
+      write(spec, diagnostics);
+      run(std::move(spec), diagnostics);
     } catch (const InputError&) {
       check(diagnostics.has_errors());
     }

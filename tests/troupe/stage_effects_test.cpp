@@ -2,6 +2,7 @@
 #include "tests/troupe/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/convert.hpp"
 #include "worldio/png.hpp"
 #include "worldio/spec_json.hpp"
 #include "worldio/stage_properties.hpp"
@@ -277,6 +278,42 @@ TEST_F(StageEffects, EachHonouredPropertyChangesTheWorld) {
       EXPECT_TRUE(shown(effect, effect.property) != shown(effect, "")) << name << " is without effect";
       EXPECT_TRUE(shown(effect, "") == shown(effect, "")) << name << ": the worlds differ without it, too";
     }) << name;
+  }
+}
+
+/// The state after each of some ticks.
+std::vector<std::uint64_t> states_of(const std::filesystem::path& world, RangingEngine ranging) {
+  Simulation simulation(world, {.threads = 1, .ranging = ranging});
+  std::vector<std::uint64_t> states;
+  for (int tick = 0; tick < 10; ++tick) {
+    states.push_back(simulation.state_hash());
+    simulation.step();
+  }
+  return states;
+}
+
+TEST_F(StageEffects, EachHonouredPropertyIsConvertedToJsonAndBack) {
+  const engine::Registry registry = make_registry();
+  const auto convert = [&](const std::filesystem::path& from, const char* to) {
+    Diagnostics diagnostics;
+    const auto world = worldio::convert_world(from, folder_ / to, registry, {}, diagnostics);
+    diagnostics.throw_if_errors();
+    return write(to, world.text);
+  };
+  for (const Effect& effect : k_effects) {
+    SCOPED_TRACE(std::string(effect.type) + " " + std::string(effect.name));
+    std::string text = std::string(k_macros) + std::string(effect.world) + "\n";
+    text.replace(text.find('@'), 1, effect.property);
+    const RangingEngine ranging = effect.where == grid ? RangingEngine::grid : RangingEngine::exact;
+    const std::filesystem::path world = write("w.world", text);
+    try {
+      const auto states = states_of(world, ranging);
+      const std::filesystem::path json = convert(world, "w.json");
+      EXPECT_EQ(states_of(json, ranging), states) << content(json);
+      EXPECT_EQ(states_of(convert(json, "back.world"), ranging), states) << content(folder_ / "back.world");
+    } catch (const InputError& error) {
+      ADD_FAILURE() << error.what() << "\n" << content(folder_ / "w.json");
+    }
   }
 }
 

@@ -286,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: floorplans, measure_every_ms, measure_every_s, measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -334,7 +334,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
-            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: blob_return, blocks, color, controller, controllers, devices, drive, fiducial_key, fiducial_return, gripper_return, obstacle, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: bitmap, blob_return, blocks, color, controller, controllers, device, device_order, devices, drive, extent_cm, extent_m, extent_mm, fiducial_key, fiducial_return, fit, floor_plan, gripper_return, kind, name, obstacle, parts, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
             R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
@@ -513,9 +513,11 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: floorplans, measure_every_ms, measure_every_s, "
-          "measures, models, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, "
-          "resolution_m, resolution_mm, seed, tick_ms, tick_s, title, troupe, types, watch, window"));
+          "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
+          "measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, "
+          "record, "
+          "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, "
+          "types, watch, window"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

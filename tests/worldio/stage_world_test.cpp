@@ -180,17 +180,35 @@ TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
   EXPECT_THAT(messages(), IsEmpty());
 }
 
-TEST_F(StageWorld, PopulationsAndPointersAreForJson) {
+TEST_F(StageWorld, PopulationsAreForJson) {
   LoadOptions options;
   options.robots = {{"", 3}};
-  options.set = {{"/seed", "3"}};
   load("", options);
   EXPECT_THAT(
       messages(),
       ElementsAre(
           "w.world: error: --robots needs a world with populations; a .world file lists its robots one "
-          "by one",
-          "w.world: error: --set reaches into JSON worlds; a .world file has no keys to set"));
+          "by one"));
+}
+
+TEST_F(StageWorld, PointersReachIntoWhatItBecomesInJson) {
+  LoadOptions options;
+  options.set = {{"/seed", "3"}, {"/models/1/pose/x_m", "4.5"}, {"/types/box/size_m/2", "0.25"}};
+  const engine::WorldSpec spec =
+      load("define box model( size [1 1 1] )\nbox( pose [1 0 0 0] )\nbox( pose [2 0 0 90] )\n", options);
+  EXPECT_EQ(spec.seed, 3u);
+  ASSERT_EQ(spec.bodies.size(), 3u);
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, 0, 0, 0}));
+  EXPECT_EQ(spec.bodies[2].pose_world_body, (Pose{4.5, 0, 0, radians(90)}));
+  EXPECT_EQ(type_of(spec, 1).parts[0].solids[0].z, (ZInterval{0, 0.25}));
+
+  options.set = {{"/models/1/pose/x", "4.5"}};
+  load("model( )\nmodel( )\n", options);
+  EXPECT_THAT(messages(), testing::ElementsAre(testing::HasSubstr("/models/1/pose: \"x\" needs its unit")));
+  options.set = {{"/types/model/size_m", "[1, 0, 1]"}};
+  load("\nmodel( )\n", options);
+  EXPECT_THAT(messages(), testing::ElementsAre(testing::HasSubstr(
+                              "--set /types/model/size_m: error: /types/model/size_m/1: must be above 0")));
 }
 
 // Names.

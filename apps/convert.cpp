@@ -1,0 +1,97 @@
+#include "apps/convert.hpp"
+
+#include "apps/options.hpp"
+#include "apps/outputs.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/convert.hpp"
+#include "worldio/whole_file.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_footer = R"(
+The formats are those that the names end in: .world is Stage's syntax, .json that of docs/world-format.md. What is
+written has the same hash log as what was read. JSON can say all that a .world can: macros and included files are
+expanded, images stay images, and everything is in SI units. The other way, what Stage has no word for is an error that
+names it, and nothing is written. From JSON to JSON is a normal form: populations are listed one by one.
+
+Exit codes: 0 written; 2 the world cannot be loaded, or not be said in that format, or OUT is there already.
+
+Examples:
+  troupe convert worlds/minimal.world minimal.json
+  troupe convert cave.world cave.json --force --set /models/3/pose/x_m=2
+  troupe convert robots.json robots.world)";
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+void check(const ConvertOptions& options) {
+  check_outputs({{options.in, "the world"}}, {options.out});
+  std::error_code ignored;
+  if (!options.force && std::filesystem::exists(options.out, ignored))
+    throw OutputError(fmt::format("{}: error: there is a file of this name already: --force replaces it",
+                                  options.out.string()));
+}
+
+}  // namespace
+
+CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
+  CLI::App* command = app.add_subcommand("convert", "Write a world in another format: .world or .json");
+  command->footer(k_footer);
+  const auto add_file = [&](const char* name, std::filesystem::path& file, const char* help) {
+    command
+        ->add_option_function<std::string>(
+            name, [&file](const std::string& text) { file = text; }, help)
+        ->option_text(" ")
+        ->required();
+  };
+  add_file("IN", options.in, "World file: Stage's .world, or .json");
+  add_file("OUT", options.out, "File to write, in the other format or the same");
+  command->add_flag("--force", options.force, "Replace a file that is there already")
+      ->disable_flag_override();
+  add_set_option(*command, "Change a value on the way: a JSON pointer into the world; repeatable",
+                 options.set);
+  add_plugin_path_option(*command, options.plugin_path);
+  return command;
+}
+
+ExitCode convert(const ConvertOptions& options) {
+  try {
+    check(options);
+    engine::Registry registry = make_registry();
+    const auto plugins = add_plugins(registry, plugin_path(options.plugin_path));
+    worldio::LoadOptions load;
+    load.set = options.set;
+    load.search_path = with_environment({}).search_path;
+    Diagnostics diagnostics;
+    const worldio::ConvertedWorld world =
+        worldio::convert_world(options.in, options.out, registry, load, diagnostics);
+    diagnostics.throw_if_errors();
+    for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
+    for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
+    try {
+      worldio::write_whole(options.out, world.text);
+    } catch (const std::system_error& error) {
+      refuse_output(options.out, error.code().message());
+    }
+    fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model", "models"),
+               counted(world.types, "type", "types"), options.in.string());
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return k_finished;
+}
+
+}  // namespace troupe::apps

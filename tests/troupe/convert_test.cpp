@@ -1,0 +1,261 @@
+// A world in another format runs with the same hashes.
+
+#include "worldio/convert.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
+
+#include <gmock/gmock.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const fs::path k_source = TROUPE_SOURCE_DIR;
+
+struct World {
+  std::string file;  ///< below the source folder
+  int ticks = 20;
+
+  friend std::ostream& operator<<(std::ostream& out, const World& world) { return out << world.file; }
+};
+
+class ConvertTest : public test::ScratchTest {
+ protected:
+  /// Converts a world to a file of the scratch folder; what was found is kept in `found`.
+  fs::path convert(const fs::path& from, const fs::path& to, const worldio::LoadOptions& options = {}) {
+    Diagnostics diagnostics;
+    fs::create_directories((folder_ / to).parent_path());
+    const worldio::ConvertedWorld world =
+        worldio::convert_world(from, folder_ / to, registry_, options, diagnostics);
+    found.clear();
+    for (const Finding& finding : diagnostics.findings())
+      if (finding.severity == Severity::error) found.push_back(diagnostics.text(finding));
+    warnings.clear();
+    for (const Finding& finding : diagnostics.findings())
+      if (finding.severity == Severity::warning) warnings.push_back(diagnostics.text(finding));
+    return write(to, found.empty() ? world.text : std::string());
+  }
+
+  static std::vector<std::string> hash_log(const fs::path& world, int ticks) {
+    Simulation simulation(world, SimulationOptions{.threads = 2});
+    std::vector<std::string> lines{simulation.hash_log_line()};
+    for (int tick = 0; tick < ticks; ++tick) {
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    return lines;
+  }
+
+  std::vector<std::string> found;
+  std::vector<std::string> warnings;
+
+ private:
+  engine::Registry registry_ = make_registry();
+};
+
+class ConvertedWorlds : public ConvertTest, public ::testing::WithParamInterface<World> {};
+
+TEST_P(ConvertedWorlds, RunWithTheSameHashes) {
+  const fs::path world = k_source / GetParam().file;
+  if (!fs::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world.string();
+  const int ticks = test::k_slow_build ? 1 : GetParam().ticks;
+  const std::vector<std::string> log = hash_log(world, ticks);
+  const fs::path json = convert(world, "first.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(json, ticks), log);
+  // From JSON to JSON is a normal form: a second time changes nothing.
+  const fs::path again = convert(json, "again.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(content(convert(again, "first.json")), content(again));
+}
+
+TEST_P(ConvertedWorlds, ComeBackFromJsonAsWorldsOfStage) {
+  const fs::path world = k_source / GetParam().file;
+  if (!fs::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world.string();
+  if (world.extension() != ".world") GTEST_SKIP() << "is no world of Stage";
+  const int ticks = test::k_slow_build ? 1 : GetParam().ticks;
+  const fs::path back = convert(convert(world, "w.json"), "w.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, ticks), hash_log(world, ticks));
+}
+
+INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds,
+                         ::testing::Values(World{"worlds/minimal.world", 50}, World{"worlds/noise.world"},
+                                           World{"worlds/bumper.world"}, World{"worlds/fiducial.world"},
+                                           World{"worlds/blobs.world"}, World{"worlds/crowd.json", 10},
+                                           World{"worlds/cave-complex-laser.json", 5},
+                                           World{"worlds/foraging.json"}, World{"worlds/energy.json"},
+                                           World{"worlds/errands.json"}, World{"worlds/lookout.json"},
+                                           World{"../shared/stage-worlds/simple.world", 50},
+                                           World{"../shared/stage-worlds/pioneer_walle.world", 50},
+                                           World{"../shared/stage-worlds/roomba.world", 50},
+                                           World{"../shared/stage-worlds/sensor_noise_demo.world", 50},
+                                           World{"../shared/stage-worlds/lsp_test.world", 50},
+                                           World{"../shared/stage-worlds/pioneer_flocking.world", 20},
+                                           World{"../shared/stage-worlds/benchmark/cave.world", 10}),
+                         [](const auto& test) {
+                           std::string name = fs::path(test.param.file).filename().string();
+                           for (char& c : name)
+                             if (c == '.' || c == '-' || c == '_') c = '0';
+                           return name;
+                         });
+
+/// All that a world of Stage can say that is not a property of one model alone.
+constexpr std::string_view k_zoo = R"(
+name "zoo" interval_sim 50 quit_time 7 seed 11 unit_angle "degrees" speedup 2 show_clock 1
+window( size [ 700 500 ] center [1 2] rotate [33 7] scale 20 show_grid 0 )
+define block_bot position(
+  size [0.6 0.5 0.3] origin [0.05 0 0 10] color "NavyBlue" localization "odom"
+  block( points 4 point[0] [0 0] point[1] [3 0] point[2] [2 2] point[3] [0 1] z [0 1] )
+  block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 5] z [1 2] )
+  update_interval 250 velocity_bounds [-0.3 0.3 0 0 0 0 -77 77]
+  ctrl [ "script law=wave" ]
+  ranger( name "eye" pose [0.1 0.02 -0.1 13] size [0.1 0.2 0.3]
+    sensor( pose [0.01 0.02 0.03 17] range [0.1 3.3] fov 123 samples 7 noise [0.0001 0.01 0.2] )
+    sensor( pose [0 0 0 -100] range [0 2] fov 30 samples 2 )
+    model( pose [0.01 0.02 0.03 33] size [0.05 0.06 0.07] color_rgba [0.1 0.2 0.3 0.4]
+      model( name "leaf" pose [0.1 0.2 0 71] size [0.01 0.01 0.01] ranger_return 0.3 ) ) )
+  fiducial( range_max 3 fov 200 alwayson 1 )
+  model( name "/global" size [0.1 0.1 0.1] color "random" fiducial_return 3 )
+)
+block_bot( name "a" pose [1 1 0 37] )
+block_bot( pose [-1 2 0 270] color "red" )
+block_bot( name "a" pose [-3 -2 0 -190] )
+model( name "arm" pose [0 -3 0 20] size [0.3 0.3 0.3]
+  actuator( type "rotational" axis [0 0 1] min_position -1 max_position 1 start_position 0.5 size [0.2 0.1 0.1]
+    model( pose [0.2 0 0 0] size [0.3 0.05 0.05] ) ranger( alwayson 1 sensor( range [0 4] ) ) ) )
+position( name "hand" pose [3 -3 0 0] size [0.3 0.3 0.2] joules 100 joules_capacity 200 mass 3
+  gripper( pose [0.2 0 -0.2 0] size [0.1 0.2 0.1] autosnatch 1 alwayson 1 ) )
+model( name "puck" pose [3.25 -3 0 0] size [0.05 0.05 0.05] gripper_return 1 )
+model( name "charger" pose [4 3 0 45] size [0.2 0.2 0.2] joules -1 give_watts 20 alwayson 1 )
+model( name "nothing" noblocks 1 )
+model( name "overlap" pose [4.05 3 0 0] size [0.3 0.3 0.3] )
+model( color "green" ) model( pose [6 6 0 0] )
+)";
+
+TEST_F(ConvertTest, TheZooComesThroughBothWays) {
+  const fs::path world = write("zoo.world", k_zoo);
+  const std::vector<std::string> log = hash_log(world, 40);
+  const fs::path json = convert(world, "zoo.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(json, 40), log) << content(json);
+  const fs::path back = convert(json, "back.world");
+  ASSERT_THAT(found, IsEmpty()) << content(json);
+  EXPECT_EQ(hash_log(back, 40), log) << content(back);
+}
+
+TEST_F(ConvertTest, NamesAndWhatIsWatchedAreKept) {
+  const fs::path json = convert(write("zoo.world", k_zoo), "zoo.json");
+  ASSERT_THAT(found, IsEmpty());
+  const Simulation simulation(json, {.threads = 1});
+  EXPECT_EQ(simulation.title(), "zoo");
+  const engine::World& world = simulation.world();
+  EXPECT_TRUE(world.find("_ground_model").valid());
+  EXPECT_EQ(world.find("model:0"), world.find("_ground_model"));
+  EXPECT_EQ(world.find("position:1").index(), 2u) << "its generated name";
+  EXPECT_EQ(world.find("a").index(), 3u) << "the last of a name";
+  EXPECT_EQ(world.spec().part_aliases.at("global").body.index(), 3u);
+  EXPECT_EQ(world.spec().watch.rate, 2);
+  ASSERT_TRUE(world.spec().window);
+  EXPECT_EQ(engine::get(engine::window_fields(), *world.spec().window, "size_px").numbers(),
+            (std::vector<double>{700, 500}));
+}
+
+TEST_F(ConvertTest, TheJsonReadsAsAPersonWouldWriteIt) {
+  const std::string text = content(convert(write("w.world", R"(
+define minibot position( size [0.2 0.2 0.2] color "SteelBlue" drive "diff"
+  ranger( pose [0 0 -0.1 30] sensor( range [0 2] ) ) ctrl "expand" )
+minibot( name "r0" pose [1 2 0 90] )
+minibot( name "r1" pose [-0.25 2 0 0] color "red" )
+)"),
+                                           "w.json"));
+  for (
+      const char* line :
+      {R"("minibot": {)", R"("size_m": [0.2, 0.2, 0.2],)", R"("color": "SteelBlue",)", R"("kind": "diff")",
+       R"({"name": "r0", "alias": "position:0", "type": "minibot", "pose": {"x_m": 1, "y_m": 2, "heading_deg": 90}},)",
+       R"("pose": {"x_m": -0.25, "y_m": 2, "heading_deg": 0},)", R"("controller": {"kind": "expand")",
+       R"("name": "ranger:0",)"})
+    EXPECT_THAT(text, HasSubstr(line));
+}
+
+TEST_F(ConvertTest, ImagesStayImagesWhereverTheWorldGoes) {
+  const fs::path json = convert(k_source / "worlds/cave-simple.json", "deep/er/w.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(json), HasSubstr("/cave.png\""));
+  EXPECT_THAT(content(json), testing::Not(HasSubstr("contours_m")));
+}
+
+TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
+  const fs::path json = write("w.json", R"({"troupe": 1,
+  "ranging": "grid",
+  "measures": ["stalls"],
+  "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+      "sensors": [
+        {"name": "eye", "kind": "ranger", "transducers": [{"noise_relative": 0.1}]},
+        {"name": "fid", "kind": "fiducial", "most_targets": 3}],
+      "devices": [
+        {"name": "pack", "kind": "power_pack", "capacity_J": 5}]}
+  },
+  "models": [{"name": "r", "type": "bot"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"ranging\""),
+                                 HasSubstr("w.json:3: error: a .world file cannot say this: \"measures\"")));
+
+  std::string text = content(json);
+  for (const char* line : {"  \"ranging\": \"grid\",\n", "  \"measures\": [\"stalls\"],\n"})
+    text.erase(text.find(line), std::string_view(line).size());
+  convert(write("w.json", text), "w.world");
+  EXPECT_THAT(found,
+              testing::UnorderedElementsAre(
+                  HasSubstr("w.json:5: error: a .world file cannot say this: type \"bot\": device \"eye\" "
+                            "transducers: \"noise_relative\""),
+                  HasSubstr("w.json:6: error: a .world file cannot say this: type \"bot\": device \"fid\": "
+                            "\"most_targets\""),
+                  HasSubstr("w.json:8: error: a .world file cannot say this: type \"bot\": device \"pack\""),
+                  HasSubstr("that it has no \"power\"")));
+}
+
+TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "seed": 5, "tick_s": 0.05,
+  "types": {
+    "bot": {"size_m": [0.3, 0.3, 0.2], "color": "blue", "drive": {"kind": "diff", "turn_max_degps": 45},
+      "sensors": [
+        {"name": "eye", "kind": "ranger", "pose": {"x_m": 0.1, "z_m": 0.1, "heading_deg": 7}, "transducers": [
+          {"pose": {"heading_deg": -33}, "fov_deg": 40, "samples": 11, "range_max_m": 3},
+          {"pose": {"x_m": 0.01, "heading_deg": 33}, "range_max_m": 3, "noise_stddev_m": 0.013}]},
+        {"name": "second", "kind": "ranger", "transducers": [{}], "period_s": 0.2}],
+      "controller": {"kind": "wander", "cruise_speed_mps": 0.37}},
+    "wall": {"size_m": [6, 0.2, 0.5]}
+  },
+  "models": [
+    {"name": "w0", "type": "wall", "pose": {"y_m": 2.5}}, {"name": "w1", "type": "wall", "pose": {"y_m": -2.5}},
+    {"name": "r1", "type": "bot", "pose": {"x_m": 1.1, "heading_deg": 123}},
+    {"name": "r2", "type": "bot", "pose": {"x_m": -1.1, "heading_deg": 3}, "color": "red"}],
+  "populations": [{"name": "p", "type": "bot", "count": 3,
+                   "place": {"rule": "uniform", "region_m": [[-3, -2], [3, 2]]}}]})");
+  const fs::path world = convert(json, "w.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_EQ(hash_log(world, 30), hash_log(json, 30)) << content(world);
+}
+
+TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
+  convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("is no UTF-8, in which JSON is written: \"caf\"")));
+}
+
+}  // namespace
+}  // namespace troupe

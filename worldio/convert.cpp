@@ -1,0 +1,58 @@
+#include "worldio/convert.hpp"
+
+#include "worldio/json_text.hpp"
+#include "worldio/json_world.hpp"
+#include "worldio/stage_files.hpp"
+#include "worldio/stage_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+std::size_t count_types(const engine::WorldSpec& spec) {
+  std::vector<bool> is_used(spec.types.size(), false);
+  for (std::size_t b = 1; b < spec.bodies.size(); ++b) is_used[spec.bodies[b].type.index()] = true;
+  return static_cast<std::size_t>(std::ranges::count(is_used, true));
+}
+
+/// The JSON that a world was read from, for the lines of its keys; empty where it is none.
+std::optional<JsonNode> document_of(const std::filesystem::path& file, const Diagnostics& diagnostics) {
+  if (file.extension() != ".json") return std::nullopt;
+  Diagnostics reported;  // when it was loaded
+  const std::optional<std::string> text = read_file(file);
+  return text ? parse_json(*text, {diagnostics.files()->add(file.string()), 0}, false, reported)
+              : std::nullopt;
+}
+
+}  // namespace
+
+ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
+                             const engine::Registry& registry, const LoadOptions& options,
+                             Diagnostics& diagnostics) {
+  const std::string ending = to.extension().string();
+  if (ending != ".world" && ending != ".json") {
+    diagnostics.error(
+        {diagnostics.files()->add(to.string()), 0},
+        fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending));
+    return {};
+  }
+  engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
+  if (diagnostics.has_errors()) return {};
+  // A world of Stage without a name is called by its file, which this is not.
+  if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
+  ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
+  const std::optional<JsonNode> source = document_of(from, diagnostics);
+  if (ending == ".world")
+    converted.text = write_stage_world(spec, to, source ? &*source : nullptr, registry, diagnostics);
+  else if (const auto document = write_json_world(spec, to, registry, diagnostics))
+    converted.text = json_text(*document);
+  return converted;
+}
+
+}  // namespace troupe::worldio
