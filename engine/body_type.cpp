@@ -157,7 +157,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   add_geometry(spec, type, diagnostics);
   for (const JointSpec& joint : spec.joints) {
     const Mount at_rest(joint.pose_body_joint);
-    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
+    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest), {}});
   }
 
   for (std::size_t j = 0; j < spec.joints.size(); ++j)
@@ -233,7 +233,13 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                             stream,
                             {}});
     type.carries = type.carries || kind->carries;
-    if (moves) type.joint_devices.push_back(type.devices.size() - 1);
+    if (!moves) continue;
+    type.joint_devices.push_back(type.devices.size() - 1);
+    if (!kind->start_joints) continue;
+    std::vector<Pose> starts(kind->joints.size());
+    kind->start_joints(type.devices.back().prepared.data, starts);
+    for (std::size_t n = 0; n < starts.size(); ++n)
+      type.joints[static_cast<std::size_t>(sensor.moves) + n].start = starts[n];
   }
   connect_supplies(spec, type, diagnostics);
 

@@ -42,6 +42,7 @@ struct BodyType {
     std::int32_t parent;
     Mount at_rest;          ///< in the body's frame, as is
     Mount to_body;          ///< its inverse
+    Pose start;             ///< where it is when a life begins, relative to rest
     std::size_t table = 0;  ///< where it is: index into World::tables()
   };
   std::vector<Joint> joints;

@@ -10,7 +10,7 @@
 namespace troupe::engine {
 
 /// What may happen to a robot.
-enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins };
+enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins, birth, death };
 
 struct EventKind {
   EventType type;
@@ -40,10 +40,12 @@ class EventWatch {
  private:
   enum Stall : std::uint8_t { k_free, k_refused, k_held };
   static Stall stall_of(const World& world, Row row);
+  void see_lives(const World& world);
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
-  std::vector<Stall> stalls_;  // a row each
+  std::vector<Stall> stalls_;   // a row each
+  std::vector<Presence> lives_;  // a row each; empty where nobody comes and goes
   std::vector<Event> events_;
 };
 

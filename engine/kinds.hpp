@@ -76,6 +76,15 @@ struct DeviceBatch {
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
+  /// Asks that the next body of a reserve be born at a pose, m and rad, world frame; DeviceKind::born tells
+  /// what became of it.
+  void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
+    effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
+  }
+  /// Asks that a body die: its kind, or its parameters, must say that it does (Prepared::ends_lives).
+  void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
+    effects.emit({body(i), device, sequence, k_death, whose});
+  }
 };
 
 /// What a body carries that has a state of its own: sensors, which look at the world, and other devices
@@ -104,6 +113,7 @@ struct DeviceKind {
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
+    bool ends_lives = false;           ///< some of them may be deaths
     double watts = 0;                  ///< drawn from its supply while it runs
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
@@ -131,6 +141,9 @@ struct DeviceKind {
   /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
+  /// Behind all other effects of the tick: what became of a birth that its row asked for. Null: it asks for
+  /// none, or does not want to know.
+  void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
   /// Of a kind that supplies others, as a power pack does: whether a row has nothing left, so that what runs
   /// on it stops. The part that carries it runs on it and what stands on that, down to parts with a supply of
@@ -140,7 +153,7 @@ struct DeviceKind {
   bool needs_supply = false;  ///< it is of no use where nothing supplies it
 
   /// True where it does nothing but look: what people call a sensor.
-  bool is_sensor() const { return act == nullptr && apply == nullptr; }
+  bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
 };
 
 /// What the numbers of a command are.

@@ -45,7 +45,8 @@ engine::Registry make_registry() {
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
                        models::path_length_measure(), models::mean_speed_measure(),
-                       models::order_measure(),       models::spread_measure()};
+                       models::order_measure(),       models::spread_measure(),
+                       models::alive_measure()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;
 }
