@@ -44,6 +44,7 @@ struct Population {
   std::string name;
   TypeId type;
   std::size_t count = 0;
+  std::size_t reserve = 0;
   Color color;
   bool random_color = false;
   PlacementRule rule;
@@ -188,6 +189,8 @@ void WorldReader::read_settings(JsonObject& object) {
   if (const auto watch = read_block(object, "watch", engine::watch_fields()))
     spec_.watch = engine::watch_spec(*watch);
   spec_.window = read_block(object, "window", engine::window_fields());
+  const Value mortal = read_field(object, {.name = "mortal", .type = FieldType::boolean});
+  spec_.mortal = mortal.given() && mortal.boolean();
 }
 
 void WorldReader::read_floorplan(const JsonCursor& at) {
@@ -328,9 +331,16 @@ void WorldReader::read_population(const JsonCursor& at) {
                                    .type = FieldType::integer,
                                    .min = 0,
                                    .max = options_.most_bodies,
-                                   .text = "how many bodies"}}};
-  const Value count = read_fields(object, table)[0];
-  if (count.given()) population.count = static_cast<std::size_t>(count.integer());
+                                   .text = "how many bodies"},
+                                  {.name = "reserve",
+                                   .type = FieldType::integer,
+                                   .fallback = 0,
+                                   .min = 0,
+                                   .max = options_.most_bodies,
+                                   .text = "how many more may be born"}}};
+  const engine::Record counts = read_fields(object, table);
+  if (counts[0].given()) population.count = static_cast<std::size_t>(counts[0].integer());
+  population.reserve = static_cast<std::size_t>(counts[1].integer());
   population.color = color_of(population.type);
   if (const JsonNode* node = object.find("color")) {
     const std::string* name = node->text();
@@ -445,7 +455,8 @@ TypeId WorldReader::read_type_name(JsonObject& object) {
 
 void WorldReader::place_bodies() {
   double total = static_cast<double>(spec_.bodies.size() + models_.size());
-  for (const Population& population : populations_) total += static_cast<double>(population.count);
+  for (const Population& population : populations_)
+    total += static_cast<double>(population.count) + static_cast<double>(population.reserve);
   if (total > options_.most_bodies) {
     diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
                        fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
@@ -512,12 +523,15 @@ void WorldReader::place_population(const Population& population, const partition
                                        engine::grid_cells(population.rule))
                          : fmt::format("{} draws found no free place for the next", population.rule.trials)));
   }
+  if (population.reserve > 0)
+    spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
+                              static_cast<std::uint32_t>(population.reserve)});
   const std::uint32_t colors = stream_id("color", population.name);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
+  for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
-    body.pose_world_body = poses[i];
+    if (i < poses.size()) body.pose_world_body = poses[i];
     body.color = population.color;
     body.where = population.where;
     if (!population.random_color) continue;
