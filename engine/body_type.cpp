@@ -222,6 +222,11 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
         diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
         continue;
       }
+    if (kind->look)
+      if (const std::string fault = kind->look(prepared.data, world); !fault.empty()) {
+        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+        continue;
+      }
     type.devices.push_back({name,
                             kind,
                             std::move(prepared),

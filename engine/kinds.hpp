@@ -125,7 +125,10 @@ struct DeviceKind {
   /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
   /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
+  /// Once behind `mount`, where it must know the world: completes the data. What is wrong, empty when nothing
+  /// is. Null: it need not know.
+  std::string (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Sets the state of a row as its life begins, at tick 0 or later; all bytes are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// Where its joints are at tick 0, which stand at rest unless this says otherwise.
   void (*start_joints)(const std::any& data, std::span<Pose> joints) = nullptr;

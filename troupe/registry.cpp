@@ -16,7 +16,9 @@
 #include "models/nearness.hpp"
 #include "models/operate.hpp"
 #include "models/power.hpp"
+#include "models/remover.hpp"
 #include "models/script.hpp"
+#include "models/spawner.hpp"
 #include "models/wander.hpp"
 #include "models/waypoints.hpp"
 #include "sensors/blobfinder.hpp"
@@ -33,7 +35,8 @@ engine::Registry make_registry() {
   registry.devices = {sensors::ranger_kind(),        sensors::fiducial_kind(),  sensors::blobfinder_kind(),
                       sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
                       models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
-                      models::flags_kind(),          models::actuator_kind(),   models::gripper_kind()};
+                      models::flags_kind(),          models::actuator_kind(),   models::gripper_kind(),
+                      models::spawner_kind(),        models::remover_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
       models::expand_controller(),    models::wander_controller(),     models::script_controller(),
