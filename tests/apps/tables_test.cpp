@@ -89,7 +89,7 @@ TEST_F(Tables, WithoutAnyNameEveryMeasureIsTakenEverySecond) {
   EXPECT_EQ(
       lines[0],
       "tick,time_s,coverage,mean_nearest_distance_m,neighbours,stalls,held,displacement_m,path_length_m,"
-      "mean_speed_mps,order,spread_m");
+      "mean_speed_mps,order,spread_m,alive");
   EXPECT_THAT(lines, ElementsAre(StartsWith("tick"), StartsWith("0,"), StartsWith("10,"), StartsWith("20,")));
 }
 
