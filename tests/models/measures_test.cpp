@@ -342,7 +342,6 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   MeasureSet set = measures(world, {spec("alive"), spec("displacement"), spec("path_length"),
                                     spec("mean_nearest_distance"), spec("spread"), spec("neighbours")});
   using ::testing::DoubleNear;
-  using ::testing::ElementsAre;
   const auto near = [](double x) { return DoubleNear(x, 1e-12); };
   EXPECT_THAT(set.values(), ElementsAre(2, 0, 0, near(1), near(0.5), 2 / 2));
   world.spawn(0, {5, 0, 0, 0});
