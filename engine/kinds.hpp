@@ -174,6 +174,7 @@ struct Command {
   double y = 0;
   double turn = 0;
   ControlMode mode = ControlMode::velocity;
+  std::uint32_t off = 0;  ///< devices that its controller has switched off: BodyType::Device::switch_bit
 };
 
 struct Velocity {
@@ -248,6 +249,16 @@ struct Actions {
   /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
   /// commands.
   std::span<std::byte* const> devices;
+  /// Beside them: the bits of Command::off.
+  std::span<const std::uint32_t> switches;
+
+  /// Switches a device that it chose on or off, from the next tick on: one that is off does nothing, draws
+  /// nothing and keeps its readings. It stays off for as long as the command stands: whoever gives another
+  /// one, as set_speed does, switches all on. Of kinds of controllers that say so (ControllerKind::switches).
+  void switch_device(std::size_t chosen, bool on) const {
+    command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
+  }
+  bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
   /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
   void set_speed(double forward, double left, double turn) {
@@ -290,6 +301,7 @@ struct DecideBatch {
   };
   std::array<const StateTable*, k_most_devices_read> percepts;  ///< of the sensors it chose, and
   std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
+  std::array<std::uint32_t, k_most_devices_read> switches{};    ///< and their bits in Command::off
   std::size_t devices = 0;
   Rows memories;
 
@@ -321,6 +333,7 @@ struct ControllerKind {
   std::string_view text;
   FieldTable params;
   bool needs_drive = true;  ///< else also bodies that cannot move may have it
+  bool switches = false;    ///< it switches its devices: Actions::switch_device
   /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;

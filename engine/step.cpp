@@ -120,7 +120,7 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
-    if (device.active && !device.supply) return work(due_rows);
+    if (device.active && !device.supply && device.switch_bit == 0) return work(due_rows);
     for (std::size_t i = 0; i < due_rows.size();) {
       std::size_t end = i;
       while (end < due_rows.size() && runs(due_rows[end], device)) ++end;
@@ -246,6 +246,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
   for (const std::size_t sensor : controller.devices) {
     const BodyType::Device& chosen = type.devices[sensor];
     batch.percepts[batch.devices] = &percepts(chosen);
+    batch.switches[batch.devices] = chosen.switch_bit;
     batch.device_commands[batch.devices++] =
         chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
   }

@@ -234,7 +234,9 @@ void World::build_tables() {
           {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
           {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
           {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true}},
+           offsetof(Command, mode), true},
+          {"off", Element::u32, 1, "", "devices that are switched off: bit d for the d-th of the type",
+           offsetof(Command, off), true}},
       row_bodies_, sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,

@@ -221,8 +221,12 @@ class World {
     const BodyType::Device& device = type(row).devices[*supply];
     return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
   }
+  /// Whether nobody has switched the row's device off.
+  bool is_on(Row row, const BodyType::Device& device) const {
+    return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
+  }
   bool runs(Row row, const BodyType::Device& device) const {
-    return senses(row, device) && is_supplied(row, device.supply);
+    return senses(row, device) && is_on(row, device) && is_supplied(row, device.supply);
   }
   /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }

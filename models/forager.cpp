@@ -55,6 +55,7 @@ constexpr double k_queue = 1.2;        // m from the charger: nearer nobody wait
 constexpr std::uint32_t k_stuck = 5;   // updates: more than it takes from a command to what comes of it
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr std::size_t k_least_samples = 9;
+constexpr double k_least_zone = 1;  // m: nearer than this it is in the zone, however small that is
 
 /// Where flags come from, where they go, where energy is.
 struct Goal {
@@ -77,7 +78,7 @@ double bearing_of(const Pose& from, const Vec2& to) {
 }
 
 struct Forager {
-  enum Mode : std::uint8_t { working, refuelling, leaving };
+  enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
     std::uint32_t near_updates = 0;  ///< in a row, within reach of source or sink; or backing off
@@ -105,6 +106,9 @@ struct Forager {
   std::optional<std::size_t> pack, finder;  // among the devices it chose
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
+  bool has_zone = false;  // where chargers are: it goes there first
+  Goal zone;
+  double zone_radius = 0;
 
   std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault);
@@ -114,6 +118,10 @@ struct Forager {
 
  private:
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void head_for(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions,
+                const Goal& goal) const;
+  void go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
   void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
   Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
@@ -172,6 +180,12 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
         chargers.push_back(goal(BodyId(b)));
         break;
       }
+  if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
+    has_zone = true;
+    zone = goal(body);
+    const engine::PartSpec& part = world.types[world.bodies[body.index()].type.index()].parts.front();
+    zone_radius = std::max(0.5 * std::min(part.size.x(), part.size.y()), k_least_zone);
+  }
   return {};
 }
 
@@ -240,7 +254,7 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
   }
   if (memory.mode == working && pack && !chargers.empty() &&
       percept.devices[*pack].as<PowerPackState>().proportion_remaining() < low) {
-    memory.mode = refuelling;
+    memory.mode = has_zone ? to_zone : refuelling;
     memory.near_updates = 0;
     memory.charger = nearest_charger(percept.estimate);
   }
@@ -248,8 +262,27 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
   switch (memory.mode) {
     case working: return work(memory, percept, random, actions);
     case refuelling: return refuel(memory, percept, random, actions);
+    case to_zone: return go_to_zone(memory, percept, random, actions);
     default: return leave(memory, percept, actions);
   }
+}
+
+void Forager::head_for(Memory& memory, const engine::Percept& percept, Random& random,
+                       engine::Actions& actions, const Goal& goal) const {
+  if (avoids(memory, percept, random, actions)) return;
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+void Forager::go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if ((zone.at - percept.estimate.position()).norm() < zone_radius) {
+    memory.mode = refuelling;
+    memory.charger = nearest_charger(percept.estimate);
+    return refuel(memory, percept, random, actions);
+  }
+  head_for(memory, percept, random, actions, zone);
 }
 
 void Forager::work(Memory& memory, const engine::Percept& percept, Random& random,
@@ -289,13 +322,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   const Goal& charger = chargers[memory.charger];
   const Sight sight = charger_in_sight(memory, percept);
   const bool is_near = (charger.at - percept.estimate.position()).norm() < k_dock_within;
-  if (!is_near) {
-    if (avoids(memory, percept, random, actions)) return;
-    const double off =
-        bearing_of(percept.estimate, charger.ways->ahead(percept.estimate.position(), k_steps_ahead));
-    actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
-    return;
-  }
+  if (!is_near) return head_for(memory, percept, random, actions, charger);
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
@@ -344,7 +371,20 @@ struct Fasr : Forager {
 
 constexpr std::size_t k_most_tasks = 8;
 
+/// Which senses what for: the finder where it docks and leaves, the scanner but where it stands and charges.
 struct Fasr2 : Forager {
+  static constexpr bool switches = true;
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    Forager::operator()(memory, percept, random, actions);
+    const bool is_docking = memory.mode == refuelling || memory.mode == leaving;
+    const bool is_charged = pack && memory.mode == refuelling && actions.command.x == 0 &&
+                            actions.command.turn == 0 &&
+                            percept.devices[*pack].as<PowerPackState>().charging != 0;
+    actions.switch_device(k_scanner, !is_charged);
+    if (finder) actions.switch_device(*finder, is_docking);
+  }
   static Fasr2 make(const Record& p) {
     Fasr2 forager;
     for (std::size_t i = 0; i < k_most_tasks; ++i)

@@ -62,7 +62,8 @@ void act(const DeviceBatch& batch) {
     double watts = pack.draw;
     if (feeds_drive) watts += drive_watts(pack, batch.world.velocities()[row.index()]);
     for (const BodyType::Device& device : type.devices)
-      if (feeds(device.supply) && batch.world.senses(row, device)) watts += device.prepared.watts;
+      if (feeds(device.supply) && batch.world.senses(row, device) && batch.world.is_on(row, device))
+        watts += device.prepared.watts;
     double joules = watts * batch.period_s;
     if (!pack.infinite) {
       joules = std::min(joules, state.stored);

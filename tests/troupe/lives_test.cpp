@@ -1,7 +1,6 @@
 // Births and deaths as programs and files see them: worlds/colony.json and the API.
 
 #include "engine/world.hpp"
-#include "models/flags.hpp"
 #include "models/power.hpp"
 #include "models/spawner.hpp"
 #include "tests/support/slow_build.hpp"
