@@ -2,10 +2,10 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/evasion.hpp"
 #include "models/flags.hpp"
 #include "models/floor_plan.hpp"
 #include "models/power.hpp"
-#include "models/scan_ahead.hpp"
 
 #include <fmt/format.h>
 
@@ -28,10 +28,6 @@ using engine::WorldSpec;
 
 // What Stage's foragers do, m, m/s, rad/s, updates.
 constexpr double k_cruise = 0.4;
-constexpr double k_avoid_speed = 0.05;
-constexpr double k_avoid_turn = 0.5;
-constexpr float k_min_front = 0.7f;
-constexpr float k_stop = 0.5f;
 constexpr std::uint32_t k_wait = 20;
 constexpr double k_fetch_radius = 2;
 constexpr double k_deliver_radius = 1;
@@ -52,10 +48,11 @@ constexpr double k_dock_within = 1.5;  // m from the charger: from there on it h
 constexpr double k_aligned = 0.2;      // rad
 constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
 constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
-constexpr std::uint32_t k_stuck = 5;   // updates: more than it takes from a command to what comes of it
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr std::size_t k_least_samples = 9;
 constexpr double k_least_zone = 1;  // m: nearer than this it is in the zone, however small that is
+
+constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
 /// Where flags come from, where they go, where energy is.
 struct Goal {
@@ -126,8 +123,6 @@ struct Forager {
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
   Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
   std::uint32_t nearest_charger(const Pose& from) const;
-  bool escapes(Memory& memory, const engine::Percept& percept, Random& random,
-               engine::Actions& actions) const;
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
 };
 
@@ -189,42 +184,9 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
   return {};
 }
 
-/// As `wander`, with a narrower window ahead and for half as long: many meet at the sink. True where it takes
-/// the command.
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
-  const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
-  const auto [obstruction, stop, left, right] = look_ahead(scan, scan.size() / 4, k_min_front, k_stop);
-  if (!obstruction && !stop && memory.avoid_updates == 0) return false;
-  actions.command.x = stop ? 0 : k_avoid_speed;
-  actions.command.y = 0;
-  if (memory.avoid_updates < 1) {
-    memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(5));
-    actions.command.turn = left < right ? -k_avoid_turn : k_avoid_turn;
-  }
-  --memory.avoid_updates;
-  return true;
-}
-
-/// Out of where its scanner does not see what holds it. True where it takes the command.
-bool Forager::escapes(Memory& memory, const engine::Percept& percept, Random& random,
-                      engine::Actions& actions) const {
-  engine::Command& command = actions.command;
-  const Pose& here = percept.estimate;
-  const bool is_to_move = command.x != 0 || command.turn != 0;
-  const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
-  memory.still_updates = is_to_move && is_still ? memory.still_updates + 1 : 0;
-  memory.x = here.x;
-  memory.y = here.y;
-  memory.heading = here.heading;
-  if (memory.still_updates > k_stuck) {
-    memory.still_updates = 0;
-    memory.escape_updates = 5 + random.below(10);
-    command = {command.x > 0 ? -k_back_speed : k_back_speed, 0, random.uniform(-k_avoid_turn, k_avoid_turn)};
-  }
-  if (memory.escape_updates == 0) return false;
-  --memory.escape_updates;
-  return true;
+  return k_evasion.avoids(memory, percept.ranges(k_scanner).first(samples), random, actions.command);
 }
 
 std::uint32_t Forager::nearest_charger(const Pose& from) const {
@@ -258,7 +220,7 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
     memory.near_updates = 0;
     memory.charger = nearest_charger(percept.estimate);
   }
-  if (escapes(memory, percept, random, actions)) return;
+  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
   switch (memory.mode) {
     case working: return work(memory, percept, random, actions);
     case refuelling: return refuel(memory, percept, random, actions);

@@ -47,9 +47,9 @@ class Lowest {
 };
 
 bool takes(const Remover& remover, const World& world, Row row) {
-  if (!world.type(row).drive || world.carrier(row)) return false;
+  if (world.carrier(row)) return false;
   const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
-  return remover.types.empty() || remover.types[body.type.index()] != 0;
+  return remover.types.empty() ? world.type(row).drive.has_value() : remover.types[body.type.index()] != 0;
 }
 
 void act(const DeviceBatch& batch) {
@@ -78,30 +78,30 @@ std::string look(std::any& data, const engine::WorldSpec& world) {
   std::vector<std::string_view> known;
   bool is_known = false;
   for (std::size_t t = 0; t < world.types.size(); ++t) {
-    if (!engine::is_mobile(world.types[t])) continue;
+    if (world.types[t].name == "ground") continue;
     known.push_back(world.types[t].name);
     remover.types[t] = world.types[t].name == remover.of;
     is_known = is_known || remover.types[t] != 0;
   }
-  return is_known ? "" : fmt::format("removes {}", unknown_name("type of robots", remover.of, known));
+  return is_known ? "" : fmt::format("removes {}", unknown_name("type", remover.of, known));
 }
 
 }  // namespace
 
 DeviceKind remover_kind() {
-  DeviceKind kind{.name = "remover", .text = "ends the lives of robots that come to it"};
+  DeviceKind kind{.name = "remover", .text = "ends the lives of bodies that come to it"};
   kind.params = {{
       {.name = "radius",
        .unit = Unit::meters,
        .fallback = 0.5,
        .min = 0,
        .max = 1000,
-       .text = "robots whose origin comes this near die",
+       .text = "who comes this near, with its origin, dies",
        .above_min = true},
       {.name = "of",
        .type = FieldType::text,
        .fallback = "",
-       .text = "only robots of the type of this name; empty: any"},
+       .text = "bodies of the type of this name, robots or not; empty: robots of any"},
   }};
   kind.prepare = [](const Record& params, const Pose& pose_body_remover) {
     const Remover remover{.radius_m = params[0].number(),

@@ -13,11 +13,11 @@ struct RemoverState {
   TROUPE_FIELDS(removed)
 };
 
-/// Ends the lives of robots that come to it: an exit, a pit.
+/// Ends the lives of bodies that come to it: an exit, a pit, a mill.
 ///
-/// who    bodies with a drive, but its own and those that somebody carries, whose origin lies within `radius`
-///        of its own, whatever their height; with `of`, only those of the type of this name. Of
-///        more than k_most_removed in a tick the lowest ids
+/// who    robots (bodies with a drive), or with `of` the bodies of the type of this name, whose origin lies
+///        within `radius` of its own, whatever their height; but for its own body, and for those that somebody
+///        carries. Of more than k_most_removed in a tick the lowest ids
 /// when   they die at the end of the tick after the one that brought them (docs/lives.md)
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();

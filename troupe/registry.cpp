@@ -1,6 +1,7 @@
 #include "troupe/registry.hpp"
 
 #include "models/actuator.hpp"
+#include "models/collector.hpp"
 #include "models/coverage.hpp"
 #include "models/demos.hpp"
 #include "models/depots.hpp"
@@ -43,7 +44,7 @@ engine::Registry make_registry() {
       models::waypoints_controller(), models::source_controller(),     models::sink_controller(),
       models::fasr_controller(),      models::fasr2_controller(),      models::pioneer_flocking_controller(),
       models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller(),
-      models::operate_controller()};
+      models::operate_controller(),   models::collector_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

@@ -216,7 +216,31 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
   EXPECT_TRUE(world.is_there(world.row(stays)));
 
   Door unknown({device("remover", {{"of", "othr"}})});
-  EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type of robots \"othr\"; known: bot"));
+  EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
+}
+
+TEST(Remover, TakesPucksThatNobodyCarries) {
+  SceneBuilder scene;
+  const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.1)}, {.gripper = true});
+  const TypeId mill = scene.type("mill", {box(1, 1, 0.01)}, {.obstacle = false, .ranger = -1});
+  scene[mill].devices = {device("remover", {{"radius", 1.0}, {"of", "puck"}})};
+  scene.body("mill", mill);
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4, 0.3)});
+  test::add_device(scene[type], "hand", "gripper", {0.3, 0, 0, 0});
+  scene[type].controllers = {test::operate({test::order(0.1, "hand", "close"), test::order(3, "hand", "open")}),
+                             test::drive_legs({test::leg(2, 0), test::leg(3, 1)})};
+  const BodyId robot = scene.body("r", type, {-2, 0, 0, 0});
+  const BodyId held = scene.body("held", puck, {-2 + 0.34, 0, 0, 0});
+  const BodyId lying = scene.body("lying", puck, {0, 0.8, 0, 0});
+  World world = scene.world();
+  step(world, 2);
+  EXPECT_FALSE(world.is_there(world.row(lying)));
+  step(world, 28);  // a metre on: the puck is 0.66 m from the mill, and held
+  EXPECT_EQ(world.carrier(world.row(held)), robot);
+  EXPECT_TRUE(world.is_there(world.row(held)));
+  step(world, 5);
+  EXPECT_FALSE(world.is_there(world.row(held)));
+  EXPECT_TRUE(world.is_there(world.row(robot))) << "no puck";
 }
 
 /// A robot with 1.2 J, which at 1 m/s draws 0.1 J a tick for its drive's idling alone.
