@@ -50,7 +50,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"crowd", "crowd.json", 100, 100},
                       // No floor plan says where they will go: the index makes room as they do.
                       Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
-                      Scene{"foraging", "foraging.json", 20, 800}),
+                      Scene{"foraging", "foraging.json", 20, 800},
+                      // Births and deaths fall into what is counted.
+                      Scene{"colony", "colony.json", 150, 600}, Scene{"pucks", "pucks.json", 400, 400}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {
