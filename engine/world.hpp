@@ -397,15 +397,15 @@ class World {
   // Derived from the state each tick.
   std::vector<Transform> transforms_;
   std::vector<Vec2> outlines_;
-  std::vector<Motion> motions_;
-  std::vector<FreeCircle> free_circles_;
-  Conflicts conflicts_;
-  Links links_;
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
   std::vector<std::uint32_t> next_born_;  // of each reserve: who is the first that is unborn
   std::vector<Row> newborn_;              // that the index does not hold yet
   std::vector<std::uint8_t> not_drawn_;   // by the grid ray engine: a row each; empty where all are there
+  std::vector<Motion> motions_;
+  std::vector<FreeCircle> free_circles_;
+  Conflicts conflicts_;
+  Links links_;
 
   std::size_t stalled_ = 0;
   std::size_t held_ = 0;

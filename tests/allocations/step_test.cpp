@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
                       Scene{"foraging", "foraging.json", 20, 800},
                       // Births and deaths fall into what is counted.
-                      Scene{"colony", "colony.json", 150, 600}, Scene{"pucks", "pucks.json", 400, 400}),
+                      Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {
