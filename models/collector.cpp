@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "engine/world_spec.hpp"
 #include "models/evasion.hpp"
 #include "models/gripper.hpp"
 #include "models/power.hpp"
