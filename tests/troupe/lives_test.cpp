@@ -91,7 +91,7 @@ TEST(ColonyScene, AntsAreBornForEveryTwoFlagsAndDieWithEmptyPacks) {
     last = std::move(now);
   }
   const auto& brood = state_of<models::SpawnerState>(simulation, "nest", "spawner");
-  EXPECT_GE(brood.born, 10u);
+  EXPECT_GE(brood.born, 5u);
   EXPECT_GE(deaths, 8u) << "those of the start at least";
   EXPECT_EQ(brood.born + brood.owed, brood.flags / 2);
   EXPECT_EQ(last.size() + deaths, 8 + brood.born);
