@@ -113,6 +113,9 @@ struct Forager {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
+ protected:
+  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
+
  private:
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void head_for(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions,
@@ -121,7 +124,6 @@ struct Forager {
                   engine::Actions& actions) const;
   void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
-  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
   std::uint32_t nearest_charger(const Pose& from) const;
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
 };
@@ -333,7 +335,8 @@ struct Fasr : Forager {
 
 constexpr std::size_t k_most_tasks = 8;
 
-/// Which senses what for: the finder where it docks and leaves, the scanner but where it stands and charges.
+/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a charger and
+/// while it charges.
 struct Fasr2 : Forager {
   static constexpr bool switches = true;
 
@@ -341,10 +344,9 @@ struct Fasr2 : Forager {
                   engine::Actions& actions) const {
     Forager::operator()(memory, percept, random, actions);
     const bool is_docking = memory.mode == refuelling || memory.mode == leaving;
-    const bool is_charged = pack && memory.mode == refuelling && actions.command.x == 0 &&
-                            actions.command.turn == 0 &&
-                            percept.devices[*pack].as<PowerPackState>().charging != 0;
-    actions.switch_device(k_scanner, !is_charged);
+    const bool is_at_charger =
+        memory.mode == refuelling && charger_in_sight(memory, percept).range < k_creep_within;
+    actions.switch_device(k_scanner, !is_at_charger);
     if (finder) actions.switch_device(*finder, is_docking);
   }
   static Fasr2 make(const Record& p) {

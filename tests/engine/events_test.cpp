@@ -134,7 +134,7 @@ TEST(Events, AreTheChangesOfTheTableOfStallsByIdWhateverTheThreads) {
       run.insert(run.end(), expected.begin(), expected.end());
       before = now;
     }
-    for (const EventKind& kind : event_kinds())
+    for (const EventKind& kind : event_kinds().first(4))  // nobody is born here, or dies
       EXPECT_THAT(run, ::testing::Contains(::testing::StartsWith(std::string(kind.name)))) << kind.name;
     runs.push_back(run);
   }
