@@ -38,9 +38,10 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
-    sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
-    widths += 2 * type.radius;
-    width = std::max(width, 2 * type.radius);
+    const double radius = type.radius + type.joint_reach;
+    sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
+    widths += 2 * radius;
+    width = std::max(width, 2 * radius);
     ++count;
   }
   // As wide as most bodies, and never so small that one lies in more than some hundred cells.
@@ -227,17 +228,8 @@ void World::build_tables() {
                                                {"y", Element::f64, 1, "m/s", "left"},
                                                {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
-  tables_.emplace_back(
-      "command", HashGroup::velocity, Layout::rows,
-      std::vector<StateField>{
-          {"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
-          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true},
-          {"off", Element::u32, 1, "", "devices that are switched off: bit d for the d-th of the type",
-           offsetof(Command, off), true}},
-      row_bodies_, sizeof(Command));
+  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), row_bodies_,
+                       sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
@@ -327,7 +319,12 @@ void World::start(Row row, const Pose& p) {
   const BodyType& type = this->type(row);
   for (const BodyType::Device& device : type.devices)
     if (device.kind->start) device.kind->start(device.prepared.data, tables_[device.table], slot(row));
-  for (const BodyType::Joint& joint : type.joints) tables_[joint.table].as<Pose>(slot(row)) = joint.start;
+  for (const std::size_t d : type.joint_devices) {
+    const BodyType::Device& device = type.devices[d];
+    const std::vector<Pose>& joints = device.prepared.joints;
+    for (std::size_t n = 0; n < joints.size(); ++n)
+      tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) = joints[n];
+  }
   for (const BodyType::Controller& controller : type.controllers)
     if (controller.table) controller.kind->start(tables_[*controller.table].row(slot(row)));
   as<Pose>(k_pose)[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
