@@ -50,6 +50,13 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
   summary.emplace_back("ranging", engine::ranging_engine_name(spec.ranging));
   std::vector<std::size_t> counts(spec.types.size());
   for (const engine::BodySpec& body : spec.bodies) ++counts[body.type.index()];
+  std::string reserves;
+  std::size_t in_reserve = 0;
+  for (const engine::ReserveSpec& reserve : spec.reserves) {
+    counts[spec.bodies[reserve.first.index()].type.index()] -= reserve.count;
+    in_reserve += reserve.count;
+    reserves += fmt::format("{}{} of {}", reserves.empty() ? "" : ", ", reserve.count, reserve.population);
+  }
   std::size_t robots = 0;
   for (std::size_t t = 0; t < counts.size(); ++t)
     if (engine::is_mobile(spec.types[t])) robots += counts[t];
@@ -65,7 +72,8 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
       ++left_out;
   }
   if (left_out > 0) summary.emplace_back("  ...", fmt::format("and {}", counted(left_out, "more type")));
-  summary.emplace_back("other models", fmt::format("{}", spec.bodies.size() - 1 - robots));
+  if (!reserves.empty()) summary.emplace_back("in reserve", reserves);
+  summary.emplace_back("other models", fmt::format("{}", spec.bodies.size() - 1 - robots - in_reserve));
   summary.emplace_back("bounds", spec.bounds ? box_text(*spec.bounds) : "none: 100 km in each direction");
   std::string measures;
   for (const engine::MeasureSpec& measure : spec.measures)

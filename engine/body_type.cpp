@@ -236,6 +236,11 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
         diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
         continue;
       }
+    if (kind->look)
+      if (const std::string fault = kind->look(prepared.data, world); !fault.empty()) {
+        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+        continue;
+      }
     type.devices.push_back({name,
                             kind,
                             std::move(prepared),
@@ -285,7 +290,10 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                                     controller.kind, prepared.devices.size(), k_most_devices_read));
       continue;
     }
-    for (const std::size_t s : prepared.devices) type.devices[s].active = true;
+    for (const std::size_t s : prepared.devices) {
+      type.devices[s].active = true;
+      if (kind->switches && s < 32) type.devices[s].switch_bit = std::uint32_t{1} << s;
+    }
     const std::uint64_t period = !prepared.devices.empty() ? type.devices[prepared.devices.front()].period
                                  : type.drive              ? type.drive->period
                                                            : period_ticks(controller.period_s, tick_s);

@@ -70,6 +70,7 @@ struct BodyType {
     std::optional<std::size_t> supply;         ///< what it runs on: index into `devices`
     std::size_t table = 0;                     ///< its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
+    std::uint32_t switch_bit = 0;              ///< in Command::off; 0: no controller switches it
   };
   std::vector<Device> devices;
   std::vector<std::size_t>

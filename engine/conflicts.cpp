@@ -388,7 +388,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
   for_each(rows, 16 * k_batch, [&](std::size_t first, std::size_t last) { settling.measure(first, last); });
   settling.measured();
   const std::span<const std::uint32_t> order = index.order();
-  for_each(rows, k_batch, [&](std::size_t first, std::size_t last) {
+  for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) settling.first_look(order[i]);
   });
   while (const std::size_t waiting = settling.next_round()) {

@@ -67,7 +67,7 @@ class Conflicts {
 
   enum class Outcome : std::uint8_t { stands, moved, refused, held };  ///< held: at the bounds of the world
 
-  /// The index holds every row at its pose.
+  /// The index holds every row at its pose; rows that are not in it propose no motion.
   void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
               partition::Parallel& parallel);
 

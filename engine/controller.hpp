@@ -133,7 +133,8 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
     }
     percept.estimate = batch.estimate(i);
     Random random = batch.random(i);
-    Actions actions{batch.command(i), {devices.data(), batch.devices}};
+    Actions actions{
+        batch.command(i), {devices.data(), batch.devices}, {batch.switches.data(), batch.devices}};
     if constexpr (std::is_same_v<Memory, NoMemory>)
       controller(percept, random, actions);
     else
@@ -176,6 +177,7 @@ std::vector<StateField> memory_fields() {
 /// A controller kind from a class C:
 ///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
 ///   static constexpr bool needs_drive = false;      (optional: else it drives)
+///   static constexpr bool switches = true;          (optional: it switches devices on and off)
 ///   static C make(const Record& params);            (optional: else it is C{})
 ///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
 ///   fault);                                         (optional: else it uses all, and claims none)
@@ -191,6 +193,7 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   using Memory = typename detail::MemoryOf<C>::type;
   ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
   if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
+  if constexpr (requires { C::switches; }) kind.switches = C::switches;
   kind.memory = memory_fields<Memory>();
   kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };

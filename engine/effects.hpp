@@ -10,6 +10,23 @@
 
 namespace troupe::engine {
 
+/// Verbs that the engine itself carries out, of whatever device: births and deaths. They come when all other
+/// effects of the tick are settled, first the deaths, then the births, each in the order of the effects.
+inline constexpr std::uint32_t k_birth = ~0u;      ///< `reserve`; `payload`: x, y, z (m), heading (rad), world
+inline constexpr std::uint32_t k_death = ~0u - 1;  ///< of `target`
+
+/// What became of a birth. Numbers are part of the state of who asked.
+enum class BirthStatus : std::uint8_t {
+  unasked,
+  born,
+  occupied,  ///< something stands there, or it lies outside of the world
+  used_up,   ///< nobody of the reserve is left
+};
+struct Birth {
+  BirthStatus status = BirthStatus::unasked;
+  BodyId body;  ///< who was born; else not valid
+};
+
 /// What one body does to another in a tick: grips it, feeds it, drops it. A record, because nobody writes
 /// into another's rows: it is emitted while all decide, in any order and on any thread, and applied when all
 /// have moved, one by one, in an order that is a property of the world.
@@ -20,6 +37,9 @@ struct Effect {
   std::uint32_t verb = 0;      ///< what: a matter of the device's kind
   BodyId target;               ///< not valid where there is none
   std::array<double, 4> payload{};
+  std::uint32_t reserve = 0;  ///< of a birth: index into WorldSpec::reserves
+
+  bool is_of_life() const { return verb == k_birth || verb == k_death; }
 };
 
 /// The effects of one tick.

@@ -8,13 +8,15 @@ namespace troupe::engine {
 
 std::span<const EventKind> event_kinds() {
   using enum EventType;
-  static constexpr std::array<EventKind, 6> kinds{{
+  static constexpr std::array<EventKind, 8> kinds{{
       {stall_ends, "stall_ends", "the robot moved, or was not asked to, after its motions had been refused"},
       {held_ends, "held_ends", "the robot moved, or was not asked to, after it had been held at the bounds"},
       {stall_begins, "stall_begins", "the robot's motion was refused: something stood in its way"},
       {held_begins, "held_begins", "the robot's motion would have left the world: it was held at the bounds"},
       {release, "release", "the body let go of another, which it had carried"},
       {grip, "grip", "the body took hold of another, and carries it from now on"},
+      {birth, "birth", "the body of a reserve was born, here"},
+      {death, "death", "the body died, here"},
   }};
   return kinds;
 }
@@ -37,6 +39,21 @@ void EventWatch::remember(const World& world) {
   for (std::size_t r = 0; r < world.rows(); ++r) {
     stalls_[r] = stall_of(world, Row(r));
     carriers_[r] = carrier_of(world, Row(r));
+  }
+  if (!world.has_lives()) return;
+  lives_.resize(world.rows());
+  for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
+}
+
+void EventWatch::see_lives(const World& world) {
+  for (std::size_t r = 0; r < lives_.size(); ++r) {
+    const Presence now = world.presence(Row(r));
+    if (now == lives_[r]) continue;
+    const BodyId body = world.body(Row(r));
+    if (now == Presence::dead && lives_[r] == Presence::unborn)
+      events_.push_back({EventType::birth, body, {}});
+    events_.push_back({now == Presence::dead ? EventType::death : EventType::birth, body, {}});
+    lives_[r] = now;
   }
 }
 
@@ -62,6 +79,7 @@ std::span<const Event> EventWatch::see(const World& world) {
       carriers_[r] = now;
     }
   }
+  see_lives(world);
   std::ranges::sort(events_, {},
                     [](const Event& event) { return std::tuple(event.body, event.type, event.other); });
   return events_;

@@ -10,7 +10,16 @@
 namespace troupe::engine {
 
 /// What may happen to a robot, and what it may do to others.
-enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins, release, grip };
+enum class EventType : std::uint8_t {
+  stall_ends,
+  held_ends,
+  stall_begins,
+  held_begins,
+  release,
+  grip,
+  birth,
+  death
+};
 
 struct EventKind {
   EventType type;
@@ -43,11 +52,13 @@ class EventWatch {
   enum Stall : std::uint8_t { k_free, k_refused, k_held };
   static Stall stall_of(const World& world, Row row);
   static BodyId carrier_of(const World& world, Row row);
+  void see_lives(const World& world);
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
   std::vector<Stall> stalls_;     // a row each
   std::vector<BodyId> carriers_;  // a row each; not valid: nobody carries it
+  std::vector<Presence> lives_;   // a row each; empty where nobody comes and goes
   std::vector<Event> events_;
 };
 

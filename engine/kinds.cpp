@@ -21,7 +21,9 @@ std::vector<StateField> command_fields() {
           {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
           {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
           {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true}};
+           offsetof(Command, mode), true},
+          {"off", Element::u32, 1, "", "devices that are switched off: bit d for the d-th of the type",
+           offsetof(Command, off), true}};
 }
 
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }

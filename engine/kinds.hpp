@@ -76,6 +76,15 @@ struct DeviceBatch {
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
+  /// Asks that the next body of a reserve be born at a pose, m and rad, world frame; DeviceKind::born tells
+  /// what became of it.
+  void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
+    effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
+  }
+  /// Asks that a body die: its kind, or its parameters, must say that it does (Prepared::ends_lives).
+  void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
+    effects.emit({body(i), device, sequence, k_death, whose});
+  }
 };
 
 /// What a body carries that has a state of its own: sensors, which look at the world, and other devices
@@ -108,6 +117,7 @@ struct DeviceKind {
     double reach_m = 0;                ///< radius of the declared query about the body's origin
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
+    bool ends_lives = false;           ///< some of them may be deaths
     double watts = 0;                  ///< drawn from its supply while it runs
     std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
     double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
@@ -121,7 +131,10 @@ struct DeviceKind {
   /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
   /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
+  /// Once behind `mount`, where it must know the world: completes the data. What is wrong, empty when nothing
+  /// is. Null: it need not know.
+  std::string (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Sets the state of a row as its life begins, at tick 0 or later; all bytes are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
   /// Returns the rays it cast. Null: it senses nothing.
@@ -135,6 +148,9 @@ struct DeviceKind {
   /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
+  /// Behind all other effects of the tick: what became of a birth that its row asked for. Null: it asks for
+  /// none, or does not want to know.
+  void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
   /// Of a kind that supplies others, as a power pack does: whether a row has nothing left, so that what runs
   /// on it stops. The part that carries it runs on it and what stands on that, down to parts with a supply of
@@ -144,7 +160,7 @@ struct DeviceKind {
   bool needs_supply = false;  ///< it is of no use where nothing supplies it
 
   /// True where it does nothing but look: what people call a sensor.
-  bool is_sensor() const { return act == nullptr && apply == nullptr; }
+  bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
 };
 
 /// What the numbers of a command are.
@@ -162,6 +178,7 @@ struct Command {
   double y = 0;
   double turn = 0;
   ControlMode mode = ControlMode::velocity;
+  std::uint32_t off = 0;  ///< devices that its controller has switched off: BodyType::Device::switch_bit
 };
 
 /// Its members, for tables.
@@ -239,6 +256,16 @@ struct Actions {
   /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
   /// commands.
   std::span<std::byte* const> devices;
+  /// Beside them: the bits of Command::off.
+  std::span<const std::uint32_t> switches;
+
+  /// Switches a device that it chose on or off, from the next tick on: one that is off does nothing, draws
+  /// nothing and keeps its readings. It stays off for as long as the command stands: whoever gives another
+  /// one, as set_speed does, switches all on. Of kinds of controllers that say so (ControllerKind::switches).
+  void switch_device(std::size_t chosen, bool on) const {
+    command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
+  }
+  bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
   /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
   void set_speed(double forward, double left, double turn) {
@@ -281,6 +308,7 @@ struct DecideBatch {
   };
   std::array<const StateTable*, k_most_devices_read> percepts;  ///< of the sensors it chose, and
   std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
+  std::array<std::uint32_t, k_most_devices_read> switches{};    ///< and their bits in Command::off
   std::size_t devices = 0;
   Rows memories;
   /// Of the drive that the controller's part has for itself; none: it commands the body's, as above.
@@ -321,6 +349,7 @@ struct ControllerKind {
   std::string_view text;
   FieldTable params;
   bool needs_drive = true;  ///< else also bodies that cannot move may have it
+  bool switches = false;    ///< it switches its devices: Actions::switch_device
   /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;

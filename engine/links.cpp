@@ -244,6 +244,7 @@ void World::add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thin
 
 /// What conflicts and queries know of a row's body.
 void World::reshape(std::uint32_t row) {
+  if (!is_there(Row(row))) return show(Row(row));
   const BodyType& t = type(Row(row));
   const std::uint32_t c = links_.composite_of[row];
   const ObstacleShape* shape = &t.obstacle;
@@ -500,8 +501,9 @@ void World::redraw_ray_grid() {
   for (std::uint32_t r = 0; !links_.lifts.empty() && r < rows(); ++r)
     for (const RayOutline& outline : type(Row(r)).outlines)
       if (outline.count > 0) links_.lifts[o++] = lift(Row(r), outline.joint);
-  partition::RayGrid::Linked linked{.lifts = links_.lifts, .groups = {}};
+  partition::RayGrid::Linked linked{.lifts = links_.lifts, .groups = {}, .absent = {}};
   if (links_.carried > 0) linked.groups = links_.roots;
+  if (absent_ > 0) linked.absent = not_drawn_;
   ray_grid_->redraw(outlines_, poses(), parallel_, linked);
 }
 

@@ -111,6 +111,12 @@ bool MeasureSet::remember(std::span<const std::byte> memory) {
   return true;
 }
 
+std::size_t count_there(const World& world, std::span<const Row> rows) {
+  if (world.absent_count() == 0) return rows.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(rows, [&](Row row) { return world.is_there(row); }));
+}
+
 std::vector<Row> robots_of(const World& world, std::string_view of) {
   std::vector<Row> robots;
   const WorldSpec& spec = world.spec();

@@ -56,6 +56,9 @@ class MeasureSet {
 /// or the one robot; of an empty text all. Empty where no robot is called so.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 
+/// How many of the rows are in the world.
+std::size_t count_there(const World& world, std::span<const Row> rows);
+
 /// term(0) + term(1) + ...: of blocks of a fixed size, each summed up by one task, so that threads do not
 /// show.
 template <class Term>

@@ -106,6 +106,12 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
   data_.assign(end, std::byte{0});
 }
 
+void StateTable::clear_row(std::size_t row) {
+  for (std::size_t f = 0; f < fields_.size(); ++f)
+    std::memset(data_.data() + starts_[f] + row * strides_[f], 0,
+                element_size(fields_[f].element) * fields_[f].columns);
+}
+
 std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
   std::uint64_t sum = stretches_.empty() && !sparse_.empty() ? 0 : hash_dense(first, last);
   for (const Sparse& field : sparse_) sum += field.hash_rows(ids_, data_.data(), first, last);

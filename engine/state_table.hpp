@@ -122,6 +122,7 @@ class StateTable {
   std::size_t bytes() const { return data_.size(); }
   /// Every byte 0 again, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
+  void clear_row(std::size_t row);
 
  private:
   /// What the fields that are not sparse add.

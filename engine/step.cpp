@@ -79,8 +79,10 @@ void World::for_blocks(Work&& work) {
     const std::size_t first = rows() * b / blocks;
     const std::size_t count = rows() * (b + 1) / blocks - first;
     std::array<Row, k_block> rows;
-    for (std::size_t i = 0; i < count; ++i) rows[i] = Row(first + i);
-    for_types({rows.data(), count}, work);
+    std::size_t there = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (const Row row(first + i); is_there(row)) rows[there++] = row;
+    for_types({rows.data(), there}, work);
   });
 }
 
@@ -98,18 +100,35 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
+/// work(rows) for those of the rows for which something with this period is due in this tick of their lives:
+/// all, or none, where no life began later than another.
+template <class Work>
+void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work) {
+  if (period == 1 || !life_table_) {
+    if (due(tick_, period)) work(rows);
+    return;
+  }
+  for (std::size_t i = 0; i < rows.size();) {  // those that follow one another go together
+    std::size_t end = i;
+    while (end < rows.size() && due(tick_ - birth_tick(rows[end]), period)) ++end;
+    if (end > i) work(rows.subspan(i, end - i));
+    i = end + 1;
+  }
+}
+
 /// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones; but
 /// not those that have nothing left to run on.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
-  if (!due(tick_, device.period)) return;
-  if (device.active && !device.supply) return work(rows);
-  for (std::size_t i = 0; i < rows.size();) {  // those that follow one another go together
-    std::size_t end = i;
-    while (end < rows.size() && runs(rows[end], device)) ++end;
-    if (end > i) work(rows.subspan(i, end - i));
-    i = end + 1;
-  }
+  for_due(rows, device.period, [&](std::span<const Row> due_rows) {
+    if (device.active && !device.supply && device.switch_bit == 0) return work(due_rows);
+    for (std::size_t i = 0; i < due_rows.size();) {
+      std::size_t end = i;
+      while (end < due_rows.size() && runs(due_rows[end], device)) ++end;
+      if (end > i) work(due_rows.subspan(i, end - i));
+      i = end + 1;
+    }
+  });
 }
 
 void World::sense() {
@@ -129,14 +148,17 @@ void World::sense() {
 void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
-    if (type.drive && due(tick_, type.drive->period)) drive(rows, *type.drive, faulty);
+    if (type.drive)
+      for_due(rows, type.drive->period,
+              [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
         for_running(rows, device,
                     [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
     for (const BodyType::Controller& controller : type.controllers)
-      if (due(tick_, controller.period)) decide(rows, type, controller);
+      for_due(rows, controller.period,
+              [&](std::span<const Row> some) { decide(some, type, controller); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
@@ -225,6 +247,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
   for (const std::size_t sensor : controller.devices) {
     const BodyType::Device& chosen = type.devices[sensor];
     batch.percepts[batch.devices] = &percepts(chosen);
+    batch.switches[batch.devices] = chosen.switch_bit;
     batch.device_commands[batch.devices++] =
         chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
   }
@@ -257,10 +280,15 @@ void World::move() {
 
 void World::apply_effects() {
   if (effects_.empty()) return;
-  for (const Effect& effect : effects_.sorted()) {
+  const std::span<const Effect> effects = effects_.sorted();
+  bool any_of_life = false;
+  for (const Effect& effect : effects) {
+    any_of_life = any_of_life || effect.is_of_life();
+    if (effect.is_of_life()) continue;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     device.kind->apply(*this, device.prepared.data, effect);
   }
+  if (any_of_life) settle_lives(effects);
   effects_.clear();
 }
 
@@ -350,6 +378,7 @@ void World::put(Row row, const BodyType& type, const Transform& transform) {
 
 void World::index_bodies() {
   index_.rebuild(transforms_, row_radii_, parallel_);
+  newborn_.clear();
   if (ray_grid_) redraw_ray_grid();
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace troupe::engine {
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
 const Localization k_true_pose;        // what is known of a body that no drive moves
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
 bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
@@ -69,6 +72,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     diagnostics.throw_if_errors();
   }
   check_size(diagnostics);
+  check_reserves(diagnostics);
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
@@ -114,6 +118,17 @@ void World::check_size(Diagnostics& diagnostics) const {
                     k_most_bytes / 1e9));
 }
 
+void World::check_reserves(Diagnostics& diagnostics) const {
+  for (const ReserveSpec& reserve : spec_.reserves) {
+    const BodySpec& body = spec_.bodies[reserve.first.index()];
+    if (!types_[body.type.index()].runs())
+      diagnostics.error(body.where,
+                        fmt::format("population \"{}\" has a reserve, and its bodies neither move nor sense "
+                                    "nor decide: such bodies are never born",
+                                    reserve.population));
+  }
+}
+
 /// Neighbours on the ground at the start become neighbours in memory, and remain so for long: of 100,000
 /// robots in a building, rows that lie anyhow cost half as much again. Nothing depends on the order but
 /// speed; it is that of the cells the world would choose for itself.
@@ -131,6 +146,10 @@ std::vector<BodyId> World::rows_by_place() const {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!types_[body.type.index()].runs()) continue;
+    if (!spec_.starts(BodyId(b))) {  // nobody knows where it will be
+      places.push_back({~std::uint64_t{0}, BodyId(b)});
+      continue;
+    }
     const partition::Cell cell = geometry.cell(body.pose_world_body.position());
     std::uint64_t key = 0;
     const auto append = [&](partition::Cell c, unsigned bits) {
@@ -169,7 +188,7 @@ void World::build_rows() {
     row_shapes_.push_back(&type.obstacle);
     outline_begins_.push_back(vertices);
     vertices += type.outline_vertices.size();
-    robots_ += type.drive.has_value();
+    robots_at_start_ += type.drive.has_value() && spec_.starts(body);
   }
   transforms_.resize(rows());
   outlines_.resize(vertices + partition::EdgeBlock::k_piece,
@@ -230,6 +249,8 @@ void World::build_tables() {
         row_bodies_);
   }
 
+  build_lives();
+
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
   std::size_t effects = 0;
@@ -286,38 +307,30 @@ void World::start() {
   placed_before_.clear();
   beams_ = conflict_rounds_ = 0;
   for (StateTable& table : tables_) table.clear();
-  for (const BodyType& type : types_) {
-    for (const BodyType::Device& sensor : type.devices) {
-      if (!sensor.kind->start || sensor.table == 0) continue;
-      StateTable& state = tables_[sensor.table];
-      for (std::size_t i = 0; i < state.rows(); ++i) sensor.kind->start(sensor.prepared.data, state, i);
-    }
-    start_joints(type);
-    for (const BodyType::Controller& controller : type.controllers) {
-      if (!controller.table) continue;
-      StateTable& memories = tables_[*controller.table];
-      for (std::size_t i = 0; i < memories.rows(); ++i) controller.kind->start(memories.row(i));
-    }
-  }
   for (std::size_t r = 0; r < rows(); ++r) {
-    const Pose& p = spec_.bodies[row_bodies_[r].index()].pose_world_body;
-    as<Pose>(k_pose)[r] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
-    if (const auto& drive = type(Row(r)).drive) start(Row(r), *drive);
+    const BodyId body = row_bodies_[r];
+    if (spec_.starts(body))
+      start(Row(r), spec_.bodies[body.index()].pose_world_body);
+    else
+      life(Row(r)).presence = static_cast<std::uint8_t>(Presence::unborn);
   }
   derive();
 }
 
-/// Where a type's devices want their joints at tick 0.
-void World::start_joints(const BodyType& type) {
+void World::start(Row row, const Pose& p) {
+  const BodyType& type = this->type(row);
+  for (const BodyType::Device& device : type.devices)
+    if (device.kind->start) device.kind->start(device.prepared.data, tables_[device.table], slot(row));
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
-    if (device.table == 0) continue;
     const std::vector<Pose>& joints = device.prepared.joints;
-    for (std::size_t n = 0; n < joints.size(); ++n) {
-      StateTable& table = tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table];
-      for (std::size_t i = 0; i < table.rows(); ++i) table.as<Pose>(i) = joints[n];
-    }
+    for (std::size_t n = 0; n < joints.size(); ++n)
+      tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) = joints[n];
   }
+  for (const BodyType::Controller& controller : type.controllers)
+    if (controller.table) controller.kind->start(tables_[*controller.table].row(slot(row)));
+  as<Pose>(k_pose)[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+  if (type.drive) start(row, *type.drive);
 }
 
 void World::start(Row row, const BodyType::Drive& drive) {
@@ -334,6 +347,7 @@ void World::derive() {
   std::ranges::fill(motions_, Motion());
   std::ranges::fill(free_circles_, FreeCircle());
   count_stalls();
+  derive_lives();
   derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
@@ -443,7 +457,9 @@ BodyId World::find(std::string_view name) const {
 
 Pose World::pose(BodyId body) const {
   const Row r = row(body);
-  return r.valid() ? poses()[r.index()] : spec_.bodies[body.index()].pose_world_body;
+  if (!r.valid()) return spec_.bodies[body.index()].pose_world_body;
+  if (presence(r) == Presence::unborn) return k_nowhere;
+  return poses()[r.index()];
 }
 
 Estimates World::estimates(const BodyType& type) const {
@@ -468,6 +484,9 @@ void World::set_poses(std::span<const Placed> placed) {
   const Box inside = bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
+    if (!is_there(place.row))
+      throw std::invalid_argument(fmt::format("\"{}\" cannot be put anywhere: it is not in the world",
+                                              spec_.name(body(place.row))));
     if (!is_finite(p) || !inside.contains(p.position()))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be put at x {}, y {}, z {} (m), heading {} (rad): {}",
@@ -512,17 +531,19 @@ void World::begin_placing() {
 
 bool World::is_free(Row row, const Pose& pose) const {
   if (!is_finite(pose) || !bounds().contains(pose.position())) return false;
-  const partition::ObstacleShape& shape = *row_shapes_[row.index()];
+  const partition::ObstacleShape& shape = is_there(row) ? *row_shapes_[row.index()] : type(row).obstacle;
   if (shape.empty()) return true;
-  if (scene_.has_obstacles() && !scene_.overlapping(shape, pose).empty()) return false;
+  if (scene_.has_obstacles() && scene_.blocked(shape, pose)) return false;
   bool free = true;
-  index_.for_each_near(Box::around(pose.position(), shape.radius), [&](const partition::BodyCircle& other) {
-    const std::uint32_t r = other.row;
+  const auto look_at = [&](std::uint32_t r) {
     if (!free || r == row.index() || row_shapes_[r]->empty()) return;
     // The lower id first, as in the rule of motions.
     free = row_ids_[row.index()] < row_ids_[r] ? !overlap(shape, pose, *row_shapes_[r], poses()[r])
                                                : !overlap(*row_shapes_[r], poses()[r], shape, pose);
-  });
+  };
+  index_.for_each_near(Box::around(pose.position(), shape.radius),
+                       [&](const partition::BodyCircle& other) { look_at(other.row); });
+  for (const Row other : newborn_) look_at(other.value);
   return free;
 }
 
@@ -558,7 +579,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return static_cast<std::size_t>(command.mode) < k_control_modes;
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
-      !std::ranges::all_of(commands(), has_mode) || !links_hold()) {
+      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !links_hold()) {
     start();
     return false;
   }
@@ -607,8 +628,8 @@ Hashes World::hashes() {
 double World::mean_displacement() const {
   double sum = 0;
   for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in the order of the ids: a sum depends on it
-    if (const Row r = body_rows_[b]; r.valid() && type(r).drive)
-      sum += (transform(r).position - spec_.bodies[b].pose_world_body.position()).norm();
+    if (const Row r = body_rows_[b]; r.valid() && type(r).drive && is_there(r))
+      sum += (transform(r).position - origin(r)).norm();
   return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
 }
 
@@ -638,7 +659,7 @@ FrameScene World::frame_scene() const {
     const BodySpec& body = spec_.bodies[b];
     if (!body_rows_[b].valid())
       scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
-    else
+    else if (spec_.starts(BodyId(b)))
       scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
   }
   return scene;
@@ -650,7 +671,7 @@ Frame World::frame() const {
   for (std::size_t b = 0; b < body_rows_.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     const Row r = body_rows_[b];
-    if (!r.valid()) continue;
+    if (!r.valid() || !is_there(r)) continue;
     frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
     const auto has_moved = [](const Links::Joint& joint) {
       return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;

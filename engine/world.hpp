@@ -44,6 +44,9 @@ struct Hashes {
   std::array<std::uint64_t, k_hash_groups> groups{};
 };
 
+/// Whether a body is in the world.
+enum class Presence : std::uint8_t { there, unborn, dead };
+
 /// A world that runs: constants made from a WorldSpec, the state tables, and the tick.
 ///
 /// S(k+1) = step(S(k)) is a pure function: of the state, the spec and the seed, and of nothing else.
@@ -98,7 +101,8 @@ class World {
   partition::Parallel& parallel() { return parallel_; }
   /// Rows: the bodies that can move, sense or decide, by where they stand at tick 0.
   std::size_t rows() const { return row_bodies_.size(); }
-  /// Robots: the rows that have a drive.
+  /// Robots: the rows that have a drive. How many there are at tick 0, and now.
+  std::size_t robots_at_start() const { return robots_at_start_; }
   std::size_t robots() const { return robots_; }
   BodyId body(Row row) const { return row_bodies_[row.index()]; }
   /// Not valid for bodies that never change.
@@ -155,11 +159,46 @@ class World {
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Leaves a body where it is, to itself.
   void release(Row cargo);
+
+  // ---- births and deaths: engine/lives.cpp
+  /// Whether bodies may come and go here: the world has reserves, something in it ends lives, or its spec says
+  /// that it is mortal. Only then has it the component `life`.
+  bool has_lives() const { return life_table_.has_value(); }
+  Presence presence(Row row) const {
+    return life_table_ ? static_cast<Presence>(tables_[*life_table_].as<Life>(row.index()).presence)
+                       : Presence::there;
+  }
+  /// Who is not there is not indexed, senses nothing, decides nothing and does not move; its rows are 0, but
+  /// for where it died.
+  bool is_there(Row row) const { return absent_ == 0 || presence(row) == Presence::there; }
+  /// Rows whose bodies are not there.
+  std::size_t absent_count() const { return absent_; }
+  /// Where its life began, at tick 0 or later, m, world frame.
+  Vec2 origin(Row row) const;
+  /// The tick after which its life began. Whatever runs with a period counts from there.
+  std::uint64_t birth_tick(Row row) const {
+    return life_table_ ? tables_[*life_table_].as<Life>(row.index()).birth : 0;
+  }
+  /// The reserve of this population: index into WorldSpec::reserves.
+  std::optional<std::size_t> reserve(std::string_view population) const;
+  /// Who of it is still to be born.
+  std::size_t unborn(std::size_t reserve) const {
+    return spec_.reserves[reserve].count - next_born_[reserve];
+  }
+  /// Bears the next body of a reserve, between steps, at a pose where it touches nothing solid: its life
+  /// begins as that of others at tick 0. Throws std::invalid_argument for a pose that is not finite. Indexes
+  /// all bodies anew.
+  Birth spawn(std::size_t reserve, const Pose& pose);
+  /// Ends a life, between steps: what the body carries stays where it is, and so does what it was. Does
+  /// nothing to who is not there. Throws std::logic_error where nobody may come and go. Indexes all bodies
+  /// anew.
+  void remove(Row row);
+
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
   /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
-  /// carried, and for a pose that is not finite or not within the world's bounds. Each call indexes all
+  /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call indexes all
   /// bodies anew: move many at once.
   struct Placed {
     Row row;
@@ -187,8 +226,12 @@ class World {
     const BodyType::Device& device = type(row).devices[*supply];
     return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
   }
+  /// Whether nobody has switched the row's device off.
+  bool is_on(Row row, const BodyType::Device& device) const {
+    return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
+  }
   bool runs(Row row, const BodyType::Device& device) const {
-    return senses(row, device) && is_supplied(row, device.supply);
+    return senses(row, device) && is_on(row, device) && is_supplied(row, device.supply);
   }
   /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
   StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
@@ -231,13 +274,16 @@ class World {
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
   void check_size(Diagnostics& diagnostics) const;
+  void check_reserves(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
   void build_rows();
   void build_scene();
   void build_tables();
+  void build_lives();
   /// Fills the tables, and what is derived from them, with the state that the spec describes.
   void start();
-  void start_joints(const BodyType& type);
+  /// Begins a life, in rows that are all 0.
+  void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
   /// All that is derived from the tables.
   void derive();
@@ -259,6 +305,25 @@ class World {
   /// The odometry of a robot that has moved as proposed.
   void count_way(Row row, const BodyType::Drive& drive);
   void apply_effects();
+
+  // engine/lives.cpp
+  /// A row of the component `life`: all zero for who is there from the start.
+  struct Life {
+    std::uint64_t birth = 0;
+    double x = 0;
+    double y = 0;
+    std::uint8_t presence = 0;
+  };
+  Life& life(Row row) { return tables_[*life_table_].as<Life>(row.index()); }
+  void derive_lives();
+  bool lives_hold(std::uint64_t tick) const;
+  /// Fits what conflicts and queries know of a row to whether its body is there.
+  void show(Row row);
+  /// Sets every byte of its state to 0.
+  void clear(Row row);
+  Birth bear(std::size_t reserve, const Pose& pose);
+  void die(Row row);
+  void settle_lives(std::span<const Effect> effects);
 
   // engine/links.cpp
   struct Limb;
@@ -306,6 +371,8 @@ class World {
   template <class Work>
   void for_types(std::span<Row> rows, Work&& work);
   template <class Work>
+  void for_due(std::span<const Row> rows, std::uint64_t period, Work&& work);
+  template <class Work>
   void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
 
   WorldSpec spec_;
@@ -327,17 +394,23 @@ class World {
   std::vector<const partition::ObstacleShape*> row_shapes_;
   std::vector<std::uint32_t> row_ids_;
   std::vector<std::size_t> outline_begins_;
-  std::size_t robots_ = 0;
+  std::size_t robots_at_start_ = 0;
   std::vector<Localization::Error> row_odometry_errors_;  // empty where nobody has odometry
 
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;
   Effects effects_;  // of the tick under way
   std::optional<std::size_t> carrier_table_;
+  std::optional<std::size_t> life_table_;
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;
   std::vector<Vec2> outlines_;
+  std::size_t robots_ = 0;
+  std::size_t absent_ = 0;
+  std::vector<std::uint32_t> next_born_;  // of each reserve: who is the first that is unborn
+  std::vector<Row> newborn_;              // that the index does not hold yet
+  std::vector<std::uint8_t> not_drawn_;   // by the grid ray engine: a row each; empty where all are there
   std::vector<Motion> motions_;
   std::vector<FreeCircle> free_circles_;
   Conflicts conflicts_;

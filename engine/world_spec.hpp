@@ -135,6 +135,14 @@ struct BodySpec {
   Where where;
 };
 
+/// Bodies of a population that are not there at tick 0: [first, first + count), to be born one after another
+/// (docs/lives.md). They are of one type; where they stand is said when they are born.
+struct ReserveSpec {
+  std::string population;
+  BodyId first;
+  std::uint32_t count = 0;
+};
+
 /// A part of a body that the world gave a name of its own, not one below the body's.
 struct PartName {
   BodyId body;
@@ -166,6 +174,8 @@ struct WorldSpec {
   Names names;
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
+  std::vector<ReserveSpec> reserves;  ///< rising, and apart from one another
+  bool mortal = false;                ///< programs may remove bodies, also where nothing in the world does
   /// Other names of bodies (Stage keeps generated names as aliases), each once.
   std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).
@@ -177,6 +187,12 @@ struct WorldSpec {
   std::optional<Record> window;  ///< by window_fields()
 
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
+  /// Whether it is there at tick 0.
+  bool starts(BodyId body) const {
+    for (const ReserveSpec& reserve : reserves)
+      if (body.value - reserve.first.value < reserve.count) return false;
+    return true;
+  }
 };
 
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.

@@ -36,7 +36,8 @@ Box ground_of(const World& world, std::span<const Row> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
   for (const Row row : robots)
-    box.extend(world.spec().bodies[world.body(row).index()].pose_world_body.position());
+    if (const BodyId body = world.body(row); world.spec().starts(body))
+      box.extend(world.spec().bodies[body.index()].pose_world_body.position());
   return box;
 }
 
@@ -71,7 +72,7 @@ class Coverage : public Measure {
     constexpr std::size_t k_block = 4096;
     world.parallel().for_each((robots_.size() + k_block - 1) / k_block, [&](std::size_t b) {
       for (std::size_t i = b * k_block; i < std::min(robots_.size(), (b + 1) * k_block); ++i)
-        visit(world.transform(robots_[i]).position);
+        if (world.is_there(robots_[i])) visit(world.transform(robots_[i]).position);
     });
   }
 

@@ -77,6 +77,7 @@ void act(const DeviceBatch& batch) {
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
   const Row row = world.row(body);
+  if (!world.is_there(row)) return {};
   for (const engine::BodyType::Device& device : world.type(row).devices)
     if (device.kind == kind) return FlagList(world.state(device), world.slot(row));
   return {};

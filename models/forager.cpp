@@ -2,11 +2,11 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/evasion.hpp"
 #include "models/fiducial_readings.hpp"
 #include "models/flags.hpp"
 #include "models/floor_plan.hpp"
 #include "models/power.hpp"
-#include "models/scan_ahead.hpp"
 
 #include <fmt/format.h>
 
@@ -29,10 +29,6 @@ using engine::WorldSpec;
 
 // What Stage's foragers do, m, m/s, rad/s, updates.
 constexpr double k_cruise = 0.4;
-constexpr double k_avoid_speed = 0.05;
-constexpr double k_avoid_turn = 0.5;
-constexpr float k_min_front = 0.7f;
-constexpr float k_stop = 0.5f;
 constexpr std::uint32_t k_wait = 20;
 constexpr double k_fetch_radius = 2;
 constexpr double k_deliver_radius = 1;
@@ -53,9 +49,11 @@ constexpr double k_dock_within = 1.5;  // m from the charger: from there on it h
 constexpr double k_aligned = 0.2;      // rad
 constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
 constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
-constexpr std::uint32_t k_stuck = 5;   // updates: more than it takes from a command to what comes of it
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr std::size_t k_least_samples = 9;
+constexpr double k_least_zone = 1;  // m: nearer than this it is in the zone, however small that is
+
+constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
 /// Where flags come from, where they go, where energy is.
 struct Goal {
@@ -78,7 +76,7 @@ double bearing_of(const Pose& from, const Vec2& to) {
 }
 
 struct Forager {
-  enum Mode : std::uint8_t { working, refuelling, leaving };
+  enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
     std::uint32_t near_updates = 0;  ///< in a row, within reach of source or sink; or backing off
@@ -107,6 +105,9 @@ struct Forager {
   FiducialReadings sights;                  // of the finder
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
+  bool has_zone = false;  // where chargers are: it goes there first
+  Goal zone;
+  double zone_radius = 0;
 
   std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault);
@@ -114,14 +115,18 @@ struct Forager {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
+ protected:
+  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
+
  private:
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void head_for(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions,
+                const Goal& goal) const;
+  void go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
   void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
-  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
   std::uint32_t nearest_charger(const Pose& from) const;
-  bool escapes(Memory& memory, const engine::Percept& percept, Random& random,
-               engine::Actions& actions) const;
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
 };
 
@@ -177,45 +182,18 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
         chargers.push_back(goal(BodyId(b)));
         break;
       }
+  if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
+    has_zone = true;
+    zone = goal(body);
+    const engine::PartSpec& part = world.types[world.bodies[body.index()].type.index()].parts.front();
+    zone_radius = std::max(0.5 * std::min(part.size.x(), part.size.y()), k_least_zone);
+  }
   return {};
 }
 
-/// As `wander`, with a narrower window ahead and for half as long: many meet at the sink. True where it takes
-/// the command.
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
-  const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
-  const auto [obstruction, stop, left, right] = look_ahead(scan, scan.size() / 4, k_min_front, k_stop);
-  if (!obstruction && !stop && memory.avoid_updates == 0) return false;
-  actions.command.x = stop ? 0 : k_avoid_speed;
-  actions.command.y = 0;
-  if (memory.avoid_updates < 1) {
-    memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(5));
-    actions.command.turn = left < right ? -k_avoid_turn : k_avoid_turn;
-  }
-  --memory.avoid_updates;
-  return true;
-}
-
-/// Out of where its scanner does not see what holds it. True where it takes the command.
-bool Forager::escapes(Memory& memory, const engine::Percept& percept, Random& random,
-                      engine::Actions& actions) const {
-  engine::Command& command = actions.command;
-  const Pose& here = percept.estimate;
-  const bool is_to_move = command.x != 0 || command.turn != 0;
-  const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
-  memory.still_updates = is_to_move && is_still ? memory.still_updates + 1 : 0;
-  memory.x = here.x;
-  memory.y = here.y;
-  memory.heading = here.heading;
-  if (memory.still_updates > k_stuck) {
-    memory.still_updates = 0;
-    memory.escape_updates = 5 + random.below(10);
-    command = {command.x > 0 ? -k_back_speed : k_back_speed, 0, random.uniform(-k_avoid_turn, k_avoid_turn)};
-  }
-  if (memory.escape_updates == 0) return false;
-  --memory.escape_updates;
-  return true;
+  return k_evasion.avoids(memory, percept.ranges(k_scanner).first(samples), random, actions.command);
 }
 
 std::uint32_t Forager::nearest_charger(const Pose& from) const {
@@ -242,16 +220,35 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
   }
   if (memory.mode == working && pack && !chargers.empty() &&
       percept.devices[*pack].as<PowerPackState>().proportion_remaining() < low) {
-    memory.mode = refuelling;
+    memory.mode = has_zone ? to_zone : refuelling;
     memory.near_updates = 0;
     memory.charger = nearest_charger(percept.estimate);
   }
-  if (escapes(memory, percept, random, actions)) return;
+  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
   switch (memory.mode) {
     case working: return work(memory, percept, random, actions);
     case refuelling: return refuel(memory, percept, random, actions);
+    case to_zone: return go_to_zone(memory, percept, random, actions);
     default: return leave(memory, percept, actions);
   }
+}
+
+void Forager::head_for(Memory& memory, const engine::Percept& percept, Random& random,
+                       engine::Actions& actions, const Goal& goal) const {
+  if (avoids(memory, percept, random, actions)) return;
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+void Forager::go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if ((zone.at - percept.estimate.position()).norm() < zone_radius) {
+    memory.mode = refuelling;
+    memory.charger = nearest_charger(percept.estimate);
+    return refuel(memory, percept, random, actions);
+  }
+  head_for(memory, percept, random, actions, zone);
 }
 
 void Forager::work(Memory& memory, const engine::Percept& percept, Random& random,
@@ -291,13 +288,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   const Goal& charger = chargers[memory.charger];
   const Sight sight = charger_in_sight(memory, percept);
   const bool is_near = (charger.at - percept.estimate.position()).norm() < k_dock_within;
-  if (!is_near) {
-    if (avoids(memory, percept, random, actions)) return;
-    const double off =
-        bearing_of(percept.estimate, charger.ways->ahead(percept.estimate.position(), k_steps_ahead));
-    actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
-    return;
-  }
+  if (!is_near) return head_for(memory, percept, random, actions, charger);
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
@@ -346,7 +337,20 @@ struct Fasr : Forager {
 
 constexpr std::size_t k_most_tasks = 8;
 
+/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a charger and
+/// while it charges.
 struct Fasr2 : Forager {
+  static constexpr bool switches = true;
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    Forager::operator()(memory, percept, random, actions);
+    const bool is_docking = memory.mode == refuelling || memory.mode == leaving;
+    const bool is_at_charger =
+        memory.mode == refuelling && charger_in_sight(memory, percept).range < k_creep_within;
+    actions.switch_device(k_scanner, !is_at_charger);
+    if (finder) actions.switch_device(*finder, is_docking);
+  }
   static Fasr2 make(const Record& p) {
     Fasr2 forager;
     for (std::size_t i = 0; i < k_most_tasks; ++i)

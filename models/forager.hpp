@@ -16,6 +16,9 @@ namespace troupe::models {
 /// avoids   what a scanner of more than 8 beams sees ahead, as `wander` does; backs out where it is stuck
 /// fetches  after more than 20 updates in a row within 2 m of the source; delivers likewise within 1 m of the
 ///          sink
+/// zone     fasr2 with a model `fuel_zone`: goes there first, then to the charger that is nearest then
+/// senses   fasr2 switches its finder on where it docks, and its scanner off for the last half metre to a
+///          charger and while it charges
 /// charges  below 25 % (fasr2: 20 %) goes to the nearest model whose fiducial_return is 2, until it touches
 ///          and is charged; leaves at 95 %, backwards. With a fiducial finder it steers by what that sees;
 ///          without a pack, or where there are no chargers, it never does

@@ -186,6 +186,11 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
+/// Whether what it held is not its own any more: dead, as bodies are only given up by who holds them.
+bool has_lost(const World& world, BodyId own, const GripperState& state) {
+  return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
+}
+
 /// A step on the way to an end; what rounding leaves of the way is no step of its own.
 double towards(double position, double end, double step) {
   if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
@@ -209,6 +214,7 @@ void act(const DeviceBatch& batch) {
   const double step = k_rate * batch.period_s;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<GripperState>(batch.slot(i));
+    if (has_lost(batch.world, batch.body(i), state)) state.held = 0;
     const Mount frame = compose(batch.mount(i), gripper.mount);
     const Hand hand(batch.world, gripper, state, batch.rows[i], frame);
     Touched touched;

@@ -21,12 +21,15 @@ class OfRobots : public Measure {
 
  protected:
   std::span<const Row> robots() const { return robots_; }
+  /// Of those that are in the world.
   template <class Term>
   double mean(World& world, Term&& term) const {
-    if (robots_.empty()) return std::numeric_limits<double>::quiet_NaN();
-    const double sum =
-        engine::ordered_sum(world, robots_.size(), [&](std::size_t i) { return term(robots_[i]); });
-    return sum / static_cast<double>(robots_.size());
+    const std::size_t there = engine::count_there(world, robots_);
+    if (there == 0) return std::numeric_limits<double>::quiet_NaN();
+    const double sum = engine::ordered_sum(world, robots_.size(), [&](std::size_t i) {
+      return world.is_there(robots_[i]) ? static_cast<double>(term(i)) : 0.0;
+    });
+    return sum / static_cast<double>(there);
   }
   template <class Holds>
   double count(Holds&& holds) const {
@@ -57,9 +60,9 @@ class Displacement : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    return mean(world, [&](Row row) {
-      const Pose& start = world.spec().bodies[world.body(row).index()].pose_world_body;
-      return (world.transform(row).position - start.position()).norm();
+    return mean(world, [&](std::size_t i) {
+      const Row row = robots()[i];
+      return (world.transform(row).position - world.origin(row)).norm();
     });
   }
 };
@@ -78,20 +81,29 @@ class PathLength : public OfRobots {
     world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
       for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) {
         const Vec2& place = world.transform(robots()[i]).position;
+        if (world.has_lives()) begin_life(world, i);
         lengths_[i] += (place - places_[i]).norm();
         places_[i] = place;
       }
     });
   }
   double value(World& world) override {
-    if (lengths_.empty()) return std::numeric_limits<double>::quiet_NaN();
-    return engine::ordered_sum(world, lengths_.size(), [&](std::size_t i) { return lengths_[i]; }) /
-           static_cast<double>(lengths_.size());
+    return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
   // The places need not be kept: in a state that is put back, they are those where it begins.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
+  /// Who was born since the last tick comes from where that was; who is not there stays.
+  void begin_life(const World& world, std::size_t i) {
+    const Row row = robots()[i];
+    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
+    if (!world.is_there(row))
+      places_[i] = world.transform(row).position;
+    else if (is_new)
+      places_[i] = world.origin(row);
+  }
+
   /// Who was put elsewhere went from there: that it was put there is no way.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
@@ -117,7 +129,8 @@ class MeanSpeed : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    return mean(world, [&](Row row) {
+    return mean(world, [&](std::size_t i) {
+      const Row row = robots()[i];
       const engine::Velocity& v = world.velocities()[row.index()];
       return world.stalled(row) ? 0 : Vec2(v.x, v.y).norm();
     });
@@ -128,8 +141,8 @@ class Order : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    const double x = mean(world, [&](Row row) { return world.transform(row).rotation.cos; });
-    const double y = mean(world, [&](Row row) { return world.transform(row).rotation.sin; });
+    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.cos; });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.sin; });
     return Vec2(x, y).norm();
   }
 };
@@ -138,9 +151,19 @@ class Spread : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    const double x = mean(world, [&](Row row) { return world.transform(row).position.x(); });
-    const double y = mean(world, [&](Row row) { return world.transform(row).position.y(); });
-    return mean(world, [&](Row row) { return (world.transform(row).position - Vec2(x, y)).norm(); });
+    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.x(); });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.y(); });
+    return mean(world, [&](std::size_t i) {
+      return (world.transform(robots()[i]).position - Vec2(x, y)).norm();
+    });
+  }
+};
+
+class Alive : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    return static_cast<double>(engine::count_there(world, robots()));
   }
 };
 
@@ -153,6 +176,12 @@ engine::MeasureKind stalls_measure() {
       "would have left the world.");
 }
 
+engine::MeasureKind alive_measure() {
+  return engine::make_measure_kind<Alive>(
+      "alive", Unit::none, "robots that are in the world",
+      "The number of robots that have been born and have not died. All other measures are of these alone.");
+}
+
 engine::MeasureKind held_measure() {
   return engine::make_measure_kind<Held>(
       "held", Unit::none, "robots held at the world's bounds",
@@ -162,7 +191,8 @@ engine::MeasureKind held_measure() {
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
       "displacement", Unit::meters, "how far robots are from where they started, in the mean",
-      "The mean over the robots of the straight distance between their origins now and at tick 0.");
+      "The mean over the robots of the straight distance between their origins now and at tick 0, or where "
+      "they were born.");
 }
 
 engine::MeasureKind path_length_measure() {

@@ -70,11 +70,13 @@ class MeanNearestDistance : public AmongRobots {
       : AmongRobots(world, std::move(robots)), distances_(world.rows(), 0) {}
 
   double value(World& world) override {
-    if (robots().size() < 2) return std::numeric_limits<double>::quiet_NaN();
+    const std::size_t there = engine::count_there(world, robots());
+    if (there < 2) return std::numeric_limits<double>::quiet_NaN();
     for_each_robot(world, [&](std::uint32_t row) { distances_[row] = nearest(world, row); });
-    const double sum = engine::ordered_sum(world, robots().size(),
-                                           [&](std::size_t i) { return distances_[robots()[i].index()]; });
-    return sum / static_cast<double>(robots().size());
+    const double sum = engine::ordered_sum(world, robots().size(), [&](std::size_t i) {
+      return world.is_there(robots()[i]) ? distances_[robots()[i].index()] : 0.0;
+    });
+    return sum / static_cast<double>(there);
   }
 
  private:
@@ -113,7 +115,8 @@ class Neighbours : public AmongRobots {
         counts_(world.rows(), 0) {}
 
   double value(World& world) override {
-    if (robots().empty()) return std::numeric_limits<double>::quiet_NaN();
+    const std::size_t there = engine::count_there(world, robots());
+    if (there == 0) return std::numeric_limits<double>::quiet_NaN();
     for_each_robot(world, [&](std::uint32_t row) {
       std::uint32_t count = 0;
       for_each_other(world, row, radius_, radius_,
@@ -121,8 +124,8 @@ class Neighbours : public AmongRobots {
       counts_[row] = count;
     });
     std::uint64_t sum = 0;
-    for (const Row row : robots()) sum += counts_[row.index()];
-    return static_cast<double>(sum) / static_cast<double>(robots().size());
+    for (const Row row : robots()) sum += world.is_there(row) ? counts_[row.index()] : 0;
+    return static_cast<double>(sum) / static_cast<double>(there);
   }
 
  private:

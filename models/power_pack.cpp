@@ -24,6 +24,7 @@ struct Pack {
   double mass = 0;
   double idle = 0;
   bool stops = true;
+  bool kills = false;
 };
 
 std::vector<engine::StateField> state_fields() {
@@ -57,10 +58,12 @@ void act(const DeviceBatch& batch) {
     const Row row = batch.rows[i];
     auto& state = batch.state.as<PowerPackState>(batch.slot(i));
     state.charging = 0;
+    if (pack.kills && state.is_empty()) batch.emit_death(i, 0, batch.body(i));
     double watts = pack.draw;
     if (feeds_drive) watts += drive_watts(pack, batch.world.velocities()[row.index()]);
     for (const BodyType::Device& device : type.devices)
-      if (feeds(device.supply) && batch.world.senses(row, device)) watts += device.prepared.watts;
+      if (feeds(device.supply) && batch.world.senses(row, device) && batch.world.is_on(row, device))
+        watts += device.prepared.watts;
     double joules = watts * batch.period_s;
     if (!pack.infinite) {
       joules = std::min(joules, state.stored);
@@ -114,8 +117,9 @@ DeviceKind power_pack_kind() {
       {.name = "when_empty",
        .type = FieldType::text,
        .fallback = "stop",
-       .text = "whether an empty pack stops what runs on it, or nothing comes of it, as in Stage",
-       .choices = {"stop", "nothing"}},
+       .text = "whether an empty pack stops what runs on it, or nothing comes of it, as in Stage, or its body "
+               "dies, docs/lives.md",
+       .choices = {"stop", "nothing", "die"}},
   }};
   kind.prepare = [](const Record& params, const Pose&) {
     const double capacity = params[0].number();
@@ -125,9 +129,13 @@ DeviceKind power_pack_kind() {
                     .draw = params[3].number(),
                     .mass = params[4].number(),
                     .idle = params[5].number(),
-                    .stops = params[6].text() == "stop"};
-    return DeviceKind::Prepared{
-        .data = pack, .percepts = state_fields(), .percept_bytes = sizeof(PowerPackState)};
+                    .stops = params[6].text() != "nothing",
+                    .kills = params[6].text() == "die"};
+    return DeviceKind::Prepared{.data = pack,
+                                .percepts = state_fields(),
+                                .percept_bytes = sizeof(PowerPackState),
+                                .most_effects = pack.kills ? std::size_t{1} : 0,
+                                .ends_lives = pack.kills};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     const Pack& pack = *std::any_cast<Pack>(&data);

@@ -11,6 +11,7 @@ constexpr std::size_t k_most_parts = 64;
 constexpr std::size_t k_sorted = 1024;  // rows that a task sorts into cells, at least
 constexpr std::size_t k_empty = 32;     // a tile costs as much as so many rows
 constexpr std::size_t k_summed = 256;   // tiles that a task sums up
+constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read
 
 /// visit(first cell in its tile, one past the last), a line of a block's cells after another.
 template <class Visit>
@@ -90,6 +91,7 @@ void BodyIndex::count(Part& part) {
     return last_slot;
   };
   for (std::uint32_t row = part.first; row < part.last; ++row) {
+    if (!is_there(row)) continue;
     const Cell home = home_cell(row);
     if (is_wide(row)) {
       part.has_wide = true;
@@ -128,6 +130,10 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
+  // Room for all, whoever is there now.
+  tile_rows_.reserve(rows);
+  circles_.reserve(rows + k_read_beyond);
+  order_.reserve(rows);
   if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
@@ -169,6 +175,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
       tile_rows_[tiles_[slot].rows + part.next[slot]++] = circle;
     };
     for (std::uint32_t row = part.first; row < part.last; ++row) {
+      if (!is_there(row)) continue;
       const BodyCircle circle = enclosing_circle(places_[row].position, radii_[row], row);
       if (!part.has_wide || !is_wide(row))
         put(homes_[row] >> (2 * geometry_.tile_bits), circle);
@@ -180,8 +187,8 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
     place_tiles(parallel);
   }
-  circles_.resize(tiles_[slots].circles + 3);  // which unpack() may read
-  order_.resize(rows);
+  circles_.resize(tiles_[slots].circles + k_read_beyond);
+  order_.resize(tiles_[slots].homes);
   begins_.resize(slots * cells + 1);
   begins_.back() = tiles_[slots].circles;
   for_each_tile([&](std::size_t slot) { sort_tile(slot); });

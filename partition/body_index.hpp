@@ -28,6 +28,9 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
 }
 
+/// The radius of a body that is not there.
+inline constexpr double k_not_there = -1;
+
 /// The bodies that move, by the cell they are in: contiguous, in (cell, row) order, rebuilt in parallel each
 /// tick by a counting sort: first by tile, then, a tile each task, by cell. Both are stable, so that no rows
 /// need comparing, and no counter is shared between threads.
@@ -35,6 +38,8 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
 /// A body not wider than a cell lies in the cell of its origin alone, and queries reach out by the largest
 /// such radius. A wider one lies in every cell it touches, and a query gives it once, so that one truck does
 /// not widen every query.
+///
+/// A row of which the radius is negative (k_not_there) is not in the index: no query gives it.
 class BodyIndex {
  public:
   BodyIndex() = default;
@@ -87,8 +92,8 @@ class BodyIndex {
                             });
   }
 
-  /// Every row once, in (tile, block, cell, row) order: the order in which to work so that neighbours share
-  /// caches.
+  /// Every row that is there once, in (tile, block, cell, row) order: the order in which to work so that
+  /// neighbours share caches.
   std::span<const std::uint32_t> order() const { return order_; }
   /// A number for the cell that holds the row's origin: rows that follow one another in order() share the
   /// cell where it is equal. Until the next rebuild.
@@ -98,6 +103,7 @@ class BodyIndex {
   double largest_small_radius() const { return small_radius_; }
 
  private:
+  bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
   /// Of a wide body's entries within the query, the one at the lowest cell counts.

@@ -297,6 +297,7 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
     Pen pen(cells_, drawing_, shares_[s].cell, shares_[s].run);
     for (std::uint32_t o = shares_[s].outline; o < shares_[s + 1].outline; ++o) {
       const MovingOutline& outline = outlines_[o];
+      if (!linked.absent.empty() && linked.absent[outline.body] != 0) continue;
       heights_[o] = poses[outline.body].z + (linked.lifts.empty() ? 0.0 : linked.lifts[o]);
       pen.draw(vertices.subspan(outline.first, outline.count),
                static_cast<std::uint32_t>(surfaces_.size()) + o, [&](Cell region, std::uint32_t run) {

@@ -69,6 +69,8 @@ class RayGrid {
     std::span<const double> lifts;          ///< by how much each outline is raised, m; empty: none is
     std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty:
                                             ///< each is one of its own. Kept until the next redraw
+    std::span<const std::uint8_t> absent;   ///< of each body: it is not drawn where this is not 0; empty:
+                                            ///< all are there
   };
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});

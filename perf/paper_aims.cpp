@@ -87,6 +87,10 @@ void add_costs(Aims& aims) {
   aims.at_most("grid-hospital/1000, one thread", 10000, "ns a robot and tick", aims.ns("grid-hospital/1000"));
 }
 
+void add_devices(Aims& aims) {
+  aims.at_least("foragers/2000, one thread", 10, "x real time", aims.times_real_time("foragers/2000", 1));
+}
+
 void add_threads(Aims& aims) {
   const std::vector<Scaling> scaling = scalings(aims.report());
   std::optional<double> least;
@@ -153,6 +157,7 @@ void add_memory_and_loading(Aims& aims) {
 Sheet aims_sheet(const Report& report) {
   Aims aims(report);
   add_costs(aims);
+  add_devices(aims);
   add_threads(aims);
   add_clusters(aims);
   add_watching(aims);

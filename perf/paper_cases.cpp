@@ -41,6 +41,13 @@ Scene population(const std::string& world, std::size_t robots, double for_s) {
   return scene;
 }
 
+/// Of a world with several populations, of which one is the robots.
+Scene robots_of(const std::string& world, std::size_t robots, double for_s) {
+  Scene scene = population(world, robots, for_s);
+  scene.load.robots = {{"r", robots}};
+  return scene;
+}
+
 Scene campus(std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("campus/{}", robots),
               .world = shipped("campus.json"),
@@ -95,6 +102,10 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
        "of "
        "docs/measures.md. Against the same run unwatched: the median over the repetitions."},
       {"grid", "The paper's ray tracer beside the exact engine", ""},
+      {"devices", "Robots that do more than range",
+       "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip pucks "
+       "and carry them to mills. `finders`: 9 beams and a finder each, with some 16 others in its range; "
+       "`finders-off`: the same without their finders. Beams are those of finders, too."},
   };
   const double times = quick ? 0.01 : 1;
   const auto with_threads = [&](const Scene& scene) {
@@ -144,6 +155,13 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   grid.name = "grid-" + grid.name;
   grid.grid = true;
   plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
+
+  plan.cases.push_back({"devices", with_threads(robots_of("foragers", quick ? 100 : 2000, times * k_table_3_s))});
+  const Scene finders = robots_of("finders", quick ? 100 : 1000, times * k_table_3_s);
+  Scene without = finders;
+  without.name = "finders-off/" + finders.name.substr(finders.name.find('/') + 1);
+  without.load.set.emplace_back("/types/bot/sensors/1/active", "false");
+  plan.cases.push_back({"devices", {{finders, threads.front()}, {without, threads.front()}}});
 
   const auto child = [&](Scene scene, bool as_text = false) {
     plan.children.push_back({std::move(scene), as_text, false});

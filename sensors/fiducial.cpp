@@ -108,8 +108,11 @@ class Search {
 
 void write(const Search& search, const Finder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
-  state.cell<std::uint32_t>(slot, k_fiducial_count)[0] = static_cast<std::uint32_t>(targets.size());
-  for (std::size_t i = 0; i < finder.most_targets; ++i) {
+  std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
+  // Behind those of the last time all entries are 0.
+  const std::size_t last = std::min(finder.most_targets, std::max<std::size_t>(targets.size(), count));
+  count = static_cast<std::uint32_t>(targets.size());
+  for (std::size_t i = 0; i < last; ++i) {
     const bool is_there = i < targets.size();
     const Target target = is_there ? targets[i] : Target();
     Eigen::Vector3d size = Eigen::Vector3d::Zero();

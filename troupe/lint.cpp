@@ -231,7 +231,7 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const engine::BodySpec& body = spec_.bodies[b];
     const engine::BodyType& type = world_.types()[body.type.index()];
-    if (!type.drive || type.obstacle.empty()) continue;
+    if (!type.drive || type.obstacle.empty() || !spec_.starts(BodyId(b))) continue;
     for (const BodyId plan : scene.overlapping(type.obstacle, body.pose_world_body)) {
       if (found++ >= k_most_listed) continue;
       last = body.where;

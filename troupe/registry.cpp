@@ -1,6 +1,7 @@
 #include "troupe/registry.hpp"
 
 #include "models/actuator.hpp"
+#include "models/collector.hpp"
 #include "models/coverage.hpp"
 #include "models/demos.hpp"
 #include "models/depots.hpp"
@@ -16,7 +17,9 @@
 #include "models/nearness.hpp"
 #include "models/operate.hpp"
 #include "models/power.hpp"
+#include "models/remover.hpp"
 #include "models/script.hpp"
+#include "models/spawner.hpp"
 #include "models/wander.hpp"
 #include "models/waypoints.hpp"
 #include "models/wheels.hpp"
@@ -35,19 +38,20 @@ engine::Registry make_registry() {
                       sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
                       models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
                       models::flags_kind(),          models::actuator_kind(),   models::gripper_kind(),
-                      models::wheels_kind()};
+                      models::wheels_kind(),         models::spawner_kind(),    models::remover_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
       models::expand_controller(),    models::wander_controller(),     models::script_controller(),
       models::waypoints_controller(), models::source_controller(),     models::sink_controller(),
       models::fasr_controller(),      models::fasr2_controller(),      models::pioneer_flocking_controller(),
       models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller(),
-      models::operate_controller()};
+      models::operate_controller(),   models::collector_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
                        models::path_length_measure(), models::mean_speed_measure(),
-                       models::order_measure(),       models::spread_measure()};
+                       models::order_measure(),       models::spread_measure(),
+                       models::alive_measure()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;
 }

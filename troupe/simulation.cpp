@@ -193,6 +193,7 @@ void Model::command(engine::ControlMode mode, double x, double y, double turn) {
     return;
   }
   if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
+  if (!is_alive()) throw std::logic_error(fmt::format("\"{}\" is not in the world", place_->name));
   place_->world->set_command(place_->row(), {x, y, turn, mode});
 }
 
@@ -215,6 +216,11 @@ Model::Speed Model::speed() const {
   }
   const engine::Velocity v = place_->world->velocities()[place_->row().index()];
   return {v.x, v.y, v.turn};
+}
+
+bool Model::is_alive() const {
+  const Row row = place_->world->row(place_->body);
+  return !row.valid() || place_->world->is_there(row);
 }
 
 bool Model::stalled() const {
@@ -366,7 +372,7 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
       {"seed", fmt::format("{}", spec.seed)},
       {"tick_s", fmt::format("{}", impl_->world->tick_s())},
       {"ranging", std::string(engine::ranging_engine_name(spec.ranging))},
-      {"robots", fmt::format("{}", robots())},
+      {"robots", fmt::format("{}", impl_->world->robots_at_start())},
       {"threads", fmt::format("{}", threads())},
       {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
   };
@@ -447,11 +453,39 @@ void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
   impl_->world->set_poses(placed);
 }
 
+std::optional<Model> Simulation::spawn(std::string_view population, const Pose& pose) {
+  engine::World& world = *impl_->world;
+  const engine::Birth birth = world.spawn(reserve_of(population), pose);
+  if (birth.status != engine::BirthStatus::born) return std::nullopt;
+  return Model(std::make_shared<Model::Place>(
+      Model::Place{&world, birth.body, 0, world.spec().name(birth.body)}));
+}
+
+std::size_t Simulation::unborn(std::string_view population) const {
+  return impl_->world->unborn(reserve_of(population));
+}
+
+std::size_t Simulation::reserve_of(std::string_view population) const {
+  if (const auto reserve = impl_->world->reserve(population)) return *reserve;
+  std::vector<std::string_view> known;
+  for (const engine::ReserveSpec& reserve : impl_->world->spec().reserves)
+    known.push_back(reserve.population);
+  throw std::out_of_range(
+      fmt::format("no population \"{}\" with a reserve in {}{}", population, impl_->file.string(),
+                  known.empty() ? "" : fmt::format("; known: {}", comma_list(known))));
+}
+
+void Simulation::remove(const Model& model) {
+  if (model.place_->world != impl_->world.get())
+    throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+  impl_->world->remove(model.place_->whole());
+}
+
 std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;
   const engine::World& world = *impl_->world;
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
-    if (const Row row = world.row(BodyId(b)); row.valid() && world.type(row).drive)
+    if (const Row row = world.row(BodyId(b)); row.valid() && world.type(row).drive && world.is_there(row))
       names.push_back(world.spec().name(BodyId(b)));
   return names;
 }

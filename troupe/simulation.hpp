@@ -73,13 +73,13 @@ using engine::phase_name;
 
 /// Counters of a run, since tick 0.
 struct Statistics {
-  std::size_t robots = 0;
+  std::size_t robots = 0;  ///< that are in the world
   std::uint64_t ticks = 0;
   double time_s = 0;
   std::uint64_t beams = 0;         ///< rays cast, counted where they are cast
   std::size_t stalled = 0;         ///< robots whose last motion was refused
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the world
-  double mean_displacement_m = 0;  ///< of robots, straight from where they started
+  double mean_displacement_m = 0;  ///< of robots, straight from where they started, or were born
   std::uint64_t conflict_rounds = 0;
   std::size_t state_bytes = 0;  ///< of all state tables
 };
@@ -90,13 +90,14 @@ class Simulation;
 class Model {
  public:
   const std::string& name() const;
-  /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it.
+  /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it. Of a body
+  /// that died: where that was; of one not born yet: not a number.
   Pose pose() const;
   /// Extent as declared in the world, m.
   Eigen::Vector3d size() const;
   /// Commanded speeds: forward and left in m/s, turn in rad/s (the steering angle in rad for a car). They act
   /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides
-  /// them.
+  /// them. Throws std::logic_error for one without a drive, or that is not in the world, as do all commands.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
   /// Lets its speeds grow: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad), from the next
@@ -112,6 +113,8 @@ class Model {
     double forward = 0, left = 0, turn = 0;
   };
   Speed speed() const;
+  /// Whether it is in the world: born, where it was not there from the start, and not dead. docs/lives.md.
+  bool is_alive() const;
   /// True when the last motion was refused.
   bool stalled() const;
   /// Where it believes to be, m and rad: its true pose with localization `gps`, what its wheels counted with
@@ -224,6 +227,7 @@ class Simulation {
   double time_s() const;
   std::uint64_t tick() const;
   double tick_s() const;
+  /// That are in the world.
   std::size_t robots() const;
   std::string title() const;
   /// Where the world itself asks to end.
@@ -235,7 +239,20 @@ class Simulation {
   /// Model::set_pose of many, at little more than the cost of one: bodies are indexed once. Where one of them
   /// cannot be put none is.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
-  /// Names of all robots, in id order.
+  /// Bears the next body of a population's reserve, between two steps, at a pose in the world's frame, m and
+  /// rad, where it touches nothing solid: sensors see it from the next step on, in which its life begins as
+  /// that of others at tick 0. Nothing where that place is taken or outside of the world, or nobody of the
+  /// reserve is left. Throws std::out_of_range for a population without a reserve, and std::invalid_argument
+  /// for a pose that is not finite. Costs the indexing of all bodies.
+  std::optional<Model> spawn(std::string_view population, const Pose& pose);
+  /// How many of a population's reserve are still to be born.
+  std::size_t unborn(std::string_view population) const;
+  /// Ends a life, between two steps: nobody meets or sees the body any more, what it carried lies where it
+  /// was, and its id is never used again. Does nothing to who is not there. Throws std::logic_error for a
+  /// part of a model, for what never moves, and in a world in which nobody comes and goes: a world with a
+  /// reserve, or with `"mortal": true`, is another. Costs the indexing of all bodies.
+  void remove(const Model& model);
+  /// Names of all robots that are in the world, in id order.
   std::vector<std::string> robot_names() const;
   /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.
   void subscribe(std::string_view model);
@@ -277,6 +294,7 @@ class Simulation {
   friend class Model;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
+  std::size_t reserve_of(std::string_view population) const;
   std::unique_ptr<Impl> impl_;
 };
 

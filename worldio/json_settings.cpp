@@ -33,6 +33,7 @@ const Field k_resolution{.name = "resolution",
                          .min = engine::k_min_resolution_m,
                          .max = engine::k_max_resolution_m};
 const Field k_overlaps{.name = "overlaps", .type = FieldType::text, .choices = {"error", "warn"}};
+const Field k_mortal{.name = "mortal", .type = FieldType::boolean};
 const Field k_same_names{.name = "same_names", .type = FieldType::text, .choices = {"error", "warn"}};
 
 void read_version(JsonObject& object) {
@@ -122,6 +123,7 @@ JsonChecks read_settings(JsonObject& object, const LoadOptions& options, WorldSp
   if (const auto watch = read_block(object, "watch", engine::watch_fields()))
     spec.watch = engine::watch_spec(*watch);
   spec.window = read_block(object, "window", engine::window_fields());
+  if (const Value mortal = read_field(object, k_mortal); mortal.given()) spec.mortal = mortal.boolean();
   const auto is_error = [&](const Field& field) {
     const Value value = read_field(object, field);
     return !value.given() || value.text() == "error";
@@ -164,6 +166,7 @@ void write_settings(const WorldSpec& spec, const JsonChecks& checks, std::string
   if (spec.watch != usual.watch)
     write_block("watch", engine::watch_record(spec.watch), engine::watch_fields());
   if (spec.window) write_block("window", *spec.window, engine::window_fields());
+  if (spec.mortal) write_field(k_mortal, true, object);
   if (!checks.overlaps) write_field(k_overlaps, "warn", object);
   if (!checks.same_names) write_field(k_same_names, "warn", object);
 }

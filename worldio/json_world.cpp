@@ -33,11 +33,13 @@ constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
+const partition::ObstacleShape k_no_shape;
 
 struct Model {
   BodySpec body;
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< parts that have names of their own
+  std::optional<std::string> reserve_of;  ///< the population into which it may be born
   std::string pointer;
 };
 
@@ -45,6 +47,7 @@ struct Population {
   std::string name;
   TypeId type;
   std::size_t count = 0;
+  std::size_t reserve = 0;
   Color color;
   bool random_color = false;
   PlacementRule rule;
@@ -115,6 +118,7 @@ class WorldReader {
   void place_population(const Population& population, const partition::StaticScene& scene,
                         engine::Crowd& crowd, partition::Parallel& parallel);
   void name_parts(const Model& model, BodyId body);
+  void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
 
   std::string read_name(JsonObject& object, std::string_view what);
@@ -225,6 +229,9 @@ void WorldReader::read_model(const JsonCursor& at) {
       model.global_parts.push_back(*name);
     }
   });
+  if (const JsonNode* node = object.find("reserve_of"))
+    if (const std::string* of = read_text(JsonCursor(at, "reserve_of", *node), "the name of a population"))
+      model.reserve_of = *of;
   object.finish();
   models_.push_back(std::move(model));
 }
@@ -238,9 +245,16 @@ void WorldReader::read_population(const JsonCursor& at) {
                                    .type = FieldType::integer,
                                    .min = 0,
                                    .max = options_.most_bodies,
-                                   .text = "how many bodies"}}};
-  const Value count = read_fields(object, table)[0];
-  if (count.given()) population.count = static_cast<std::size_t>(count.integer());
+                                   .text = "how many bodies"},
+                                  {.name = "reserve",
+                                   .type = FieldType::integer,
+                                   .fallback = 0,
+                                   .min = 0,
+                                   .max = options_.most_bodies,
+                                   .text = "how many more may be born"}}};
+  const engine::Record counts = read_fields(object, table);
+  if (counts[0].given()) population.count = static_cast<std::size_t>(counts[0].integer());
+  population.reserve = static_cast<std::size_t>(counts[1].integer());
   population.color = color_of(population.type);
   if (const JsonNode* node = object.find("color")) {
     const std::string* name = node->text();
@@ -355,7 +369,8 @@ TypeId WorldReader::read_type_name(JsonObject& object) {
 
 void WorldReader::place_bodies() {
   double total = static_cast<double>(spec_.bodies.size() + models_.size());
-  for (const Population& population : populations_) total += static_cast<double>(population.count);
+  for (const Population& population : populations_)
+    total += static_cast<double>(population.count) + static_cast<double>(population.reserve);
   if (total > options_.most_bodies) {
     diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
                        fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
@@ -385,14 +400,31 @@ void WorldReader::place_bodies() {
   engine::Crowd crowd;
   for (const Model& model : models_) check_model(model, scene, crowd);
   for (const Model& model : models_) {
-    name_parts(model, BodyId(spec_.bodies.size()));
+    const BodyId body(spec_.bodies.size());
+    name_parts(model, body);
+    if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
     spec_.bodies.push_back(model.body);
   }
   partition::Parallel parallel(options_.threads);
   for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
 }
 
+/// Bodies of one reserve follow one another.
+void WorldReader::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
+  auto& reserves = spec_.reserves;
+  if (!reserves.empty()) {
+    engine::ReserveSpec& last = reserves.back();
+    const bool follows = last.first.index() + last.count == body.index();
+    if (follows && last.population == population && spec_.bodies[last.first.index()].type == type) {
+      ++last.count;
+      return;
+    }
+  }
+  reserves.push_back({population, body, 1});
+}
+
 void WorldReader::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
+  if (model.reserve_of) return crowd.add(k_no_shape, {});  // it is not there yet
   const BodySpec& body = model.body;
   const partition::ObstacleShape& shape = shapes_[body.type.index()];
   const auto overlaps = [&](const BodySpec& other) {
@@ -426,12 +458,15 @@ void WorldReader::place_population(const Population& population, const partition
                                        engine::grid_cells(population.rule))
                          : fmt::format("{} draws found no free place for the next", population.rule.trials)));
   }
+  if (population.reserve > 0)
+    spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
+                              static_cast<std::uint32_t>(population.reserve)});
   const std::uint32_t colors = stream_id("color", population.name);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
+  for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
-    body.pose_world_body = poses[i];
+    if (i < poses.size()) body.pose_world_body = poses[i];
     body.color = population.color;
     body.where = population.where;
     if (!population.random_color) continue;

@@ -163,6 +163,8 @@ JsonNode WorldWriter::model_node(std::size_t b) const {
   if (const auto alias = aliases_.find(static_cast<std::uint32_t>(b)); alias != aliases_.end())
     add_member(object, "alias", spec_.names.text(alias->second));
   add_member(object, "type", keys_[type]);
+  for (const engine::ReserveSpec& reserve : spec_.reserves)
+    if (b - reserve.first.index() < reserve.count) add_member(object, "reserve_of", reserve.population);
   write_place(body.pose_world_body, object);
   if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
   if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {

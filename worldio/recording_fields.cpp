@@ -112,6 +112,20 @@ void add_sensors(const World& world, std::span<const std::string> names,
   }
 }
 
+void leave_out_absent(const World& world, const RecordedComponent& component,
+                      const RecordedComponent::Source& source,
+                      std::span<const std::span<std::byte>> fields) {
+  const StateTable& table = world.tables()[source.table];
+  for (std::size_t r = 0; r < table.rows(); ++r) {
+    if (world.is_there(world.row(table.ids()[r]))) continue;
+    for (std::size_t f = 0; f < component.fields.size(); ++f) {
+      const engine::StateField& field = component.fields[f];
+      const std::size_t width = engine::element_size(field.element) * field.columns;
+      std::ranges::fill(fields[f].subspan(width * source.recorded[r], width), absent(field));
+    }
+  }
+}
+
 }  // namespace
 
 std::size_t RecordedComponent::bytes(std::size_t field) const {
@@ -178,6 +192,11 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
   return components;
 }
 
+std::byte absent(const engine::StateField& field) {
+  using engine::Element;
+  return field.element == Element::f64 || field.element == Element::f32 ? std::byte{0xff} : std::byte{0};
+}
+
 void gather(const World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields) {
   for (const RecordedComponent::Source& source : component.sources) {
@@ -201,6 +220,8 @@ void gather(const World& world, const RecordedComponent& component,
         }
       }
     }
+    if (world.absent_count() > 0 && component.name != "life")  // which says who is not there
+      leave_out_absent(world, component, source, fields);
   }
 }
 

@@ -71,11 +71,6 @@ void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view fram
   dataset.set_text("text", text);
 }
 
-/// Absent numbers are NaN: every byte 0xff is one. Other elements have none, and are 0.
-std::byte absent(const engine::StateField& field) {
-  return field.element == Element::f64 || field.element == Element::f32 ? std::byte{0xff} : std::byte{0};
-}
-
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world,
@@ -274,6 +269,12 @@ void RecordingWriter::record(const World& world, std::uint64_t state_hash) {
     for (std::size_t f = 0; f < component.fields.size(); ++f, ++output)
       fields.push_back(std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes));
     gather(world, component, fields);
+  }
+  if (world.has_lives()) {
+    const std::span<std::byte> alive =
+        std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes);
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      alive[b] = std::byte{world.is_there(world.row(bodies_[b]))};
   }
   ticks_.push_back(world.tick());
   times_s_.push_back(world.time_s());

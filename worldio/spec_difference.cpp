@@ -160,6 +160,14 @@ std::string difference(const engine::MeasureSpec& a, const engine::MeasureSpec& 
       .text();
 }
 
+std::string difference(const engine::ReserveSpec& a, const engine::ReserveSpec& b) {
+  const auto& [population, first, count] = a;
+  return Difference(fmt::format("reserve of \"{}\"", population))
+      .is(population == b.population, "population")
+      .is(first == b.first && count == b.count, "bodies")
+      .text();
+}
+
 bool same(const std::optional<engine::RecordSpec>& a, const std::optional<engine::RecordSpec>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
   const auto& [file, fields, every_s, where, where_fields] = *a;
@@ -207,8 +215,8 @@ bool same_part_names(const WorldSpec& a, const WorldSpec& b) {
 
 std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
-               window] = a;
+               bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
+               measure_every_s, watch, window] = a;
   static_cast<void>(files);
   static_cast<void>(resolution_where);
   static_cast<void>(names);
@@ -232,6 +240,8 @@ std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
       .is(same_bounds, "the bounds")
       .is(first_of(types, b.types, "types", compare))
       .is(bodies_difference(a, b))
+      .is(first_of(reserves, b.reserves, "reserves", compare))
+      .is(mortal == b.mortal, "whether bodies may be removed")
       .is(same_names(a, b), "other names of bodies")
       .is(same_part_names(a, b), "names of parts")
       .is(first_of(measures, b.measures, "measures", compare))

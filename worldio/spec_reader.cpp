@@ -75,6 +75,7 @@ class SpecReader {
   engine::WorldSpec read(const JsonNode& document);
   void add_bodies(engine::WorldSpec& spec, const BodyColumns& columns);
   void check_part_names(const engine::WorldSpec& spec);
+  void check_reserves(const engine::WorldSpec& spec);
 
  private:
   const JsonNode* require(JsonObject& object, std::string_view key) {
@@ -97,6 +98,7 @@ class SpecReader {
   void read_settings(JsonObject& object, engine::WorldSpec& spec);
   engine::RecordSpec record(const JsonCursor& at);
   engine::MeasureSpec measure(const JsonCursor& at);
+  engine::ReserveSpec reserve(const JsonCursor& at);
   void read_names(JsonObject& object, engine::WorldSpec& spec);
   Ring ring(const JsonCursor& at);
   Solid solid(const JsonCursor& at);
@@ -286,6 +288,16 @@ engine::MeasureSpec SpecReader::measure(const JsonCursor& at) {
   return measure;
 }
 
+engine::ReserveSpec SpecReader::reserve(const JsonCursor& at) {
+  JsonObject object(at);
+  engine::ReserveSpec reserve;
+  reserve.population = text(object, "population");
+  reserve.first = BodyId(index(object, "first"));
+  reserve.count = index(object, "count");
+  object.finish();
+  return reserve;
+}
+
 void SpecReader::read_names(JsonObject& object, engine::WorldSpec& spec) {
   std::vector<std::string> words;
   each_of(object, "words", [&](const JsonCursor& at) {
@@ -470,6 +482,9 @@ engine::WorldSpec SpecReader::read(const JsonNode& document) {
   JsonObject object(root);
   read_settings(object, spec);
   read_names(object, spec);
+  if (object.find("reserves"))
+    each_of(object, "reserves", [&](const JsonCursor& at) { spec.reserves.push_back(reserve(at)); });
+  if (object.find("mortal")) spec.mortal = boolean(object, "mortal");
   each_of(object, "types", [&](const JsonCursor& at) { spec.types.push_back(type(at)); });
   object.finish();
   return spec;
@@ -516,6 +531,20 @@ void SpecReader::check_part_names(const engine::WorldSpec& spec) {
   }
 }
 
+void SpecReader::check_reserves(const engine::WorldSpec& spec) {
+  std::size_t end = 1;  // the ground is always there
+  for (const engine::ReserveSpec& reserve : spec.reserves) {
+    const std::size_t first = reserve.first.index();
+    const std::size_t last = first + reserve.count;
+    if (first < end || last > spec.bodies.size() || reserve.count == 0)
+      return error(fmt::format("the reserve of \"{}\" is of bodies that it cannot be of", reserve.population));
+    for (std::size_t b = first; b < last; ++b)
+      if (spec.bodies[b].type != spec.bodies[first].type)
+        return error(fmt::format("the reserve of \"{}\" is of several types", reserve.population));
+    end = last;
+  }
+}
+
 }  // namespace
 
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
@@ -536,6 +565,7 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
   engine::WorldSpec spec = reader.read(*document);
   if (!diagnostics.has_errors()) reader.add_bodies(spec, stored.bodies);
   if (!diagnostics.has_errors()) reader.check_part_names(spec);
+  if (!diagnostics.has_errors()) reader.check_reserves(spec);
   return spec;
 }
 

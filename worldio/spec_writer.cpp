@@ -245,6 +245,15 @@ Json record_json(const engine::RecordSpec& record) {
   return json;
 }
 
+Json reserve_json(const engine::ReserveSpec& reserve) {
+  const auto& [population, first, count] = reserve;
+  Json json;
+  json["population"] = text_json(population);
+  json["first"] = first.value;
+  json["count"] = count;
+  return json;
+}
+
 Json measure_json(const engine::MeasureSpec& measure, const engine::Registry& registry) {
   const auto& [kind, name, of, params, where] = measure;
   Json json;
@@ -289,8 +298,8 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
-               window] = spec;
+               bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
+               measure_every_s, watch, window] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;
@@ -321,6 +330,8 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
     json["part_names"].push_back(
         {{"name", text_json(name)}, {"body", body.value}, {"part", text_json(part)}});
   }
+  for (const engine::ReserveSpec& reserve : reserves) json["reserves"].push_back(reserve_json(reserve));
+  if (mortal) json["mortal"] = mortal;
   json["types"] = Json::array();
   for (const engine::TypeSpec& type : types) json["types"].push_back(type_json(type, registry));
   try {

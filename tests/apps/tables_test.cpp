@@ -16,6 +16,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
@@ -89,7 +90,7 @@ TEST_F(Tables, WithoutAnyNameEveryMeasureIsTakenEverySecond) {
   EXPECT_EQ(
       lines[0],
       "tick,time_s,coverage,mean_nearest_distance_m,neighbours,stalls,held,displacement_m,path_length_m,"
-      "mean_speed_mps,order,spread_m");
+      "mean_speed_mps,order,spread_m,alive");
   EXPECT_THAT(lines, ElementsAre(StartsWith("tick"), StartsWith("0,"), StartsWith("10,"), StartsWith("20,")));
 }
 
@@ -139,6 +140,27 @@ TEST_F(Tables, EventsAddUpToTheStallsThatAreMeasured) {
     stalled += change[cells[0]];
     EXPECT_EQ(cells[2], std::to_string(stalled)) << lines[i];
   }
+}
+
+TEST_F(Tables, BirthsAndDeathsAreToldAndCounted) {
+  const std::string world = TROUPE_SOURCE_DIR "/worlds/colony.json";
+  EXPECT_EQ(troupe({"run", world, "--quiet", "--for", "13", "--events", "e.csv", "--measures", "m.csv"}).code, 0);
+  std::vector<std::string> told;
+  for (const std::string& line : lines_of(read("e.csv"))) {
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells[3] == "walker0") told.push_back(cells[0] + " " + cells[2]);
+    if (cells[2] == "birth" && cells[3] == "walker0") {
+      EXPECT_EQ(cells[5], "-6");
+    }
+  }
+  EXPECT_THAT(told, ElementsAre("20 birth", "122 death"));
+  const std::vector<std::string> lines = lines_of(read("m.csv"));
+  EXPECT_EQ(lines[0], "tick,time_s,alive:ant,alive:walker");
+  EXPECT_THAT(lines[1], EndsWith(",8,0"));
+  EXPECT_THAT(lines[5], EndsWith(",8,2")) << lines[5];  // 4 s
+  EXPECT_THAT(lines[14], EndsWith(",5")) << "six that were born, and one that died";
+  const Outcome info = troupe({"info", world});
+  EXPECT_THAT(info.out, HasSubstr("60 of ant, 200 of walker"));
 }
 
 TEST_F(Tables, NamesThatNeedItStandInQuotes) {

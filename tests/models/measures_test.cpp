@@ -357,7 +357,7 @@ TEST(Measures, OfFewRobotsAreNumbersOrNone) {
   World empty = scene.world();
   for (const engine::MeasureKind& kind : test::registry().measures) {
     const double v = value(empty, spec(std::string(kind.name)));
-    if (kind.name == "stalls" || kind.name == "held")
+    if (kind.name == "stalls" || kind.name == "held" || kind.name == "alive")
       EXPECT_EQ(v, 0) << kind.name;
     else
       EXPECT_TRUE(std::isnan(v)) << kind.name;
@@ -368,6 +368,43 @@ TEST(Measures, OfFewRobotsAreNumbersOrNone) {
   EXPECT_EQ(value(one, spec("neighbours")), 0);
   EXPECT_DOUBLE_EQ(value(one, spec("order")), 1);
   EXPECT_EQ(value(one, spec("spread")), 0);
+}
+
+TEST(Measures, AreOfThoseWhoAreInTheWorld) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+  scene.body("bot0", bot, {1, 0, 0, 0});
+  scene.body("bot1", bot, {2, 0, 0, 0});
+  scene.spec.reserves = {{"bot", BodyId(3), 2}};
+  scene.body("bot2", bot);
+  scene.body("bot3", bot);
+  World world = scene.world();
+  MeasureSet set = measures(world, {spec("alive"), spec("displacement"), spec("path_length"),
+                                    spec("mean_nearest_distance"), spec("spread"), spec("neighbours")});
+  using ::testing::DoubleNear;
+  const auto near = [](double x) { return DoubleNear(x, 1e-12); };
+  EXPECT_THAT(set.values(), ElementsAre(2, 0, 0, near(1), near(0.5), 2 / 2));
+  world.spawn(0, {5, 0, 0, 0});
+  for (const char* name : {"bot0", "bot2"}) world.set_command(world.row(world.find(name)), {0, 1, 0});
+  for (int tick = 0; tick < 10; ++tick) {
+    world.step();
+    set.see();
+  }
+  // Those at x = 1 and x = 5 have gone a metre; the one at x = 2 stands.
+  const double to_first = std::hypot(1, 1), to_last = std::hypot(3, 1);
+  EXPECT_THAT(set.values(),
+              ElementsAre(3, near(2.0 / 3), near(2.0 / 3), near((2 * to_first + to_last) / 3), ::testing::_, 0));
+  world.remove(world.row(world.find("bot1")));
+  for (int tick = 0; tick < 5; ++tick) {
+    world.step();
+    set.see();
+  }
+  EXPECT_THAT(set.values(), ElementsAre(2, near(1.5), near(1.5), near(4), near(2), 0));
+  world.remove(world.row(world.find("bot2")));
+  world.step();
+  set.see();
+  EXPECT_THAT(set.values()[0], 1);
+  EXPECT_TRUE(std::isnan(set.values()[3])) << "there is no other";
 }
 
 TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {
@@ -416,7 +453,7 @@ TEST(Measures, SayWhatIsWrongWithThem) {
   EXPECT_THAT(
       texts,
       ElementsAre(
-          AllOf(HasSubstr("error: unknown measure \"stals\"; known: coverage, "),
+          AllOf(HasSubstr("error: unknown measure \"stals\"; known: alive, coverage, "),
                 HasSubstr("(did you mean \"stalls\"?)")),
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",

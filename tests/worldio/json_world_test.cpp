@@ -286,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -460,6 +460,12 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found 20000000"},
         Wrong{R"("count": 4)", R"("count": 10000000)",
               "maze.json:17: error: the world would hold 10000002 bodies; at most 10000000 are allowed"},
+        Wrong{R"("count": 4)", R"("count": 4, "reserve": -1)",
+              "maze.json:17: error: /populations/0/reserve: must be from 0 to 10000000, found -1"},
+        Wrong{R"("count": 4)", R"("count": 4, "reserve": 10000000)",
+              "maze.json:17: error: the world would hold 10000006 bodies; at most 10000000 are allowed"},
+        Wrong{R"("count": 4)", R"("count": 4, "reserve": "many")",
+              "maze.json:17: error: /populations/0/reserve: expected a whole number, found the text \"many\""},
         Wrong{R"("count": 4,)", "",
               R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
         Wrong{R"("count": 4)", R"("count": 26)",
@@ -514,7 +520,7 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
-          "measure_every_s, measures, models, overlaps, populations, quit_time_ms, quit_time_s, ranging, "
+          "measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, "
           "record, "
           "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, "
           "types, watch, window"));
@@ -596,7 +602,7 @@ TEST(JsonWorld, SetAndSeed) {
           "--set /populations/0/count: error: /populations/0/count: expected a whole number, found the text "
           "\"many\"",
           "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
-          "count, name, place, type"));
+          "count, name, place, reserve, type"));
 }
 
 TEST(JsonWorld, ThreadsChangeNeitherAWorldNorItsFindings) {
@@ -656,6 +662,30 @@ TEST(JsonWorld, RobotsSetAPopulation) {
       ElementsAre(
           "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no more free "
           "cells (of 25)"));
+}
+
+TEST(JsonWorld, AReserveFollowsItsPopulation) {
+  const Loaded loaded(changed(R"("count": 4)", R"("count": 4, "reserve": 3, "color": "red")"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  ASSERT_EQ(loaded.spec.bodies.size(), 1u + 1 + 4 + 3);
+  ASSERT_EQ(loaded.spec.reserves.size(), 1u);
+  const engine::ReserveSpec& reserve = loaded.spec.reserves[0];
+  EXPECT_EQ(reserve.population, "r");
+  EXPECT_EQ(reserve.first, BodyId(6));
+  EXPECT_EQ(reserve.count, 3u);
+  EXPECT_EQ(loaded.spec.name(BodyId(6)), "r4");
+  EXPECT_EQ(loaded.spec.name(BodyId(8)), "r6");
+  EXPECT_EQ(loaded.spec.bodies[8].type, loaded.spec.bodies[5].type);
+  EXPECT_EQ(loaded.spec.bodies[8].color, loaded.spec.bodies[5].color);
+  EXPECT_TRUE(loaded.spec.starts(BodyId(5)));
+  EXPECT_FALSE(loaded.spec.starts(BodyId(6)));
+  EXPECT_FALSE(loaded.spec.starts(BodyId(8)));
+  const Loaded plain(k_world);
+  for (std::size_t b = 0; b < 6; ++b)
+    EXPECT_EQ(plain.spec.bodies[b].pose_world_body, loaded.spec.bodies[b].pose_world_body);
+  EXPECT_TRUE(plain.spec.reserves.empty());
+  EXPECT_FALSE(plain.spec.mortal);
+  EXPECT_TRUE(Loaded(changed(R"("seed": 7)", R"("seed": 7, "mortal": true)")).spec.mortal);
 }
 
 TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {

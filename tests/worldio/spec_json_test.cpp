@@ -47,8 +47,8 @@ class Comparison {
   void compare() {
     // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
     const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-                 bounds, types, names, bodies, aliases, part_aliases, measures, measure_every_s, watch,
-                 window] = a_;
+                 bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
+                 measure_every_s, watch, window] = a_;
     EXPECT_EQ(title, b_.title);
     EXPECT_TRUE(files && b_.files);
     EXPECT_EQ(seed, b_.seed);
@@ -74,6 +74,14 @@ class Comparison {
     for (std::size_t t = 0; t < types.size(); ++t) same(types[t], b_.types[t]);
     ASSERT_EQ(bodies.size(), b_.bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) same(bodies[i], b_.bodies[i]);
+    EXPECT_EQ(mortal, b_.mortal);
+    ASSERT_EQ(reserves.size(), b_.reserves.size());
+    for (std::size_t i = 0; i < reserves.size(); ++i) {
+      const auto& [population, first, count] = reserves[i];
+      EXPECT_EQ(population, b_.reserves[i].population);
+      EXPECT_EQ(first, b_.reserves[i].first);
+      EXPECT_EQ(count, b_.reserves[i].count);
+    }
     ASSERT_EQ(aliases.size(), b_.aliases.size());
     for (std::size_t i = 0; i < aliases.size(); ++i) {
       const auto& [name, body] = aliases[i];
@@ -270,6 +278,10 @@ WorldSpec full_spec() {
                          .pose_world_body = {1e-17, -0.0, 3, 4},
                          .color = {0.5f, 0.25f, 0.1f, 0.9f},
                          .where = {file, 12}});
+  spec.bodies.push_back({.name = spec.names.add("b", 0), .type = TypeId(1)});
+  spec.bodies.push_back({.name = spec.names.add("b", 1), .type = TypeId(1)});
+  spec.reserves = {{"b\xe9", BodyId(2), 2}};
+  spec.mortal = true;
   spec.aliases.push_back({spec.names.add("position:0"), BodyId(1)});
   spec.part_aliases["/x\xff"] = {BodyId(1), "ranger:0"};
   return spec;

@@ -1,0 +1,458 @@
+// Births and deaths: who is not there is nowhere, lives begin alike, and nothing of it depends on threads.
+
+#include "base/random.hpp"
+#include "engine/controller.hpp"
+#include "engine/events.hpp"
+#include "engine/world.hpp"
+#include "models/gripper.hpp"
+#include "tests/support/devices.hpp"
+#include "tests/support/slow_build.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+using test::box;
+using test::SceneBuilder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::uint32_t k_reserve = 3;
+
+/// Adds the bodies of a reserve.
+void add_reserve(SceneBuilder& scene, const std::string& name, TypeId type, std::uint32_t count) {
+  scene.spec.reserves.push_back({name, BodyId(scene.spec.bodies.size()), count});
+  for (std::uint32_t i = 0; i < count; ++i) scene.body(fmt::format("{}{}", name, i), type);
+}
+
+/// A robot that looks ahead, at x = 0, and a reserve of others like it.
+struct Plain {
+  SceneBuilder scene;
+  TypeId type;
+  BodyId robot;
+
+  Plain() {
+    type = scene.robot("bot", {box(0.4, 0.4)});
+    scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};
+    robot = scene.body("r", type);
+    add_reserve(scene, "more", type, k_reserve);
+  }
+  static float range(const World& world, BodyId body) {
+    const Row row = world.row(body);
+    return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
+  }
+};
+
+TEST(Lives, WhoIsInReserveIsNowhere) {
+  Plain plain;
+  World world = plain.scene.world();
+  const Row unborn = world.row(world.find("more0"));
+  EXPECT_EQ(world.rows(), 1u + k_reserve);
+  EXPECT_EQ(world.robots(), 1u);
+  EXPECT_EQ(world.absent_count(), k_reserve);
+  EXPECT_EQ(world.presence(unborn), Presence::unborn);
+  EXPECT_FALSE(world.is_there(unborn));
+  EXPECT_TRUE(std::isnan(world.pose(world.find("more0")).x));
+  EXPECT_EQ(world.index().order().size(), 1u);
+  EXPECT_EQ(world.frame().mobile.size(), 1u);
+  world.set_command(world.row(plain.robot), {1, 0, 0});
+  for (int tick = 0; tick < 10; ++tick) world.step();
+  EXPECT_NEAR(world.pose(plain.robot).x, 1, 1e-12) << "they do not stand in anybody's way";
+  EXPECT_EQ(Plain::range(world, plain.robot), 5) << "nor are they seen";
+  EXPECT_EQ(world.beams_cast(), 10u) << "nor do they see";
+  EXPECT_EQ(world.mean_displacement(), world.pose(plain.robot).x);
+}
+
+TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNobodyGoes) {
+  SceneBuilder scene;
+  const BodyId robot = scene.body("r", scene.robot("bot", {box(0.4, 0.4)}));
+  World world = scene.world();
+  EXPECT_FALSE(world.has_lives());
+  EXPECT_THROW(world.remove(world.row(robot)), std::logic_error);
+  const std::uint64_t hash = world.hashes().state;
+
+  scene.spec.mortal = true;
+  World mortal = scene.world();
+  EXPECT_EQ(mortal.hashes().state, hash) << "who is there from the start adds nothing";
+  mortal.remove(mortal.row(robot));
+  EXPECT_NE(mortal.hashes().state, hash);
+  EXPECT_EQ(mortal.robots(), 0u);
+}
+
+TEST(Lives, BornBodiesAreSeenMetAndMoved) {
+  Plain plain;
+  World world = plain.scene.world();
+  world.step();
+  const Birth birth = world.spawn(0, {2, 0, 0, k_pi});
+  ASSERT_EQ(birth.status, BirthStatus::born);
+  EXPECT_EQ(birth.body, world.find("more0"));
+  const Row row = world.row(birth.body);
+  EXPECT_TRUE(world.is_there(row));
+  EXPECT_EQ(world.birth_tick(row), 1u);
+  EXPECT_EQ(world.origin(row), Vec2(2, 0));
+  EXPECT_EQ(world.robots(), 2u);
+  EXPECT_EQ(world.unborn(0), k_reserve - 1);
+  EXPECT_EQ(world.frame().mobile.size(), 2u);
+  EXPECT_EQ(Plain::range(world, birth.body), 0) << "it has not looked yet";
+  world.step();
+  EXPECT_FLOAT_EQ(Plain::range(world, plain.robot), 1.8f);
+  EXPECT_FLOAT_EQ(Plain::range(world, birth.body), 1.8f);
+  world.set_command(world.row(plain.robot), {1, 0, 0});
+  for (int tick = 0; tick < 30; ++tick) world.step();
+  EXPECT_TRUE(world.stalled(world.row(plain.robot)));
+  EXPECT_LE(world.pose(plain.robot).x, 1.6 + 1e-9);
+}
+
+TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndSomebodyLeft) {
+  Plain plain;
+  plain.scene.wall(3, -1, 4, 1);
+  plain.scene.spec.bounds = Box::around(Vec2::Zero(), 10);
+  World world = plain.scene.world();
+  const std::uint64_t before = world.hashes().state;
+  EXPECT_EQ(world.spawn(0, {0.39, 0, 0, 0}).status, BirthStatus::occupied) << "the robot";
+  EXPECT_EQ(world.spawn(0, {3.5, 0, 0, 0}).status, BirthStatus::occupied) << "in the wall";
+  EXPECT_EQ(world.spawn(0, {2.9, 0, 0, 0}).status, BirthStatus::occupied) << "its edge";
+  EXPECT_EQ(world.spawn(0, {11, 0, 0, 0}).status, BirthStatus::occupied) << "outside";
+  EXPECT_THROW(world.spawn(0, {std::nan(""), 0, 0, 0}), std::invalid_argument);
+  EXPECT_EQ(world.hashes().state, before) << "who is refused leaves no trace";
+  EXPECT_EQ(world.unborn(0), k_reserve);
+  EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).body, world.find("more0")) << "touching is free";
+  EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).status, BirthStatus::occupied) << "by the one before";
+  EXPECT_EQ(world.spawn(0, {-1, 0, 0, 0}).body, world.find("more1"));
+  EXPECT_EQ(world.spawn(0, {-2, 0, 0, 0}).body, world.find("more2"));
+  EXPECT_EQ(world.spawn(0, {-3, 0, 0, 0}).status, BirthStatus::used_up);
+  world.remove(world.row(world.find("more2")));
+  EXPECT_EQ(world.spawn(0, {-2, 0, 0, 0}).status, BirthStatus::used_up) << "no id is used twice";
+}
+
+TEST(Lives, TheDeadAreGoneAndKeepNothingButTheirPlace) {
+  Plain plain;
+  World world = plain.scene.world();
+  const BodyId other = world.spawn(0, {2, 0, 0, 0}).body;
+  world.set_command(world.row(other), {1, 0, 0});
+  for (int tick = 0; tick < 5; ++tick) world.step();
+  const Row row = world.row(other);
+  world.remove(row);
+  EXPECT_EQ(world.presence(row), Presence::dead);
+  EXPECT_NEAR(world.pose(other).x, 2.5, 1e-12);
+  EXPECT_EQ(world.velocities()[row.index()].x, 0);
+  EXPECT_EQ(world.commands()[row.index()].x, 0);
+  EXPECT_EQ(Plain::range(world, other), 0);
+  const std::uint64_t hash = world.hash(world.tables()[0]);
+  world.remove(row);  // nothing more happens
+  EXPECT_EQ(world.hash(world.tables()[0]), hash);
+  world.step();
+  EXPECT_EQ(Plain::range(world, plain.robot), 5);
+  EXPECT_NEAR(world.pose(other).x, 2.5, 1e-12);
+  EXPECT_THROW(world.set_poses(std::vector<World::Placed>{{row, {1, 1, 0, 0}}}), std::invalid_argument);
+  EXPECT_TRUE(world.is_free(world.row(plain.robot), {2.5, 0, 0, 0}));
+}
+
+/// Counts its decisions, a device and a drive of 0.3 s each.
+struct Counter {
+  struct Memory {
+    std::uint32_t decisions = 0;
+    std::uint64_t first_tick = 0;
+    TROUPE_FIELDS(decisions, first_tick)
+  };
+  void operator()(Memory& memory, const Percept& percept, Random&, Actions&) const {
+    if (memory.decisions++ == 0) memory.first_tick = percept.tick;
+  }
+};
+
+TEST(Lives, PeriodsCountFromTheBirth) {
+  Registry registry = test::registry();
+  registry.controllers.push_back(make_controller_kind<Counter>("counter", "", {}));
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
+  scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};
+  scene[type].devices[0].period_s = 0.3;
+  scene[type].controllers = {{.kind = "counter", .params = {}}};
+  scene.body("r", type);
+  add_reserve(scene, "more", type, 2);
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  const auto memory = [&](std::string_view name) -> const Counter::Memory& {
+    const Row row = world.row(world.find(name));
+    return world.tables()[*world.type(row).controllers[0].table].as<Counter::Memory>(world.slot(row));
+  };
+  for (int tick = 0; tick < 4; ++tick) world.step();
+  world.spawn(0, {2, 0, 0, 0});
+  for (int tick = 0; tick < 8; ++tick) world.step();  // tick 12, and 8 of its life
+  EXPECT_EQ(memory("r").first_tick, 3u);
+  EXPECT_EQ(memory("r").decisions, 4u);
+  EXPECT_EQ(memory("more0").first_tick, 7u);
+  EXPECT_EQ(memory("more0").decisions, 2u);
+  EXPECT_EQ(memory("more1").decisions, 0u);
+}
+
+TEST(Lives, WhatTheDeadCarriedLiesWhereItWas) {
+  SceneBuilder scene;
+  scene.spec.mortal = true;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4, 0.3)});
+  const std::size_t hand = test::add_device(scene[type], "hand", "gripper", {0.3, 0, 0, 0});
+  scene[type].controllers = {test::operate({test::order(0.1, "hand", "close")})};
+  const BodyId robot = scene.body("r", type);
+  const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.1)}, {.gripper = true});
+  const BodyId object = scene.body("o", puck, {0.34, 0, 0, 0});
+  for (const bool robot_dies : {true, false}) {
+    World world = scene.world();
+    for (int tick = 0; tick < 20; ++tick) world.step();
+    ASSERT_EQ(world.carrier(world.row(object)), robot);
+    world.set_command(world.row(robot), {0.2, 0, 0.1});
+    for (int tick = 0; tick < 10; ++tick) world.step();
+    const Pose at = world.pose(object);
+    const double x = world.pose(robot).x;
+    world.remove(world.row(robot_dies ? robot : object));
+    EXPECT_FALSE(world.carrier(world.row(object)));
+    EXPECT_EQ(world.carried_count(), 0u);
+    world.step();
+    EXPECT_EQ(world.pose(object), at);
+    if (robot_dies) continue;
+    EXPECT_EQ(test::state_of<models::GripperState>(world, robot, hand).held, 0u) << "it knows";
+    EXPECT_GT(world.pose(robot).x, x) << "and drives on";
+  }
+}
+
+TEST(Lives, BodiesWithJointsAreBornAsTheyStart) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4, 0.3)});
+  test::add_device(scene[type], "hand", "gripper", {0.3, 0, 0, 0}, {{"paddles", std::string("closed")}});
+  const BodyId model = scene.body("r", type, {0, 0, 0, 0.5});
+  add_reserve(scene, "more", type, 1);
+  World world = scene.world();
+  world.step();
+  const BodyId born = world.spawn(0, {5, 1, 0, 0.5}).body;
+  ASSERT_TRUE(born.valid());
+  const auto first = world.outline(world.row(model));
+  const auto second = world.outline(world.row(born));
+  for (std::size_t v = 0; v < first.size(); ++v)
+    EXPECT_LT((second[v] - first[v] - Vec2(5, 1)).norm(), 1e-12);
+  EXPECT_EQ(test::state_of<models::GripperState>(world, born, 0).paddles, models::GripperState::closed);
+}
+
+TEST(Lives, EventsTellOfBirthsAndDeaths) {
+  Plain plain;
+  World world = plain.scene.world();
+  EventWatch watch(world);
+  const auto next = [&] {
+    world.step();
+    std::vector<std::string> lines;
+    for (const Event& event : watch.see(world))
+      lines.push_back(fmt::format("{} {}", event_name(event.type), world.spec().name(event.body)));
+    return lines;
+  };
+  EXPECT_THAT(next(), IsEmpty());
+  world.spawn(0, {2, 0, 0, 0});
+  world.spawn(0, {-2, 0, 0, 0});
+  EXPECT_THAT(next(), ElementsAre("birth more0", "birth more1"));
+  world.remove(world.row(world.find("more0")));
+  EXPECT_THAT(next(), ElementsAre("death more0"));
+  world.spawn(0, {2, 0, 0, 0});
+  world.remove(world.row(world.find("more2")));
+  EXPECT_THAT(next(), ElementsAre("birth more2", "death more2"));
+  EXPECT_THAT(next(), IsEmpty());
+}
+
+TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
+  SceneBuilder scene;
+  const TypeId crate = scene.type("crate", {box(0.4, 0.4)});
+  add_reserve(scene, "c", crate, 2);
+  Diagnostics diagnostics;
+  try {
+    World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("population \"c\" has a reserve"));
+  }
+}
+
+// ---- many births and deaths in crowded ticks
+
+/// Now and then asks for a birth beside it, or dies, or kills whom it finds nearest.
+struct Breeder {
+  struct State {
+    std::uint32_t born = 0;
+    std::uint32_t occupied = 0;
+    std::uint32_t used_up = 0;
+    std::uint32_t last = 0;
+    TROUPE_FIELDS(born, occupied, used_up, last)
+  };
+
+  static DeviceKind kind() {
+    DeviceKind kind{.name = "breeder", .text = ""};
+    kind.prepare = [](const Record&, const Pose&) {
+      return DeviceKind::Prepared{.data = 0,
+                                  .percepts = memory_fields<State>(),
+                                  .percept_bytes = sizeof(State),
+                                  .most_effects = 2,
+                                  .ends_lives = true};
+    };
+    kind.act = [](const DeviceBatch& batch) {
+      for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+        Random random = batch.random(i);
+        const Pose at = batch.mount(i).pose();
+        if (random.uniform() < 0.3)
+          batch.emit_birth(i, 0, 0,
+                           {at.x + random.uniform(-0.6, 0.6), at.y + random.uniform(-0.6, 0.6), 0, 1});
+        if (random.uniform() < 0.1) batch.emit_death(i, 1, batch.body(i));
+      }
+    };
+    kind.born = [](World& world, const std::any&, const Effect& effect, const Birth& birth) {
+      State& own = state(world, effect.source);
+      own.born += birth.status == BirthStatus::born;
+      own.occupied += birth.status == BirthStatus::occupied;
+      own.used_up += birth.status == BirthStatus::used_up;
+      if (birth.body.valid()) own.last = birth.body.value;
+    };
+    return kind;
+  }
+  static State& state(World& world, BodyId body) {
+    const Row row = world.row(body);
+    return world.state(world.type(row).devices.front()).as<State>(world.slot(row));
+  }
+};
+
+/// Bots that move about, breed and die in a yard, with rangers.
+class Yard {
+ public:
+  static constexpr std::uint32_t k_more = test::k_slow_build ? 60 : 300;
+
+  explicit Yard(const WorldOptions& options, RangingEngine ranging = RangingEngine::exact) {
+    registry_.devices.push_back(Breeder::kind());
+    const TypeId type = scene_.robot("bot", {box(0.3, 0.3, 0.3)}, "omni");
+    scene_[type].devices = {{.name = "womb", .kind = "breeder", .params = {}, .where = {}},
+                            test::ranger("eye", {{.range_max = 2}})};
+    scene_[type].devices[1].period_s = 0.2;
+    for (int i = 0; i < 30; ++i)
+      scene_.body(fmt::format("r{}", i), type, {0.4 * (i % 6), 0.4 * (i / 6), 0, 0});
+    add_reserve(scene_, "more", type, k_more);
+    scene_.wall(-2, -2, 4, -1.9);
+    scene_.spec.bounds = Box::around(Vec2(1, 1), 3);
+    scene_.spec.ranging = ranging;
+    scene_.spec.resolution_m = 0.05;
+    Diagnostics diagnostics;
+    world_ = std::make_unique<World>(scene_.spec, registry_, options, diagnostics);
+  }
+  World& world() { return *world_; }
+  void step() {
+    for (std::size_t r = 0; r < world_->rows(); ++r) {
+      const Row row(r);
+      if (!world_->is_there(row) || !world_->type(row).drive) continue;
+      Random random(7, 1, world_->body(row).value, static_cast<std::uint32_t>(world_->tick()));
+      world_->set_command(row, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    }
+    world_->step();
+  }
+
+ private:
+  Registry registry_ = test::registry();
+  SceneBuilder scene_;
+  std::unique_ptr<World> world_;
+};
+
+constexpr int k_ticks = test::k_slow_build ? 12 : 60;
+
+std::vector<std::uint64_t> hashes_of(const WorldOptions& options,
+                                     RangingEngine ranging = RangingEngine::exact) {
+  Yard yard(options, ranging);
+  std::vector<std::uint64_t> hashes{yard.world().hashes().state};
+  for (int tick = 0; tick < k_ticks; ++tick) {
+    yard.step();
+    hashes.push_back(yard.world().hashes().state);
+  }
+  return hashes;
+}
+
+TEST(Lives, TheSameAreBornAndDieOnAnyThreadsAndTiles) {
+  for (const RangingEngine ranging : {RangingEngine::exact, RangingEngine::grid}) {
+    const auto expected = hashes_of({.threads = 1}, ranging);
+    EXPECT_EQ(hashes_of({.threads = 2, .tile_size_m = 0.9}, ranging), expected);
+    EXPECT_EQ(hashes_of({.threads = 8, .tile_size_m = 30}, ranging), expected);
+  }
+}
+
+TEST(Lives, AcrossAllBirthsAndDeathsNobodyOverlapsAndNobodyIsLost) {
+  Yard yard({.threads = 2});
+  World& world = yard.world();
+  std::size_t deaths = 0;
+  for (int tick = 0; tick < k_ticks; ++tick) {
+    yard.step();
+    std::size_t there = 0;
+    std::size_t unborn = 0;
+    for (std::size_t r = 0; r < world.rows(); ++r) {
+      there += world.presence(Row(r)) == Presence::there;
+      unborn += world.presence(Row(r)) == Presence::unborn;
+    }
+    deaths = world.rows() - there - unborn;
+    EXPECT_EQ(world.absent_count(), deaths + unborn);
+    EXPECT_EQ(world.unborn(0), unborn);
+    EXPECT_EQ(world.index().order().size(), there);
+    EXPECT_EQ(world.robots(), there);
+    for (const std::uint32_t a : world.index().order())
+      for (const std::uint32_t b : world.index().order()) {
+        if (world.body(Row(a)) >= world.body(Row(b))) continue;
+        const auto& shape = world.type(Row(a)).obstacle;
+        ASSERT_FALSE(overlap(shape, world.poses()[a], shape, world.poses()[b])) << "tick " << tick;
+      }
+  }
+  EXPECT_GT(deaths, 10u);
+  EXPECT_LT(world.unborn(0), Yard::k_more);
+}
+
+TEST(Lives, AResetBringsBackWhoWasThereAtTheStart) {
+  Yard yard({.threads = 2});
+  std::vector<std::uint64_t> first{yard.world().hashes().state};
+  for (int tick = 0; tick < k_ticks; ++tick) {
+    yard.step();
+    first.push_back(yard.world().hashes().state);
+  }
+  ASSERT_NE(yard.world().unborn(0), Yard::k_more);
+  yard.world().reset();
+  EXPECT_EQ(yard.world().unborn(0), Yard::k_more);
+  EXPECT_EQ(yard.world().robots(), 30u);
+  EXPECT_EQ(yard.world().hashes().state, first[0]);
+  for (int tick = 0; tick < k_ticks; ++tick) {
+    yard.step();
+    ASSERT_EQ(yard.world().hashes().state, first[static_cast<std::size_t>(tick) + 1]) << tick;
+  }
+}
+
+TEST(Lives, AStateThatCannotHaveComeAboutIsRefused) {
+  Plain plain;
+  World world = plain.scene.world();
+  world.spawn(0, {2, 0, 0, 0});
+  std::vector<StateTable> saved(world.tables().begin(), world.tables().end());
+  const World::Counters counters = world.counters();
+  const auto restored = [&](auto&& change) {
+    std::uint64_t hash = 0;
+    std::vector<StateTable> tables = saved;
+    for (StateTable& table : tables)
+      if (table.component() == "life") change(table);
+    for (StateTable& table : tables) hash += table.hash_rows(0, table.rows());
+    return world.restore(0, counters, hash, [&](std::span<StateTable> into) {
+      for (std::size_t t = 0; t < tables.size(); ++t) into[t] = tables[t];
+    });
+  };
+  const auto row_of = [&](std::string_view name) { return world.row(world.find(name)).index(); };
+  EXPECT_TRUE(restored([](StateTable&) {}));
+  EXPECT_TRUE(world.is_there(world.row(world.find("more0"))));
+  EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint8_t>(row_of("more1"), 3)[0] = 3; }));
+  EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint64_t>(row_of("more0"), 0)[0] = 1; }));
+  EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint8_t>(row_of("r"), 3)[0] = 1; }));
+  EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint8_t>(row_of("more2"), 3)[0] = 0; }))
+      << "before those of lower ids";
+}
+
+}  // namespace
+}  // namespace troupe::engine

@@ -1,0 +1,287 @@
+#include "models/spawner.hpp"
+
+#include "engine/world.hpp"
+#include "models/flags.hpp"
+#include "models/power.hpp"
+#include "models/remover.hpp"
+#include "tests/support/devices.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::BirthStatus;
+using engine::World;
+using test::box;
+using test::SceneBuilder;
+using ::testing::HasSubstr;
+
+using Values = std::initializer_list<std::pair<std::string_view, engine::Value>>;
+
+engine::DeviceSpec device(std::string kind, Values values, const Pose& pose = {}) {
+  return {.name = kind,
+          .kind = kind,
+          .params = test::record(test::registry().device(kind)->params, values),
+          .pose_body_sensor = pose};
+}
+
+/// A door at x = -1 that bears robots at x = 0, heading up; they drive on at 0.5 m/s.
+struct Door {
+  SceneBuilder scene;
+  TypeId type;
+  BodyId door;
+
+  explicit Door(std::vector<engine::DeviceSpec> devices, std::uint32_t reserve = 4) {
+    const TypeId frame = scene.type("door", {box(0.4, 0.4)});
+    scene[frame].devices = std::move(devices);
+    door = scene.body("door", frame, {-1, 0, 0, 0});
+    type = scene.robot("bot", {box(0.4, 0.4)});
+    scene[type].controllers = {test::drive_legs({test::leg(1e6, 0.5)})};
+    scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), reserve}};
+    for (std::uint32_t i = 0; i < reserve; ++i) scene.body(fmt::format("bot{}", i), type);
+  }
+  const SpawnerState& state(const World& world) const {
+    return test::state_of<SpawnerState>(world, door, 0);
+  }
+};
+
+void step(World& world, int ticks) {
+  for (int tick = 0; tick < ticks; ++tick) world.step();
+}
+
+TEST(Spawner, BearsOneEveryPeriodUntilNobodyIsLeft) {
+  const Door door({device("spawner", {{"population", "bot"}, {"every", 2.0}}, {1, 0, 0, k_pi / 2})}, 3);
+  World world = door.scene.world();
+  step(world, 19);
+  EXPECT_EQ(world.robots(), 0u);
+  world.step();  // 2 s
+  EXPECT_EQ(world.robots(), 1u);
+  EXPECT_EQ(door.state(world).born, 1u);
+  EXPECT_EQ(door.state(world).last, world.find("bot0").value + 1);
+  EXPECT_EQ(world.birth_tick(world.row(world.find("bot0"))), 20u);
+  const Pose pose = world.pose(world.find("bot0"));
+  EXPECT_NEAR(pose.x, 0, 1e-15);
+  EXPECT_NEAR(pose.y, 0, 1e-15);
+  EXPECT_NEAR(pose.heading, k_pi / 2, 1e-15);
+  step(world, 20);
+  EXPECT_EQ(world.robots(), 2u);
+  EXPECT_NEAR(world.pose(world.find("bot0")).y, 0.95, 1e-12) << "a tick to decide, 19 to move";
+  step(world, 40);
+  EXPECT_EQ(world.robots(), 3u);
+  EXPECT_EQ(door.state(world).status, static_cast<std::uint8_t>(BirthStatus::used_up));
+  EXPECT_EQ(door.state(world).owed, 0u);
+}
+
+TEST(Spawner, OwesABirthUntilItsPlaceIsFree) {
+  Door door({device("spawner", {{"population", "bot"}, {"every", 1.0}}, {1, 0, 0, 0})});
+  const BodyId crate = door.scene.body("crate", door.scene.robot("crate", {box(0.4, 0.4)}), {0.3, 0.1, 0, 0});
+  World world = door.scene.world();
+  step(world, 25);
+  EXPECT_EQ(world.robots(), 1u) << "the crate";
+  EXPECT_EQ(door.state(world).owed, 2u);
+  EXPECT_EQ(door.state(world).refused, 16u) << "ticks 10 to 25";
+  EXPECT_EQ(door.state(world).status, static_cast<std::uint8_t>(BirthStatus::occupied));
+  world.set_poses(std::vector<World::Placed>{{world.row(crate), {9, 9, 0, 0}}});
+  world.step();
+  EXPECT_EQ(door.state(world).born, 1u);
+  EXPECT_EQ(door.state(world).owed, 1u) << "one a tick";
+  EXPECT_EQ(world.unborn(0), 3u);
+}
+
+/// Gives a flag to body 1 in every fourth tick.
+struct Giver {
+  static constexpr std::array k_uses{std::string_view("flags")};
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    if (percept.tick % 4 == 1) actions.device<FlagCommand>(0).ask(FlagCommand::give, 1);
+  }
+};
+
+TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
+  engine::Registry registry = test::registry();
+  registry.controllers.push_back(engine::make_controller_kind<Giver>("giver", "", {}));
+  SceneBuilder scene;
+  const TypeId nest = scene.type("nest", {box(0.4, 0.4)});
+  scene[nest].devices = {device("spawner", {{"population", "bot"}, {"per_flags", 2}}, {1, 0, 0, 0}),
+                         device("flags", {})};
+  const BodyId body = scene.body("nest", nest);
+  ASSERT_EQ(body, BodyId(1));
+  const TypeId giver = scene.robot("giver", {box(0.2, 0.2)});
+  scene[giver].devices = {device("flags", {{"yellow", 5}})};
+  scene[giver].controllers = {{.kind = "giver", .params = {}}};
+  scene.body("giver", giver, {5, 0, 0, 0});
+  const TypeId bot = scene.robot("bot", {box(0.2, 0.2)});
+  scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), 4}};
+  for (int i = 0; i < 4; ++i) scene.body(fmt::format("bot{}", i), bot);
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  const auto& state = test::state_of<SpawnerState>(world, body, 0);
+  step(world, 6);  // asked in tick 1, given in 2, counted in 3; the second one is counted in 7
+  EXPECT_EQ(state.flags, 1u);
+  EXPECT_EQ(state.born, 0u);
+  world.step();
+  EXPECT_EQ(state.flags, 2u);
+  EXPECT_EQ(state.born, 1u);
+  EXPECT_EQ(world.robots(), 2u);
+  step(world, 8);
+  EXPECT_EQ(state.flags, 4u);
+  EXPECT_EQ(state.owed, 1u) << "bot0 has not left its place";
+  world.remove(world.row(world.find("bot0")));
+  world.step();
+  EXPECT_EQ(state.born, 2u);
+  EXPECT_EQ(state.owed, 0u);
+}
+
+TEST(Spawner, WithinACircleEachIsBornSomewhereElse) {
+  const Door door({device("spawner", {{"population", "bot"}, {"every", 0.1}, {"within", 3.0}}, {11, 0, 0, 0})},
+                  20);
+  World world = door.scene.world();
+  step(world, 40);
+  EXPECT_EQ(world.robots(), 20u);
+  std::set<double> headings;
+  for (int i = 0; i < 20; ++i) {
+    const engine::World& w = world;
+    const Row row = w.row(w.find(fmt::format("bot{}", i)));
+    EXPECT_LE((w.origin(row) - Vec2(10, 0)).norm(), 3);
+    headings.insert(w.poses()[row.index()].heading);
+  }
+  EXPECT_EQ(headings.size(), 20u);
+}
+
+TEST(Spawner, ATickOfItsOwnPeriodMissesNoBirth) {
+  Door door({device("spawner", {{"population", "bot"}, {"every", 0.2}, {"within", 5.0}}, {11, 0, 0, 0})}, 20);
+  door.scene[TypeId(1)].devices[0].period_s = 0.5;
+  World world = door.scene.world();
+  step(world, 20);  // 2 s: ten births are due, one in each of four ticks
+  EXPECT_EQ(door.state(world).born + door.state(world).owed, 10u);
+}
+
+std::string error_of(const SceneBuilder& scene) {
+  try {
+    scene.world();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Spawner, ErrorsNameThePopulationsThatThereAre) {
+  Door door({device("spawner", {{"population", "boot"}})});
+  EXPECT_THAT(error_of(door.scene), HasSubstr("unknown population with a reserve \"boot\"; known: bot"));
+  door.scene.spec.reserves.clear();
+  EXPECT_THAT(error_of(door.scene), HasSubstr("no population of this world has a \"reserve\""));
+  const Door flagless({device("spawner", {{"population", "bot"}, {"per_flags", 1}})});
+  EXPECT_THAT(error_of(flagless.scene), HasSubstr("has no device \"flags\""));
+}
+
+TEST(Remover, EndsTheLivesOfRobotsThatComeToIt) {
+  Door door({device("spawner", {{"population", "bot"}, {"every", 1.0}}, {1, 0, 0, 0}),
+             device("remover", {{"radius", 0.5}}, {4, 0, 0, 0})});
+  const BodyId other = door.scene.body("other", door.scene.robot("other", {box(0.2, 0.2)}), {3.2, 0.4, 0, 0});
+  World world = door.scene.world();
+  // Of tick 10; its first motion is that of tick 12, and tick 61 takes it to x = 2.5.
+  step(world, 61);
+  const BodyId first = world.find("bot0");
+  ASSERT_NEAR(world.pose(first).x, 2.5, 1e-12);
+  EXPECT_EQ(world.presence(world.row(other)), engine::Presence::dead) << "it stood there from the start";
+  step(world, 2);
+  EXPECT_EQ(world.presence(world.row(first)), engine::Presence::dead);
+  EXPECT_NEAR(world.pose(first).x, 2.55, 0.051);
+  EXPECT_EQ(test::state_of<RemoverState>(world, door.door, 1).removed, 2u);
+}
+
+TEST(Remover, TakesThoseOfItsTypeAlone) {
+  Door door({device("remover", {{"radius", 5.0}, {"of", "other"}}, {1, 0, 0, 0})});
+  const TypeId other = door.scene.robot("other", {box(0.2, 0.2)});
+  const TypeId third = door.scene.robot("third", {box(0.2, 0.2)});
+  std::vector<BodyId> others;
+  for (int i = 0; i < 20; ++i)
+    others.push_back(door.scene.body(fmt::format("o{}", i), other, {0.3 * (i % 5), 1 + 0.3 * (i / 5), 0, 0}));
+  const BodyId stays = door.scene.body("t", third, {0, -1, 0, 0});
+  World world = door.scene.world();
+  world.step();
+  EXPECT_EQ(world.robots(), 21u - k_most_removed) << "so many in a tick";
+  EXPECT_TRUE(world.is_there(world.row(others.back()))) << "the lowest ids first";
+  world.step();
+  EXPECT_EQ(world.robots(), 1u);
+  EXPECT_TRUE(world.is_there(world.row(stays)));
+
+  Door unknown({device("remover", {{"of", "othr"}})});
+  EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
+}
+
+TEST(Remover, TakesPucksThatNobodyCarries) {
+  SceneBuilder scene;
+  const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.1)}, {.gripper = true});
+  const TypeId mill = scene.type("mill", {box(1, 1, 0.01)}, {.obstacle = false, .ranger = -1});
+  scene[mill].devices = {device("remover", {{"radius", 1.0}, {"of", "puck"}})};
+  scene.body("mill", mill);
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4, 0.3)});
+  test::add_device(scene[type], "hand", "gripper", {0.3, 0, 0, 0});
+  scene[type].controllers = {test::operate({test::order(0.1, "hand", "close"), test::order(3, "hand", "open")}),
+                             test::drive_legs({test::leg(2, 0), test::leg(3, 1)})};
+  const BodyId robot = scene.body("r", type, {-2, 0, 0, 0});
+  const BodyId held = scene.body("held", puck, {-2 + 0.34, 0, 0, 0});
+  const BodyId lying = scene.body("lying", puck, {0, 0.8, 0, 0});
+  World world = scene.world();
+  step(world, 2);
+  EXPECT_FALSE(world.is_there(world.row(lying)));
+  step(world, 28);  // a metre on: the puck is 0.66 m from the mill, and held
+  EXPECT_EQ(world.carrier(world.row(held)), robot);
+  EXPECT_TRUE(world.is_there(world.row(held)));
+  step(world, 5);
+  EXPECT_FALSE(world.is_there(world.row(held)));
+  EXPECT_TRUE(world.is_there(world.row(robot))) << "no puck";
+}
+
+/// A robot with 1.2 J, which at 1 m/s draws 0.1 J a tick for its drive's idling alone.
+struct Mortal {
+  SceneBuilder scene;
+  BodyId robot;
+
+  Mortal() {
+    const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
+    scene[type].devices = {device("power_pack", {{"capacity", 1.2}, {"when_empty", "die"}}),
+                           device("power_contact", {{"take", 50.0}})};
+    robot = scene.body("r", type);
+  }
+};
+
+TEST(PowerPack, AnEmptyOneMayKillItsBody) {
+  Mortal mortal;
+  World world = mortal.scene.world();
+  world.set_command(world.row(mortal.robot), {1, 0, 0});
+  step(world, 13);  // rounding leaves a trifle for the last
+  EXPECT_TRUE(world.is_there(world.row(mortal.robot)));
+  EXPECT_EQ(test::state_of<PowerPackState>(world, mortal.robot, 0).stored, 0);
+  const double x = world.pose(mortal.robot).x;
+  step(world, 1);
+  EXPECT_FALSE(world.is_there(world.row(mortal.robot)));
+  EXPECT_EQ(world.pose(mortal.robot).x, x) << "it did not move any more";
+}
+
+TEST(PowerPack, WhoIsChargedInTimeLives) {
+  Mortal mortal;
+  const TypeId dock = mortal.scene.type("dock", {box(0.4, 0.4)}, {.obstacle = false});
+  mortal.scene[dock].devices = {device("power_pack", {{"infinite", true}}),
+                                device("power_contact", {{"give", 1.5}})};
+  mortal.scene.body("dock", dock, {1.5, 0, 0, 0});
+  World world = mortal.scene.world();
+  world.set_command(world.row(mortal.robot), {1, 0, 0});
+  step(world, 12);
+  world.set_command(world.row(mortal.robot), {0, 0, 0});
+  step(world, 30);
+  EXPECT_TRUE(world.is_there(world.row(mortal.robot)));
+}
+
+}  // namespace
+}  // namespace troupe::models
