@@ -252,6 +252,18 @@ TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
   EXPECT_EQ(hash_log(world, 30), hash_log(json, 30)) << content(world);
 }
 
+TEST_F(ConvertTest, HeadingsBeyondHalfATurnAreAWarning) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
+      {"pose": {"heading_deg": 210}}, {"pose": {"heading_deg": 330}}]}]}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("w.json:2: warning: type \"bot\": device \"eye\" transducers pose: "
+                                    "Stage has headings within half a turn")));
+}
+
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
   convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
   EXPECT_THAT(found, ElementsAre(HasSubstr("is no UTF-8, in which JSON is written: \"caf\"")));
