@@ -154,9 +154,9 @@ void TypeReader::read_root(JsonObject& object, std::optional<Color>& color) {
     if (!fault.empty()) at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, fault));
   }
   read_order(object);
-  const auto needs_drive = [&](const engine::ControllerSpec& controller) {
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {  // those of parts may have wheels
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    return kind == nullptr || kind->needs_drive;
+    return controller.part == 0 && (kind == nullptr || kind->needs_drive);
   };
   const JsonNode* one = object.find("controller");
   if (const JsonNode* moved = one ? one : object.find("controllers");
@@ -236,6 +236,7 @@ std::string TypeReader::put_on(engine::DeviceSpec& device, const std::string& on
     if (kind == nullptr || kind->joints.size() != 1) continue;
     known.push_back(other.name);
     if (other.name != on) continue;
+    device.part = other.part;
     device.joint = other.moves;
     device.pose_body_sensor = compose(other.pose_body_sensor, device.pose_body_sensor);
     return {};
@@ -307,7 +308,7 @@ void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand&
     read_joint(object, device.joint);
   if (has_part) {
     engine::PartSpec part = read_device_part(object, device, *kind);
-    part.parent = stand.part;
+    part.parent = device.part;
     part.joint = kind->body ? device.joint : static_cast<std::int32_t>(type_.joints.size());
     device.part = static_cast<std::uint32_t>(type_.parts.size());
     type_.parts.push_back(std::move(part));

@@ -416,10 +416,9 @@ std::string_view status(StageSupport support) {
     case fixed: return "honoured, with a fix";
     case no_effect: return "accepted, no effect";
     case window_only: return "accepted, window only";
-    case obsolete: return "accepted, obsolete";
-    case unsupported: break;
+    case obsolete: break;
   }
-  return "not supported yet";
+  return "accepted, obsolete";
 }
 
 /// The rows of a property's name, in whatever entity.

@@ -549,6 +549,16 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
         engine::add_device_body(draft.type, d, *device_kind);
     }
   }
+  const engine::DeviceKind* wheels = registry_.device("wheels");
+  if (model.type == "position" && !is_root && wheels)
+    if (auto device = kinds_.wheels(model, *wheels)) {
+      device->name = place.name;
+      device->part = index;
+      device->joint = place.joint;
+      device->pose_body_sensor = place.pose_body_part;
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
+      draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+    }
   power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
   add_children(model, below, height, holds->children, draft);
@@ -590,15 +600,11 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   const bool is_root = part == 0;
   const bool is_position = model.type == "position";
   if (is_position && is_root) draft.type.drive = kinds_.drive(model);
-  if (is_position && !is_root)
-    values_.warning_once(
-        model.where,
-        "a position model inside another model does not drive on its own yet; it is carried along");
   const StageProperty* ctrl = model.find(document_, "ctrl");
   if (!ctrl) return;
   for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    if (kind != nullptr && kind->needs_drive && !(is_root && is_position)) {
+    if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" needs a position model to drive; this "
                                 "one is a {}{}",
@@ -626,6 +632,7 @@ void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine:
     type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
                             .kind = std::string(name),
                             .part = controller.part,
+                            .joint = type.parts[controller.part].joint,
                             .params = device->params.defaults(),
                             .period_s = controller.period_s,
                             .where = controller.where});
