@@ -154,9 +154,9 @@ void TypeReader::read_root(JsonObject& object, std::optional<Color>& color) {
     if (!fault.empty()) at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, fault));
   }
   read_order(object);
-  const auto needs_drive = [&](const engine::ControllerSpec& controller) {
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {  // those of parts may have wheels
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    return kind == nullptr || kind->needs_drive;
+    return controller.part == 0 && (kind == nullptr || kind->needs_drive);
   };
   const JsonNode* one = object.find("controller");
   if (const JsonNode* moved = one ? one : object.find("controllers");

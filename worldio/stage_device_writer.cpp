@@ -179,6 +179,20 @@ void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& 
   if (error.size() == 3) text.numbers("odom_error", std::array{error[0], error[1], 0.0, error[2]});
 }
 
+void write_stage_wheels(const DeviceSpec& wheels, double period_s, const engine::Registry& registry,
+                        StageText& text) {
+  const DeviceKind* own = registry.device(wheels.kind);
+  const engine::DriveKind* kind =
+      own ? registry.drive(get(own->params, wheels.params, "drive").text()) : nullptr;
+  if (!kind) return;
+  engine::DriveSpec drive{.kind = std::string(kind->name), .params = kind->params.defaults()};
+  drive.period_s = period_s;
+  for (std::size_t f = 0; f < kind->params.fields.size(); ++f)
+    if (const int at = own->params.find(kind->params.fields[f].name); at >= 0)
+      drive.params[f] = wheels.params[static_cast<std::size_t>(at)];
+  write_stage_drive(drive, *kind, text);
+}
+
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind) {
   std::string call = controller.kind;
   const Record defaults = kind.params.defaults();

@@ -12,6 +12,9 @@ namespace troupe::worldio {
 
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
+/// The drive of a position inside another model; `period_s`: of its controllers.
+void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const engine::Registry& registry,
+                        StageText& text);
 /// `script law=wave`: the name and what is not as by default.
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
 /// What `update_interval` turns into just these seconds.

@@ -51,6 +51,10 @@ class TypeText {
   bool is_property(const DeviceSpec& device) const {
     return device.kind == "power_pack" || device.kind == "power_contact" || device.kind == "flags";
   }
+  /// What a position inside another model drives with.
+  bool is_wheels(const DeviceSpec& device) const {
+    return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
+  }
   const DeviceSpec* own_device(std::uint32_t p) const;
   /// The joint that what stands on a part moves with.
   std::int32_t joint_of(std::uint32_t p) const;
@@ -93,7 +97,8 @@ void TypeText::write(const std::string& macro, const Color& color) {
 const DeviceSpec* TypeText::own_device(std::uint32_t p) const {
   const engine::ModelKind* model = registry_.model(type_.parts[p].kind);
   for (const DeviceSpec& device : type_.devices)
-    if (device.part == p && model && model->device == device.kind && device.name == type_.parts[p].name)
+    if (device.part == p && model && device.name == type_.parts[p].name &&
+        (model->device == device.kind || is_wheels(device)))
       return &device;
   return nullptr;
 }
@@ -127,16 +132,20 @@ void TypeText::write_part(std::uint32_t p) {
   const DeviceSpec* own = own_device(p);
   text_.at(part.where);
   if (!registry_.model(part.kind)) return lacks(part.where, fmt::format("a part of kind \"{}\"", part.kind));
-  if ((part.kind == "position") != (p == 0 && type_.drive))
-    lacks(part.where, p == 0 ? "only a model of kind \"position\" has a drive, and it always has one"
-                             : "a part of kind \"position\", which drives by itself");
+  if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
+    lacks(part.where, "only a model of kind \"position\" has a drive, and it always has one");
   write_body(part, own);
   write_returns(part.returns);
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
   if (drive) write_stage_drive(*type_.drive, *drive, text_);
   write_power(p);
   write_controllers(p);
-  if (own && kind_of(*own)) write_stage_device(*own, *kind_of(*own), text_);
+  if (own && is_wheels(*own)) {
+    const auto controller = std::ranges::find(type_.controllers, p, &engine::ControllerSpec::part);
+    write_stage_wheels(*own, controller == type_.controllers.end() ? 0 : controller->period_s, registry_,
+                       text_);
+  } else if (own && kind_of(*own))
+    write_stage_device(*own, *kind_of(*own), text_);
   write_children(p);
 }
 
