@@ -247,6 +247,7 @@ void sweep(benchmark::State& state, const char* world_file, std::size_t robots) 
     sensors.emplace_back(&sensor, world.percepts(sensor));
   std::uint64_t beams = 0;
   engine::Effects none;
+  engine::Links unmoved;
   for (auto _ : state)
     for (auto& [sensor, table] : sensors)
       beams += sensor->kind->sense({.world = world,
@@ -254,7 +255,8 @@ void sweep(benchmark::State& state, const char* world_file, std::size_t robots) 
                                     .rows = rows,
                                     .state = table,
                                     .commands = nullptr,
-                                    .effects = none});
+                                    .effects = none,
+                                    .links = unmoved});
   state.SetItemsProcessed(static_cast<std::int64_t>(beams));
 }
 BENCHMARK_CAPTURE(sweep, hospital, "hospital-10cm.json", 10000)
