@@ -47,7 +47,7 @@ TEST_F(Conformance14, AWorldThatDoesNotLoadIsExitCode2) {
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_THAT(
       lines_of(outcome.err),
-      ::testing::ElementsAre(
+      ::testing::UnorderedElementsAre(
           "parts.inc:3: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
           "quotes: foo \"bar\"",
           "bad.world:2: error: unexpected ','; the values of a tuple are separated by blanks: [1 2 3]",
