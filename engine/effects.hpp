@@ -12,7 +12,7 @@ namespace troupe::engine {
 
 /// Verbs that the engine itself carries out, of whatever device: births and deaths. They come when all other
 /// effects of the tick are settled, first the deaths, then the births, each in the order of the effects.
-inline constexpr std::uint32_t k_birth = ~0u;      ///< `reserve`; `payload`: x, y, z (m), heading (rad), world
+inline constexpr std::uint32_t k_birth = ~0u;  ///< `reserve`; `payload`: x, y, z (m), heading (rad), world
 inline constexpr std::uint32_t k_death = ~0u - 1;  ///< of `target`
 
 /// What became of a birth. Numbers are part of the state of who asked.

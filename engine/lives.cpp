@@ -28,10 +28,10 @@ void World::build_lives() {
   life_table_ = tables_.size();
   tables_.emplace_back(
       "life", HashGroup::pose, StateTable::Layout::rows,
-      sparse({{"birth", Element::u64, 1, "", "tick after which its life began; 0: it was there from the start",
-               offsetof(Life, birth)},
-              {"x", Element::f64, 1, "m", "where it was born, world frame; 0 where it was there from the start",
-               offsetof(Life, x)},
+      sparse({{"birth", Element::u64, 1, "",
+               "tick after which its life began; 0: it was there from the start", offsetof(Life, birth)},
+              {"x", Element::f64, 1, "m",
+               "where it was born, world frame; 0 where it was there from the start", offsetof(Life, x)},
               {"y", Element::f64, 1, "m", "world frame", offsetof(Life, y)},
               {"presence", Element::u8, 1, "", "0: it is there, 1: not born yet, 2: dead",
                offsetof(Life, presence)}}),
@@ -86,8 +86,7 @@ void World::derive_lives() {
     const ReserveSpec& reserve = spec_.reserves[i];
     std::uint32_t& next = next_born_[i];
     next = 0;
-    while (next < reserve.count &&
-           presence(body_rows_[reserve.first.index() + next]) != Presence::unborn)
+    while (next < reserve.count && presence(body_rows_[reserve.first.index() + next]) != Presence::unborn)
       ++next;
   }
 }

@@ -113,8 +113,7 @@ bool MeasureSet::remember(std::span<const std::byte> memory) {
 
 std::size_t count_there(const World& world, std::span<const Row> rows) {
   if (world.absent_count() == 0) return rows.size();
-  return static_cast<std::size_t>(
-      std::ranges::count_if(rows, [&](Row row) { return world.is_there(row); }));
+  return static_cast<std::size_t>(std::ranges::count_if(rows, [&](Row row) { return world.is_there(row); }));
 }
 
 std::vector<Row> robots_of(const World& world, std::string_view of) {

@@ -149,16 +149,14 @@ void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
-      for_due(rows, type.drive->period,
-              [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
+      for_due(rows, type.drive->period, [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
         for_running(rows, device,
                     [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
     for (const BodyType::Controller& controller : type.controllers)
-      for_due(rows, controller.period,
-              [&](std::span<const Row> some) { decide(some, type, controller); });
+      for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,

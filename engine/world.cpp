@@ -485,8 +485,8 @@ void World::set_poses(std::span<const Placed> placed) {
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
     if (!is_there(place.row))
-      throw std::invalid_argument(fmt::format("\"{}\" cannot be put anywhere: it is not in the world",
-                                              spec_.name(body(place.row))));
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be put anywhere: it is not in the world", spec_.name(body(place.row))));
     if (!is_finite(p) || !inside.contains(p.position()))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be put at x {}, y {}, z {} (m), heading {} (rad): {}",

@@ -161,8 +161,8 @@ class World {
   void release(Row cargo);
 
   // ---- births and deaths: engine/lives.cpp
-  /// Whether bodies may come and go here: the world has reserves, something in it ends lives, or its spec says
-  /// that it is mortal. Only then has it the component `life`.
+  /// Whether bodies may come and go here: the world has reserves, something in it ends lives, or its spec
+  /// says that it is mortal. Only then has it the component `life`.
   bool has_lives() const { return life_table_.has_value(); }
   Presence presence(Row row) const {
     return life_table_ ? static_cast<Presence>(tables_[*life_table_].as<Life>(row.index()).presence)
@@ -198,8 +198,8 @@ class World {
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
   /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
-  /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call indexes all
-  /// bodies anew: move many at once.
+  /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call
+  /// indexes all bodies anew: move many at once.
   struct Placed {
     Row row;
     Pose pose;  ///< world frame; the heading is wrapped

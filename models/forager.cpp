@@ -337,8 +337,8 @@ struct Fasr : Forager {
 
 constexpr std::size_t k_most_tasks = 8;
 
-/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a charger and
-/// while it charges.
+/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a
+/// charger and while it charges.
 struct Fasr2 : Forager {
   static constexpr bool switches = true;
 

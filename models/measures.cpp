@@ -153,18 +153,15 @@ class Spread : public OfRobots {
   double value(World& world) override {
     const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.x(); });
     const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.y(); });
-    return mean(world, [&](std::size_t i) {
-      return (world.transform(robots()[i]).position - Vec2(x, y)).norm();
-    });
+    return mean(world,
+                [&](std::size_t i) { return (world.transform(robots()[i]).position - Vec2(x, y)).norm(); });
   }
 };
 
 class Alive : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
-    return static_cast<double>(engine::count_there(world, robots()));
-  }
+  double value(World& world) override { return static_cast<double>(engine::count_there(world, robots())); }
 };
 
 }  // namespace

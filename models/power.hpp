@@ -35,8 +35,8 @@ struct PowerPackState {
 ///          tick is, and of what drives go at, not of what they were asked for
 /// empty    with `when_empty` "stop" all that runs on it stops: sensors keep their last readings, the drive
 ///          stands still; controllers go on deciding. It runs again once the pack is given something. With
-///          "nothing" an empty pack has no effect, as in Stage. With "die" it stops all that runs on it, and the
-///          body dies unless the pack is given something within a tick (docs/lives.md)
+///          "nothing" an empty pack has no effect, as in Stage. With "die" it stops all that runs on it, and
+///          the body dies unless the pack is given something within a tick (docs/lives.md)
 /// state    PowerPackState; no commands
 /// settles  after the drive of the same tick: a pack that runs out in a tick still moves in it
 engine::DeviceKind power_pack_kind();

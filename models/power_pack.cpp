@@ -117,8 +117,9 @@ DeviceKind power_pack_kind() {
       {.name = "when_empty",
        .type = FieldType::text,
        .fallback = "stop",
-       .text = "whether an empty pack stops what runs on it, or nothing comes of it, as in Stage, or its body "
-               "dies, docs/lives.md",
+       .text =
+           "whether an empty pack stops what runs on it, or nothing comes of it, as in Stage, or its body "
+           "dies, docs/lives.md",
        .choices = {"stop", "nothing", "die"}},
   }};
   kind.prepare = [](const Record& params, const Pose&) {

@@ -58,13 +58,12 @@ void act(const DeviceBatch& batch) {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Vec2 at = compose(batch.mount(i), remover.mount).transform.position;
     Lowest found;
-    world.index().for_each_near(
-        Box::around(at, remover.radius_m), [&](const partition::BodyCircle& circle) {
-          const Row row(circle.row);
-          if (row == batch.rows[i] || !takes(remover, world, row)) return;
-          if ((world.transform(row).position - at).squaredNorm() <= remover.radius_m * remover.radius_m)
-            found.add(world.body(row));
-        });
+    world.index().for_each_near(Box::around(at, remover.radius_m), [&](const partition::BodyCircle& circle) {
+      const Row row(circle.row);
+      if (row == batch.rows[i] || !takes(remover, world, row)) return;
+      if ((world.transform(row).position - at).squaredNorm() <= remover.radius_m * remover.radius_m)
+        found.add(world.body(row));
+    });
     std::uint32_t sequence = 0;
     for (const BodyId body : found.list()) batch.emit_death(i, sequence++, body);
     batch.state.as<RemoverState>(batch.slot(i)).removed += found.list().size();

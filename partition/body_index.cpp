@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::size_t k_least_part = 512;  // rows
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 1024;  // rows that a task sorts into cells, at least
-constexpr std::size_t k_empty = 32;     // a tile costs as much as so many rows
-constexpr std::size_t k_summed = 256;   // tiles that a task sums up
+constexpr std::size_t k_sorted = 1024;    // rows that a task sorts into cells, at least
+constexpr std::size_t k_empty = 32;       // a tile costs as much as so many rows
+constexpr std::size_t k_summed = 256;     // tiles that a task sums up
 constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read
 
 /// visit(first cell in its tile, one past the last), a line of a block's cells after another.

@@ -103,7 +103,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
        "docs/measures.md. Against the same run unwatched: the median over the repetitions."},
       {"grid", "The paper's ray tracer beside the exact engine", ""},
       {"devices", "Robots that do more than range",
-       "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip pucks "
+       "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
+       "pucks "
        "and carry them to mills. `finders`: 9 beams and a finder each, with some 16 others in its range; "
        "`finders-off`: the same without their finders. Beams are those of finders, too."},
   };
@@ -156,7 +157,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   grid.grid = true;
   plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
 
-  plan.cases.push_back({"devices", with_threads(robots_of("foragers", quick ? 100 : 2000, times * k_table_3_s))});
+  plan.cases.push_back(
+      {"devices", with_threads(robots_of("foragers", quick ? 100 : 2000, times * k_table_3_s))});
   const Scene finders = robots_of("finders", quick ? 100 : 1000, times * k_table_3_s);
   Scene without = finders;
   without.name = "finders-off/" + finders.name.substr(finders.name.find('/') + 1);

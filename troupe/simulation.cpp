@@ -457,8 +457,8 @@ std::optional<Model> Simulation::spawn(std::string_view population, const Pose& 
   engine::World& world = *impl_->world;
   const engine::Birth birth = world.spawn(reserve_of(population), pose);
   if (birth.status != engine::BirthStatus::born) return std::nullopt;
-  return Model(std::make_shared<Model::Place>(
-      Model::Place{&world, birth.body, 0, world.spec().name(birth.body)}));
+  return Model(
+      std::make_shared<Model::Place>(Model::Place{&world, birth.body, 0, world.spec().name(birth.body)}));
 }
 
 std::size_t Simulation::unborn(std::string_view population) const {
@@ -470,9 +470,9 @@ std::size_t Simulation::reserve_of(std::string_view population) const {
   std::vector<std::string_view> known;
   for (const engine::ReserveSpec& reserve : impl_->world->spec().reserves)
     known.push_back(reserve.population);
-  throw std::out_of_range(
-      fmt::format("no population \"{}\" with a reserve in {}{}", population, impl_->file.string(),
-                  known.empty() ? "" : fmt::format("; known: {}", comma_list(known))));
+  throw std::out_of_range(fmt::format("no population \"{}\" with a reserve in {}{}", population,
+                                      impl_->file.string(),
+                                      known.empty() ? "" : fmt::format("; known: {}", comma_list(known))));
 }
 
 void Simulation::remove(const Model& model) {

@@ -113,8 +113,7 @@ void add_sensors(const World& world, std::span<const std::string> names,
 }
 
 void leave_out_absent(const World& world, const RecordedComponent& component,
-                      const RecordedComponent::Source& source,
-                      std::span<const std::span<std::byte>> fields) {
+                      const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
   const StateTable& table = world.tables()[source.table];
   for (std::size_t r = 0; r < table.rows(); ++r) {
     if (world.is_there(world.row(table.ids()[r]))) continue;

@@ -47,8 +47,8 @@ std::vector<std::string> recordable_names(const engine::World& world);
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
-/// What bytes of a field are where a body has it not: NaN, of which every byte is 0xff, or 0 where the element
-/// has no such number.
+/// What bytes of a field are where a body has it not: NaN, of which every byte is 0xff, or 0 where the
+/// element has no such number.
 std::byte absent(const engine::StateField& field);
 
 /// Copies one component of the world's state, a field each buffer, row-major; rows without it are left alone,

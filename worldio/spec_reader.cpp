@@ -537,7 +537,8 @@ void SpecReader::check_reserves(const engine::WorldSpec& spec) {
     const std::size_t first = reserve.first.index();
     const std::size_t last = first + reserve.count;
     if (first < end || last > spec.bodies.size() || reserve.count == 0)
-      return error(fmt::format("the reserve of \"{}\" is of bodies that it cannot be of", reserve.population));
+      return error(
+          fmt::format("the reserve of \"{}\" is of bodies that it cannot be of", reserve.population));
     for (std::size_t b = first; b < last; ++b)
       if (spec.bodies[b].type != spec.bodies[first].type)
         return error(fmt::format("the reserve of \"{}\" is of several types", reserve.population));

@@ -144,7 +144,8 @@ TEST_F(Tables, EventsAddUpToTheStallsThatAreMeasured) {
 
 TEST_F(Tables, BirthsAndDeathsAreToldAndCounted) {
   const std::string world = TROUPE_SOURCE_DIR "/worlds/colony.json";
-  EXPECT_EQ(troupe({"run", world, "--quiet", "--for", "13", "--events", "e.csv", "--measures", "m.csv"}).code, 0);
+  EXPECT_EQ(troupe({"run", world, "--quiet", "--for", "13", "--events", "e.csv", "--measures", "m.csv"}).code,
+            0);
   std::vector<std::string> told;
   for (const std::string& line : lines_of(read("e.csv"))) {
     const std::vector<std::string> cells = cells_of(line);

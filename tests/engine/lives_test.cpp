@@ -236,8 +236,7 @@ TEST(Lives, BodiesWithJointsAreBornAsTheyStart) {
   ASSERT_TRUE(born.valid());
   const auto first = world.outline(world.row(model));
   const auto second = world.outline(world.row(born));
-  for (std::size_t v = 0; v < first.size(); ++v)
-    EXPECT_LT((second[v] - first[v] - Vec2(5, 1)).norm(), 1e-12);
+  for (std::size_t v = 0; v < first.size(); ++v) EXPECT_LT((second[v] - first[v] - Vec2(5, 1)).norm(), 1e-12);
   EXPECT_EQ(test::state_of<models::GripperState>(world, born, 0).paddles, models::GripperState::closed);
 }
 

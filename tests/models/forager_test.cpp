@@ -41,10 +41,10 @@ struct Pasture {
     near = scene.body("near", charger, {0, 2, 0, 0});
     far = scene.body("far", charger, {6, 0, 0, 0});
     const TypeId robots = scene.robot("robot", {box(0.3, 0.24, 0.2)});
-    scene[robots].devices = {test::ranger("laser", {{.pose = {0.1, 0, 0.15, 0}, .range_max = 4, .fov = k_pi, .samples = 37}}),
-                             device("flags", {}),
-                             device("power_pack", {{"capacity", 3000.0}, {"stored", 500.0}, {"mass", 1.0}}),
-                             device("power_contact", {{"take", 300.0}})};
+    scene[robots].devices = {
+        test::ranger("laser", {{.pose = {0.1, 0, 0.15, 0}, .range_max = 4, .fov = k_pi, .samples = 37}}),
+        device("flags", {}), device("power_pack", {{"capacity", 3000.0}, {"stored", 500.0}, {"mass", 1.0}}),
+        device("power_contact", {{"take", 300.0}})};
     scene[robots].controllers = {test::controller("fasr2", {{"task", std::string("red")}})};
     robot = scene.body("r", robots);
   }
@@ -91,7 +91,8 @@ TEST(Fasr2, SwitchesItsScannerOffWhileItCharges) {
   ASSERT_TRUE(pasture.charge(world));
   const Row row = world.row(pasture.robot);
   const engine::BodyType::Device& scanner = world.type(row).devices[Pasture::k_scanner];
-  for (int tick = 0; world.is_on(row, scanner) && tick < 100; ++tick) world.step();  // it may creep on a little
+  for (int tick = 0; world.is_on(row, scanner) && tick < 100; ++tick)
+    world.step();  // it may creep on a little
   ASSERT_FALSE(world.is_on(row, scanner));
   world.step();
   const std::uint64_t beams = world.beams_cast();

@@ -392,8 +392,8 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   }
   // Those at x = 1 and x = 5 have gone a metre; the one at x = 2 stands.
   const double to_first = std::hypot(1, 1), to_last = std::hypot(3, 1);
-  EXPECT_THAT(set.values(),
-              ElementsAre(3, near(2.0 / 3), near(2.0 / 3), near((2 * to_first + to_last) / 3), ::testing::_, 0));
+  EXPECT_THAT(set.values(), ElementsAre(3, near(2.0 / 3), near(2.0 / 3), near((2 * to_first + to_last) / 3),
+                                        ::testing::_, 0));
   world.remove(world.row(world.find("bot1")));
   for (int tick = 0; tick < 5; ++tick) {
     world.step();

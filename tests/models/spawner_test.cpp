@@ -50,9 +50,7 @@ struct Door {
     scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), reserve}};
     for (std::uint32_t i = 0; i < reserve; ++i) scene.body(fmt::format("bot{}", i), type);
   }
-  const SpawnerState& state(const World& world) const {
-    return test::state_of<SpawnerState>(world, door, 0);
-  }
+  const SpawnerState& state(const World& world) const { return test::state_of<SpawnerState>(world, door, 0); }
 };
 
 void step(World& world, int ticks) {
@@ -142,8 +140,8 @@ TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
 }
 
 TEST(Spawner, WithinACircleEachIsBornSomewhereElse) {
-  const Door door({device("spawner", {{"population", "bot"}, {"every", 0.1}, {"within", 3.0}}, {11, 0, 0, 0})},
-                  20);
+  const Door door(
+      {device("spawner", {{"population", "bot"}, {"every", 0.1}, {"within", 3.0}}, {11, 0, 0, 0})}, 20);
   World world = door.scene.world();
   step(world, 40);
   EXPECT_EQ(world.robots(), 20u);
@@ -227,8 +225,9 @@ TEST(Remover, TakesPucksThatNobodyCarries) {
   scene.body("mill", mill);
   const TypeId type = scene.robot("robot", {box(0.4, 0.4, 0.3)});
   test::add_device(scene[type], "hand", "gripper", {0.3, 0, 0, 0});
-  scene[type].controllers = {test::operate({test::order(0.1, "hand", "close"), test::order(3, "hand", "open")}),
-                             test::drive_legs({test::leg(2, 0), test::leg(3, 1)})};
+  scene[type].controllers = {
+      test::operate({test::order(0.1, "hand", "close"), test::order(3, "hand", "open")}),
+      test::drive_legs({test::leg(2, 0), test::leg(3, 1)})};
   const BodyId robot = scene.body("r", type, {-2, 0, 0, 0});
   const BodyId held = scene.body("held", puck, {-2 + 0.34, 0, 0, 0});
   const BodyId lying = scene.body("lying", puck, {0, 0.8, 0, 0});

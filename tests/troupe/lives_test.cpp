@@ -140,8 +140,7 @@ TEST_F(Lives, ARunGoesOnFromTheMiddleOfThem) {
   straight.save(folder_ / "run.h5");
   const std::vector<std::string> expected = log_of(straight, k_ticks - before);
   for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7)}) {
-    Simulation resumed =
-        Simulation::resume(folder_ / "run.h5", {.threads = threads, .tile_size_m = tile_m});
+    Simulation resumed = Simulation::resume(folder_ / "run.h5", {.threads = threads, .tile_size_m = tile_m});
     EXPECT_EQ(log_of(resumed, k_ticks - before), expected) << threads << " threads";
     EXPECT_EQ(resumed.robot_names(), straight.robot_names());
     EXPECT_EQ(resumed.statistics().mean_displacement_m, straight.statistics().mean_displacement_m);
@@ -171,7 +170,8 @@ TEST_F(Lives, ARecordingTellsWhoIsThere) {
             (std::vector<std::uint8_t>{1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 1, 0, 0, 1, 1, 0}));
   const auto x = state.group("pose").dataset("x").read<double>();
   ASSERT_EQ(x.size(), 16u);
-  for (const std::size_t absent : {2u, 3u, 6u, 7u, 11u, 12u, 15u}) EXPECT_TRUE(std::isnan(x[absent])) << absent;
+  for (const std::size_t absent : {2u, 3u, 6u, 7u, 11u, 12u, 15u})
+    EXPECT_TRUE(std::isnan(x[absent])) << absent;
   EXPECT_EQ(x[10], -1);
   EXPECT_EQ(x[8], 0);
   const auto presence = state.group("life").dataset("presence").read<std::uint8_t>();
@@ -221,7 +221,8 @@ TEST_F(Lives, WhatIsWrongIsTold) {
   EXPECT_THROW(simulation.spawn("more", {std::nan(""), 0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(simulation.remove(simulation.find("wall")), std::logic_error);
 
-  const std::string plain = R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"}}},
+  const std::string plain =
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"}}},
                                "models": [{"name": "r", "type": "bot"}])";
   Simulation immortal(write("i.json", plain + "}"));
   EXPECT_THROW(immortal.remove(immortal.find("r")), std::logic_error);

@@ -464,8 +464,9 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:17: error: /populations/0/reserve: must be from 0 to 10000000, found -1"},
         Wrong{R"("count": 4)", R"("count": 4, "reserve": 10000000)",
               "maze.json:17: error: the world would hold 10000006 bodies; at most 10000000 are allowed"},
-        Wrong{R"("count": 4)", R"("count": 4, "reserve": "many")",
-              "maze.json:17: error: /populations/0/reserve: expected a whole number, found the text \"many\""},
+        Wrong{
+            R"("count": 4)", R"("count": 4, "reserve": "many")",
+            "maze.json:17: error: /populations/0/reserve: expected a whole number, found the text \"many\""},
         Wrong{R"("count": 4,)", "",
               R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
         Wrong{R"("count": 4)", R"("count": 26)",
