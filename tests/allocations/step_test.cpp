@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200},
                       Scene{"lookout", "lookout.json", 200, 100}, Scene{"blobs", "blobs.world", 10, 20},
                       Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
-                      Scene{"fiducial", "fiducial.world", 400, 100}, Scene{"noise", "noise.world", 10, 50},
+                      Scene{"noise", "noise.world", 10, 50},
                       // Births and deaths fall into what is counted.
                       Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300}),
     [](const auto& scene) { return scene.param.name; });
