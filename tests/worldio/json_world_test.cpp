@@ -521,7 +521,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
-          "measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, "
+          "measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, "
+          "ranging, "
           "record, "
           "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, "
           "types, watch, window"));
