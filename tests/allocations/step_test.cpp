@@ -68,7 +68,7 @@ TEST_P(WarmStep, AllocatesNothing) {
     const auto step = [&](std::uint64_t ticks) {
       for (std::uint64_t tick = 0; tick < ticks; ++tick) simulation.step();
     };
-    step(test::k_slow_build ? 5 : scene.warm);
+    step(test::k_slow_build ? 5 + scene.warm / 20 : scene.warm);
     // What a worker senses with is its own, and made when it first does: on a busy machine a second thread
     // may come late, or meet its first crowd late. One thread has no such excuse.
     std::size_t count = 0;
