@@ -101,13 +101,17 @@ class Printer {
   void add(const JsonNode& node, std::size_t indent) {
     const std::size_t used = out_.size() - (out_.rfind('\n') + 1);  // npos + 1 is 0
     std::string line;
-    if (compact(node, k_width > used ? k_width - used : 0, line)) {
+    const bool fits = compact(node, k_width > used ? k_width - used : 0, line);
+    const JsonNode::List* list = node.list();
+    const JsonNode::Object* object = node.object();
+    const bool has_parts = (list && !list->empty()) || (object && !object->empty());
+    if (fits || !has_parts) {
       out_ += line;
-    } else if (const JsonNode::List* list = node.list(); list && !list->empty()) {
+    } else if (list) {
       add_list(*list, indent + k_step);
       end_line(indent);
       out_ += ']';
-    } else if (const JsonNode::Object* object = node.object(); object && !object->empty()) {
+    } else {
       out_ += '{';
       for (const JsonMember& member : *object) {
         if (&member != &object->front()) out_ += ',';
@@ -117,8 +121,6 @@ class Printer {
       }
       end_line(indent);
       out_ += '}';
-    } else {
-      out_ += line;  // a text or an empty list, however long
     }
   }
 
