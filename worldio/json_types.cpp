@@ -14,8 +14,6 @@
 namespace troupe::worldio {
 namespace {
 
-using engine::Field;
-using engine::FieldType;
 using engine::Unit;
 using engine::Value;
 

@@ -184,12 +184,12 @@ std::string bodies_difference(const WorldSpec& a, const WorldSpec& b) {
     static_cast<void>(where);
     const engine::BodySpec& other = b.bodies[i];
     const std::string text = a.names.text(name);
-    const std::string found = Difference(fmt::format("body \"{}\"", text))
-                                  .is(text == b.names.text(other.name), "name")
-                                  .is(type == other.type, "type")
-                                  .is(same(pose, other.pose_world_body), "pose")
-                                  .is(color == other.color, "color")
-                                  .text();
+    std::string found = Difference(fmt::format("body \"{}\"", text))
+                            .is(text == b.names.text(other.name), "name")
+                            .is(type == other.type, "type")
+                            .is(same(pose, other.pose_world_body), "pose")
+                            .is(color == other.color, "color")
+                            .text();
     if (!found.empty()) return found;
   }
   return {};
