@@ -22,7 +22,7 @@ namespace troupe::worldio {
 /// `/bodies`      its bodies, a column for each of their fields, and
 /// `/aliases`     their other names
 /// `/tables/<component>/<field>`  the state [rows, columns], by the tables' own descriptions; rows by id,
-///                which stand in `/tables/<component>/id`
+///                which stand in `/tables/<component>/bodies`
 /// `/bodies/subscribed`  ids of the bodies whose sensors the program itself had run
 /// `/memories/<name>`  bytes that what looks on remembers of earlier ticks: beside the state, not of it
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
