@@ -22,7 +22,8 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-constexpr std::string_view k_id = "bodies";  // whose rows they are; beside the fields, none of which has this name
+constexpr std::string_view k_id =
+    "bodies";  // whose rows they are; beside the fields, none of which has this name
 
 /// Rows of a table by id. Where they lie in memory is nobody's business.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
