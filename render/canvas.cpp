@@ -288,17 +288,6 @@ ZInterval heights_of(std::span<const AnyLayer> layers) {
   return all.min < all.max ? all : ZInterval{all.min, all.min + 1};
 }
 
-void check_size(const Gl& gl, int width, int height) {
-  std::array<GLint, 2> limit{};
-  gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
-  if (width < 1 || height < 1 || width > limit[0] || height > limit[1]) {
-    throw std::runtime_error(
-        fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
-                    "and this driver draws at most {} x {}",
-                    width, height, limit[0], limit[1]));
-  }
-}
-
 /// The context is the calling thread's for as long as this lives.
 class Current {
  public:
@@ -318,6 +307,7 @@ struct Canvas::Impl {
   Gl gl{context};
   GLuint flat = 0;
   GLuint solid = 0;
+  std::array<GLint, 2> limit{};
   int tile_width = 0;
   int tile_height = 0;
   Framebuffer drawn;
@@ -327,6 +317,7 @@ struct Canvas::Impl {
     const Current current(context);
     flat = link_program(gl, k_flat_shader);
     solid = link_program(gl, k_solid_shader);
+    gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
   }
 
   /// Tiles of this size, as they were left by the picture before where that was as large.
@@ -392,12 +383,21 @@ struct Canvas::Impl {
 Canvas::Canvas() : impl_(std::make_unique<Impl>()) {}
 Canvas::~Canvas() = default;
 
+void Canvas::check_size(int width, int height) const {
+  const auto& [widest, highest] = impl_->limit;
+  if (width >= 1 && height >= 1 && width <= widest && height <= highest) return;
+  throw std::runtime_error(
+      fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
+                  "and this driver draws at most {} x {}",
+                  width, height, widest, highest));
+}
+
 Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers) {
-  const Current current(impl_->context);
-  const Gl& gl = impl_->gl;
   const int width = projection.width();
   const int height = projection.height();
-  check_size(gl, width, height);
+  check_size(width, height);
+  const Current current(impl_->context);
+  const Gl& gl = impl_->gl;
   impl_->make_tiles(std::min(width, k_tile), std::min(height, k_tile));
   impl_->set_views(projection, heights_of(layers));
 

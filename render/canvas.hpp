@@ -98,8 +98,10 @@ class Canvas {
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
-  /// Draws layers first to last on a plain ground, with 4 samples a pixel where the driver can.
   /// Throws std::runtime_error with the limit when a side is not from 1 to what the driver can draw.
+  void check_size(int width, int height) const;
+  /// Draws layers first to last on a plain ground, with 4 samples a pixel where the driver can.
+  /// Throws std::runtime_error for such a size, and where memory runs out.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:

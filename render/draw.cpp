@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -74,8 +75,10 @@ Framing frame_from_above(const FrameScene& scene, const View& view) {
   const double high = view.height - 2 * margin - band;
   framing.pixels_per_metre = std::min(wide / shown.size().x(), high / shown.size().y());
   framing.center = shown.center() - Vec2(0, 0.5 * band / framing.pixels_per_metre);
-  if (view.camera.across_m) framing.pixels_per_metre = view.width / *view.camera.across_m;
-  if (view.camera.across_m) framing.center = shown.center();
+  if (view.camera.across_m) {
+    framing.pixels_per_metre = view.width / *view.camera.across_m;
+    framing.center = shown.center();
+  }
   if (view.camera.center) framing.center = {view.camera.center->x(), view.camera.center->y()};
   return framing;
 }
@@ -135,12 +138,16 @@ struct Painter::Impl {
   std::optional<Canvas> canvas;  // made with the first picture
 
   explicit Impl(FrameScene of) : scene(std::move(of)) {
+    const KeepFpEnvironment keep;
     for (const engine::FrameType& type : scene.types) meshes.pieces.push_back(pieces_of(type));
   }
 };
 
 Painter::Painter(FrameScene scene) : impl_(std::make_unique<Impl>(std::move(scene))) {}
-Painter::~Painter() = default;
+Painter::~Painter() {
+  const KeepFpEnvironment keep;
+  impl_.reset();
+}
 Painter::Painter(Painter&&) noexcept = default;
 Painter& Painter::operator=(Painter&&) noexcept = default;
 
@@ -150,6 +157,8 @@ Picture Painter::draw(const Frame& frame, const View& view) {
   const KeepFpEnvironment keep;
   const FrameScene& scene = impl_->scene;
   const Layers& shown = view.layers;
+  if (!impl_->canvas) impl_->canvas.emplace();
+  impl_->canvas->check_size(view.width, view.height);
   std::vector<Rgba> colors;  // empty: the bodies' own
   if (!frame.values.empty())
     colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
@@ -174,7 +183,6 @@ Picture Painter::draw(const Frame& frame, const View& view) {
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
   }
   layers.emplace_back(flat(written(scene, frame, *projection, framing, view), true));
-  if (!impl_->canvas) impl_->canvas.emplace();
   return impl_->canvas->paint(*projection, k_paper, layers);
 }
 
