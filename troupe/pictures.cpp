@@ -249,7 +249,7 @@ Pictures::Pictures(const Simulation& simulation, PictureOptions options) : impl_
     impl_->color_by = find_state_value(world, wanted.color_by, fault);
     if (!impl_->color_by) impl_->refuse(fault);
   }
-  if (wanted.color_range) impl_->view.values = {(*wanted.color_range)[0], (*wanted.color_range)[1]};
+  if (wanted.color_range) impl_->view.values = std::pair((*wanted.color_range)[0], (*wanted.color_range)[1]);
   impl_->scene = world.frame_scene();
   impl_->scene.rangers = frame_rangers(world);
 }
@@ -302,6 +302,9 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
   }
   if (shot->center && later->center)
     shot->center = Eigen::Vector3d(*shot->center + share * (*later->center - *shot->center));
+  std::erase_if(shot->text, [](const auto& entry) { return entry.first == "state_hash"; });  // of no state
+  for (auto& [key, value] : shot->text)
+    if (key == "time_s") value = fmt::format("{}", frame.time_s);
   return shot;
 }
 

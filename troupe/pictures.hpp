@@ -77,7 +77,8 @@ class Pictures {
   struct ShotData;
   using Shot = std::shared_ptr<const ShotData>;
   Shot take(const Simulation& simulation) const;
-  /// Halfway between two ticks, 0 to 1: bodies at poses between theirs, everything else as in the earlier.
+  /// Between two ticks, where `share` goes from 0 to 1: bodies at poses between theirs, everything else as in
+  /// the earlier.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where OSMesa is missing, with the package to
