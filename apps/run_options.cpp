@@ -42,7 +42,7 @@ Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopp
 constexpr const char* k_examples = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
-  troupe run worlds/cave-complex-laser.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
+  troupe run worlds/cave-simple.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
   troupe run worlds/cave-complex-laser.json --for 60 --film cave.mp4 --film-speed 4 --layers scans,-grid
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json

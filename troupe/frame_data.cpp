@@ -52,8 +52,8 @@ std::optional<std::pair<std::string, std::string>> split_last(const std::string&
 }
 
 /// A name of a field and its column, as somebody may have meant it.
-std::vector<StateValue> readings_of(const std::string& name) {
-  std::vector<StateValue> readings;
+std::vector<ChosenValue> readings_of(const std::string& name) {
+  std::vector<ChosenValue> readings;
   const auto whole = split_last(name);
   if (!whole) return readings;
   readings.push_back({whole->first, whole->second, 0, {}});
@@ -121,8 +121,8 @@ std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, cons
 
 }  // namespace
 
-std::optional<StateValue> find_state_value(const World& world, const std::string& name, std::string& fault) {
-  for (StateValue& reading : readings_of(name)) {
+std::optional<ChosenValue> find_value(const World& world, const std::string& name, std::string& fault) {
+  for (ChosenValue& reading : readings_of(name)) {
     for (const StateTable& table : world.tables()) {
       const StateField* const field = field_of(table, reading.field);
       if (!field || !has_name(table, reading.component)) continue;
@@ -141,7 +141,7 @@ std::optional<StateValue> find_state_value(const World& world, const std::string
   return std::nullopt;
 }
 
-std::vector<double> state_values(const World& world, const StateValue& value, const Frame& frame) {
+std::vector<double> values_of(const World& world, const ChosenValue& value, const Frame& frame) {
   std::vector<double> values(frame.mobile.size(), std::numeric_limits<double>::quiet_NaN());
   const std::vector<std::uint32_t> places = places_of(world, frame);
   for (const StateTable& table : world.tables()) {

@@ -12,7 +12,7 @@
 namespace troupe {
 
 /// One number a body out of its state: a field of the components of one name.
-struct StateValue {
+struct ChosenValue {
   std::string component;
   std::string field;
   std::size_t column = 0;
@@ -21,10 +21,10 @@ struct StateValue {
 
 /// `velocity.x`, `ranger/ir.ranges.3`, or a component by its kind: `wander.turn_left_s`. Where there is no
 /// such thing `fault` says so, and what there is.
-std::optional<StateValue> find_state_value(const engine::World& world, const std::string& name,
+std::optional<ChosenValue> find_value(const engine::World& world, const std::string& name,
                                            std::string& fault);
 /// A value each of the frame's bodies; NaN for those that lack it.
-std::vector<double> state_values(const engine::World& world, const StateValue& value,
+std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
                                  const engine::Frame& frame);
 
 /// The rangers of all types.

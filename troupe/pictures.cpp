@@ -169,7 +169,7 @@ struct Pictures::Impl {
   std::string world;                    // its file, for people
   std::optional<std::uint32_t> follow;  // BodyId
   double follow_across = 0;
-  std::optional<StateValue> color_by;
+  std::optional<ChosenValue> color_by;
   Trails trails;
   std::optional<render::Painter> painter;
   engine::FrameScene scene;  // the painter's own copy has the same rangers
@@ -246,7 +246,7 @@ Pictures::Pictures(const Simulation& simulation, PictureOptions options) : impl_
     *switch_of(impl_->view.layers, layer.name) = layer.on;
   if (!wanted.color_by.empty()) {
     std::string fault;
-    impl_->color_by = find_state_value(world, wanted.color_by, fault);
+    impl_->color_by = find_value(world, wanted.color_by, fault);
     if (!impl_->color_by) impl_->refuse(fault);
   }
   if (wanted.color_range) impl_->view.values = std::pair((*wanted.color_range)[0], (*wanted.color_range)[1]);
@@ -276,7 +276,7 @@ Pictures::Shot Pictures::take(const Simulation& simulation) const {
   if (shown.names) add_names(world, shot->frame);
   if (shown.trails) impl_->trails.add_to(shot->frame);
   if (impl_->color_by) {
-    shot->frame.values = state_values(world, *impl_->color_by, shot->frame);
+    shot->frame.values = values_of(world, *impl_->color_by, shot->frame);
     shot->frame.value_name = impl_->color_by->text;
   }
   shot->text = {{"Software", version_line()},
