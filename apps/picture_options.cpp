@@ -64,20 +64,6 @@ void set_angle(PictureOptions& look, const std::string& text) {
   look.angle_rad = std::array{radians((*angle)[0]), radians((*angle)[1])};
 }
 
-void set_times(PictureFiles& pictures, const std::string& text) {
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> time = finite(std::string_view(text).substr(start, end - start));
-    if (!time || *time < 0 || *time > k_most_seconds)
-      refuse("--snapshot-at", text, "a list of simulated times in seconds, as in --snapshot-at 0,60,600");
-    pictures.snapshot_at_s.push_back(*time);
-    start = end + 1;
-  }
-  std::ranges::sort(pictures.snapshot_at_s);
-  const auto repeated = std::unique(pictures.snapshot_at_s.begin(), pictures.snapshot_at_s.end());
-  pictures.snapshot_at_s.erase(repeated, pictures.snapshot_at_s.end());
-}
-
 double number_within(const char* option, const std::string& text, double most, std::string_view what) {
   const std::optional<double> value = finite(text);
   if (!value || *value <= 0 || *value > most)
@@ -85,17 +71,16 @@ double number_within(const char* option, const std::string& text, double most, s
   return *value;
 }
 
+constexpr std::array k_looks = {"--size",   "--camera", "--center",   "--angle",
+                                "--across", "--layers", "--color-by", "--color-range"};
+
 void add_files(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const snapshot =
       add_value(app, "--snapshot", "FILE.png", "Draw the last tick into a PNG",
-                [&pictures](const std::string& text) {
-                  pictures.snapshot = text;
-                  if (pictures.snapshot.extension() != ".png" || text.starts_with('-'))
-                    refuse("--snapshot", text, "the name of a picture, as in --snapshot crowd.png");
-                });
+                [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
   add_value(app, "--snapshot-at", "T,...",
             "Instead at these simulated times, s; {time} in the name stands for them",
-            [&pictures](const std::string& text) { set_times(pictures, text); })
+            [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
   CLI::Option* const film =
       add_value(app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
@@ -117,7 +102,42 @@ void add_files(CLI::App& app, PictureFiles& pictures) {
       ->needs(film);
 }
 
-void add_look(CLI::App& app, PictureOptions& look) {
+/// What the options are together.
+void check(const CLI::App& app, const PictureFiles& pictures) {
+  for (const char* name : k_looks)
+    if (app.count(name) > 0 && pictures.snapshot.empty() && pictures.film.empty())
+      throw CLI::RequiresError(name, "--snapshot or --film");
+  check_names(pictures, "--snapshot-at", "--snapshot");
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures) {
+  if (pictures.snapshot.empty()) return {};
+  if (pictures.snapshot_at_s.empty()) return {pictures.snapshot};
+  std::vector<std::filesystem::path> files;
+  for (const double time : pictures.snapshot_at_s) {
+    std::string name = pictures.snapshot.string();
+    const std::string text = fmt::format("{:.10g}", time);
+    for (std::size_t at = 0; (at = name.find(k_time_mark, at)) != name.npos; at += text.size())
+      name.replace(at, k_time_mark.size(), text);
+    files.emplace_back(name);
+  }
+  return files;
+}
+
+bool is_frames(const std::filesystem::path& film) {
+  return film.extension() == ".png" && film.filename().string().find(k_number_mark) != std::string::npos;
+}
+
+std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame) {
+  std::string name = film.filename().string();
+  const std::string_view mark = k_number_mark;
+  name.replace(name.find(mark), mark.size(), fmt::format("{:06}", frame));
+  return film.parent_path() / name;
+}
+
+void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
   add_value(app, "--camera", "C", "top (default), perspective, window (the world's own), or follow:NAME",
@@ -150,51 +170,37 @@ void add_look(CLI::App& app, PictureOptions& look) {
             });
 }
 
-constexpr std::array k_looks = {"--size",   "--camera", "--center",   "--angle",
-                                "--across", "--layers", "--color-by", "--color-range"};
-
-/// What the options are together.
-void check(const CLI::App& app, const PictureFiles& pictures) {
-  for (const char* name : k_looks)
-    if (app.count(name) > 0 && pictures.snapshot.empty() && pictures.film.empty())
-      throw CLI::RequiresError(name, "--snapshot or --film");
-  if (pictures.snapshot_at_s.size() > 1 && pictures.snapshot.string().find(k_time_mark) == std::string::npos)
-    throw CLI::ValidationError(
-        "--snapshot-at",
-        fmt::format("several pictures need names of their own: write {} in the name, as in --snapshot {}-{}.png",
-                    k_time_mark, pictures.snapshot.stem().string(), k_time_mark));
+void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {
+  pictures.snapshot = text;
+  if (pictures.snapshot.extension() != ".png" || text.starts_with('-'))
+    refuse(option, text, fmt::format("the name of a picture, as in {} crowd.png", option));
 }
 
-}  // namespace
-
-std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures) {
-  if (pictures.snapshot.empty()) return {};
-  if (pictures.snapshot_at_s.empty()) return {pictures.snapshot};
-  std::vector<std::filesystem::path> files;
-  for (const double time : pictures.snapshot_at_s) {
-    std::string name = pictures.snapshot.string();
-    const std::string text = fmt::format("{:.10g}", time);
-    for (std::size_t at = 0; (at = name.find(k_time_mark, at)) != name.npos; at += text.size())
-      name.replace(at, k_time_mark.size(), text);
-    files.emplace_back(name);
+void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
+  std::vector<double>& times = pictures.snapshot_at_s;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::optional<double> time = finite(std::string_view(text).substr(start, end - start));
+    if (!time || *time < 0 || *time > k_most_seconds)
+      refuse(option, text, fmt::format("a list of simulated times in seconds, as in {} 0,60,600", option));
+    times.push_back(*time);
+    start = end + 1;
   }
-  return files;
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
 }
 
-bool is_frames(const std::filesystem::path& film) {
-  return film.extension() == ".png" && film.filename().string().find(k_number_mark) != std::string::npos;
-}
-
-std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame) {
-  std::string name = film.filename().string();
-  const std::string_view mark = k_number_mark;
-  name.replace(name.find(mark), mark.size(), fmt::format("{:06}", frame));
-  return film.parent_path() / name;
+void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option) {
+  const std::string name = pictures.snapshot.string();
+  if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
+  throw CLI::ValidationError(
+      times_option, fmt::format("several pictures need names of their own: write {} in the name, as in {} {}-{}.png",
+                                k_time_mark, name_option, pictures.snapshot.stem().string(), k_time_mark));
 }
 
 void add_picture_options(CLI::App& app, PictureFiles& pictures) {
   add_files(app, pictures);
-  add_look(app, pictures.look);
+  add_look_options(app, pictures.look);
   app.final_callback([&app, &pictures] { check(app, pictures); });
 }
 

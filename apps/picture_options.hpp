@@ -31,9 +31,19 @@ bool is_frames(const std::filesystem::path& film);
 /// The file of one of them, counted from 0.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
-/// Adds --snapshot, --film and what says how they look; `pictures` must outlive `app`. What is wrong is a
+/// Adds --snapshot, --film and add_look_options(); `pictures` must outlive `app`. What is wrong is a
 /// CLI::ParseError.
 void add_picture_options(CLI::App& app, PictureFiles& pictures);
+
+// What other commands that draw share with it: an option each, by the name that they have there.
+
+/// Adds what says how pictures look: --size, --camera, --layers, ...
+void add_look_options(CLI::App& app, PictureOptions& look);
+void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
+void set_times(PictureFiles& pictures, const char* option, const std::string& text);
+/// Several times need {time} in the name.
+void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
+
 /// What --layers takes, and what cameras there are, for a command's help.
 std::string picture_help();
 

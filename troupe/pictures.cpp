@@ -266,10 +266,15 @@ void Pictures::see(const Simulation& simulation) {
 }
 
 Pictures::Shot Pictures::take(const Simulation& simulation) const {
+  return take(simulation, {simulation.time_s(), simulation.state_hash()});
+}
+
+Pictures::Shot Pictures::take(const Simulation& simulation, const Told& told) const {
   const engine::World& world = simulation.world();
   const render::Layers& shown = impl_->view.layers;
   auto shot = std::make_shared<ShotData>();
   shot->frame = world.frame();
+  shot->frame.time_s = told.time_s;
   shot->center = impl_->followed(world);
   if (shown.scans || shown.beams) add_scans(world, impl_->scene, shot->frame);
   if (shown.sights) add_sights(world, shot->frame);
@@ -281,10 +286,18 @@ Pictures::Shot Pictures::take(const Simulation& simulation) const {
   }
   shot->text = {{"Software", version_line()},
                 {"world", impl_->world},
-                {"time_s", fmt::format("{}", simulation.time_s())},
+                {"time_s", fmt::format("{}", told.time_s)},
                 {"seed", fmt::format("{}", world.spec().seed)},
-                {"state_hash", hex(simulation.state_hash())}};
+                {"state_hash", hex(told.state_hash)}};
   return shot;
+}
+
+std::string_view Pictures::needs() const {
+  const render::Layers& shown = impl_->view.layers;
+  if (impl_->color_by) return "values to colour by";
+  if (shown.scans || shown.beams) return "scans";
+  if (shown.sights) return "sights";
+  return shown.trails ? "trails" : "";
 }
 
 Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double share) {
@@ -333,6 +346,8 @@ int Pictures::width() const { return 0; }
 int Pictures::height() const { return 0; }
 void Pictures::see(const Simulation&) {}
 Pictures::Shot Pictures::take(const Simulation&) const { refuse_to_draw(); }
+Pictures::Shot Pictures::take(const Simulation&, const Told&) const { refuse_to_draw(); }
+std::string_view Pictures::needs() const { return {}; }
 Pictures::Shot Pictures::between(const Shot&, const Shot&, double) { refuse_to_draw(); }
 std::vector<std::uint8_t> Pictures::draw(const Shot&) { refuse_to_draw(); }
 void Pictures::write(const Shot&, const std::filesystem::path&) { refuse_to_draw(); }

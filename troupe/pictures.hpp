@@ -77,6 +77,14 @@ class Pictures {
   struct ShotData;
   using Shot = std::shared_ptr<const ShotData>;
   Shot take(const Simulation& simulation) const;
+  /// What is told of a tick that is not the simulation's own: of a recording.
+  struct Told {
+    double time_s;
+    std::uint64_t state_hash;
+  };
+  Shot take(const Simulation& simulation, const Told& told) const;
+  /// The first thing that is asked for and needs more than poses: "scans"; empty when nothing does.
+  std::string_view needs() const;
   /// Between two ticks, where `share` goes from 0 to 1: bodies at poses between theirs, everything else as in
   /// the earlier.
   static Shot between(const Shot& earlier, const Shot& later, double share);
