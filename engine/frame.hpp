@@ -90,6 +90,7 @@ struct Frame {
   std::vector<FrameSight> sights;
   std::vector<FrameTrail> trails;
   std::vector<std::string> names;  ///< beside `mobile`
+  std::vector<double> charges;     ///< beside `mobile`: share that its power pack holds; NaN: it has none
   std::vector<double> values;      ///< beside `mobile`: what bodies are coloured by; NaN: it has none
   std::string value_name;          ///< with its unit: "velocity.x (m/s)"
 };

@@ -38,6 +38,7 @@ struct Layers {
   bool sights = false;      ///< lines from finders to what they found: Frame::sights
   bool trails = false;      ///< where bodies were: Frame::trails
   bool names = false;       ///< Frame::names
+  bool energy = false;      ///< bars of what bodies have left: Frame::charges
   bool footprints = false;  ///< outlines on the floor below the bodies
   bool density = false;     ///< how many robots there are in squares of the floor
   bool tiles = false;       ///< the same in the tiles of the index

@@ -2,6 +2,7 @@
 #include "render/scene_layers.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <utility>
 
@@ -12,6 +13,24 @@ using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
+
+/// Robots narrower than this, strokes, are rectangles where their shapes have more corners than this: nobody
+/// could see them, and a hundred thousand of them take their time.
+constexpr double k_smallest_shaped = 5;
+constexpr std::size_t k_most_corners = 24;
+
+/// A rectangle around all shapes of a type, in the body's colour.
+Mesh extent_mesh(const FrameType& type) {
+  Box extent;
+  for (const engine::FrameShape& shape : type.shapes) {
+    for (const Ring& ring : shape.solid.contours) {
+      for (const Vec2& p : ring) extent.extend(p);
+    }
+  }
+  Mesh mesh;
+  if (!extent.empty()) add_rectangle(mesh, extent.min, extent.max, {});
+  return silhouette(std::move(mesh));
+}
 
 /// How much the bodies of each type are enlarged to be seen.
 std::vector<double> enlargements(const FrameScene& scene, const Framing& framing, double smallest) {
@@ -94,8 +113,9 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
       style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across, 0.8, 1.6));
     style.mark = shown.headings && scene.types[type].mobile && across >= k_smallest_marked;
     // Robots lie on top of the floor plan at any height: a map that hides its robots is of no use.
-    layers.push_back(Layer{body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type],
-                           std::exchange(first, false)});
+    Mesh mesh = body_mesh(scene.types[type], meshes.pieces[type], style);
+    if (across < k_smallest_shaped && mesh.size() > k_most_corners) mesh = extent_mesh(scene.types[type]);
+    layers.push_back(Layer{std::move(mesh), by_type[type], std::exchange(first, false)});
   }
 }
 

@@ -171,6 +171,32 @@ void add_names(Lines& lines, const FrameScene& scene, const Frame& frame, const 
   }
 }
 
+/// A bar above each body that has a power pack: green, and red where little is left.
+void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const Projection& projection) {
+  constexpr double k_least_width = 10, k_height = 3;  // strokes
+  constexpr double k_little = 0.2;
+  constexpr Rgba k_rim = {60, 56, 50, 255}, k_none = {235, 232, 225, 255};
+  constexpr Rgba k_full = {52, 140, 70, 255}, k_low = {206, 48, 40, 255};
+  const double stroke = projection.stroke();
+  for (std::size_t i = 0; i < frame.charges.size(); ++i) {
+    if (std::isnan(frame.charges[i])) continue;
+    const FrameBody& body = frame.mobile[i];
+    const double radius = scene.types[body.type].radius;
+    const Vec3 top(body.pose_world_body.x, body.pose_world_body.y,
+                   body.pose_world_body.z + heights_of(scene.types[body.type]).max);
+    const auto place = projection.to_pixels(top);
+    if (!place) continue;
+    const double half = std::max(k_least_width * stroke / 2, radius * projection.pixels_per_metre(top));
+    const double bottom = place->y() + radius * projection.pixels_per_metre(top) + 3 * stroke;
+    const double share = std::clamp(frame.charges[i], 0.0, 1.0);
+    const Vec2 low(place->x() - half, bottom);
+    const Vec2 high(place->x() + half, bottom + k_height * stroke);
+    add_rectangle(mesh, low - Vec2(stroke, stroke), high + Vec2(stroke, stroke), k_rim);
+    add_rectangle(mesh, low, high, k_none);
+    add_rectangle(mesh, low, {low.x() + 2 * half * share, high.y()}, share < k_little ? k_low : k_full);
+  }
+}
+
 std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
 /// A bar of the colours with the values at its ends, in the upper left corner.
@@ -278,6 +304,7 @@ Mesh written(const FrameScene& scene, const Frame& frame, const Projection& proj
   if (view.layers.clock) shown.right = clock_text(frame.time_s);
   Mesh mesh;
   Lines lines;
+  if (view.layers.energy) add_charges(mesh, scene, frame, projection);
   if (view.layers.names) add_names(lines, scene, frame, projection);
   if (view.layers.legend && !frame.values.empty() && framing.has_furniture())
     add_legend(mesh, lines, frame, framing, view.values.value_or(range_of(frame.values)));

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
+#include "models/power.hpp"
 #include "sensors/fiducial.hpp"
 
 #include <fmt/format.h>
@@ -213,6 +214,19 @@ void add_sights(const World& world, Frame& frame) {
         frame.sights.push_back({static_cast<std::uint32_t>(i),
                                 {eye.x, eye.y, eye.z},
                                 {poses[4 * k], poses[4 * k + 1], poses[4 * k + 2]}});
+    }
+  }
+}
+
+void add_charges(const World& world, Frame& frame) {
+  frame.charges.assign(frame.mobile.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
+    const Row row = world.row(BodyId(std::size_t{frame.mobile[i].id}));
+    for (const BodyType::Device& device : world.type(row).devices) {
+      if (device.kind->name != "power_pack") continue;
+      const auto& pack = world.percepts(device).as<models::PowerPackState>(world.slot(row));
+      frame.charges[i] = pack.proportion_remaining();
+      break;
     }
   }
 }

@@ -33,6 +33,8 @@ std::vector<engine::FrameRanger> frame_rangers(const engine::World& world);
 void add_scans(const engine::World& world, const engine::FrameScene& scene, engine::Frame& frame);
 /// What fiducial finders have found: fills Frame::sights.
 void add_sights(const engine::World& world, engine::Frame& frame);
+/// What power packs hold: fills Frame::charges.
+void add_charges(const engine::World& world, engine::Frame& frame);
 void add_names(const engine::World& world, engine::Frame& frame);
 
 /// Where bodies have been in the last seconds.

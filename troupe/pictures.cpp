@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::string_view k_follow = "follow:";
 
-constexpr std::array<PictureLayer, 16> k_layers = {{
+constexpr std::array<PictureLayer, 17> k_layers = {{
     {"grid", true, "lines on the floor"},
     {"shadows", true, "of what stands, on the floor"},
     {"headings", true, "a mark at the front of each robot"},
@@ -36,6 +36,7 @@ constexpr std::array<PictureLayer, 16> k_layers = {{
     {"sights", false, "lines from fiducial finders to what they have found"},
     {"trails", false, "where robots were in the last 20 s, the older the paler"},
     {"names", false, "of robots"},
+    {"energy", false, "bars of what power packs hold"},
     {"footprints", false, "outlines of bodies on the floor"},
     {"density", false, "how many robots there are in squares of the floor"},
     {"tiles", false, "how many there are in each tile, the unit of parallel work"},
@@ -91,7 +92,7 @@ constexpr double k_follow_widths = 24;  // of the model that is followed, across
 constexpr double k_stage_fov = 60 * k_pi / 180;
 
 bool* switch_of(render::Layers& layers, std::string_view name) {
-  const std::array<std::pair<std::string_view, bool*>, 16> all = {{{"grid", &layers.grid},
+  const std::array<std::pair<std::string_view, bool*>, 17> all = {{{"grid", &layers.grid},
                                                                     {"shadows", &layers.shadows},
                                                                     {"headings", &layers.headings},
                                                                     {"stalls", &layers.stalls},
@@ -103,6 +104,7 @@ bool* switch_of(render::Layers& layers, std::string_view name) {
                                                                     {"sights", &layers.sights},
                                                                     {"trails", &layers.trails},
                                                                     {"names", &layers.names},
+                                                                    {"energy", &layers.energy},
                                                                     {"footprints", &layers.footprints},
                                                                     {"density", &layers.density},
                                                                     {"tiles", &layers.tiles},
@@ -279,6 +281,7 @@ Pictures::Shot Pictures::take(const Simulation& simulation, const Told& told) co
   if (shown.scans || shown.beams) add_scans(world, impl_->scene, shot->frame);
   if (shown.sights) add_sights(world, shot->frame);
   if (shown.names) add_names(world, shot->frame);
+  if (shown.energy) add_charges(world, shot->frame);
   if (shown.trails) impl_->trails.add_to(shot->frame);
   if (impl_->color_by) {
     shot->frame.values = values_of(world, *impl_->color_by, shot->frame);
@@ -297,6 +300,7 @@ std::string_view Pictures::needs() const {
   if (impl_->color_by) return "values to colour by";
   if (shown.scans || shown.beams) return "scans";
   if (shown.sights) return "sights";
+  if (shown.energy) return "energy";
   return shown.trails ? "trails" : "";
 }
 

@@ -289,6 +289,34 @@ TEST(DrawSolid, BodiesAreColouredByTheirValues) {
   EXPECT_NE(yard.pixel(40, 37), k_paper);  // the legend
 }
 
+TEST(DrawSolid, NamesAndChargesStandAtTheirBodies) {
+  for (const bool perspective : {true, false}) {
+    Yard yard;
+    yard.view.camera.perspective = perspective;
+    yard.view.camera.pitch = perspective ? 0.8 : 0;
+    yard.add(0, -3, 0, k_blue);
+    yard.frame.names = {"west"};
+    yard.frame.charges = {0.5};
+    yard.draw();
+    const Picture plain = yard.picture;
+    for (bool Layers::*layer : {&Layers::names, &Layers::energy}) {
+      Yard other = yard;
+      other.view.layers.*layer = true;
+      other.draw();
+      int near = 0;
+      int all = other.differing(plain);
+      for (int row = 140; row < 300; ++row) {
+        for (int column = 150; column < 320; ++column) {
+          const std::size_t i = 4 * (static_cast<std::size_t>(row) * 640 + column);
+          near += !std::equal(&plain.rgba[i], &plain.rgba[i] + 4, &other.picture.rgba[i]);
+        }
+      }
+      EXPECT_GT(near, 60) << perspective;
+      EXPECT_EQ(near, all) << perspective;
+    }
+  }
+}
+
 TEST(DrawSolid, ManyPicturesOfOnePainterAreThoseOfOneEach) {
   Yard yard;
   yard.add(0, 1, 2, k_blue);
