@@ -22,13 +22,16 @@ constexpr std::size_t k_most_corners = 24;
 /// A rectangle around all shapes of a type, in the body's colour.
 Mesh extent_mesh(const FrameType& type) {
   Box extent;
+  double top = 0;
   for (const engine::FrameShape& shape : type.shapes) {
+    top = std::max(top, shape.solid.z.max);
     for (const Ring& ring : shape.solid.contours) {
       for (const Vec2& p : ring) extent.extend(p);
     }
   }
   Mesh mesh;
   if (!extent.empty()) add_rectangle(mesh, extent.min, extent.max, {});
+  for (Vertex& v : mesh) v.z = static_cast<float>(top);
   return silhouette(std::move(mesh));
 }
 
