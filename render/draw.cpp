@@ -172,9 +172,10 @@ Picture Painter::draw(const Frame& frame, const View& view) {
     framing = frame_from_above(scene, view);
     projection = Projection::from_above(framing, heights_of(scene, frame.mobile));
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing), true));
+    // Below the walls: beams are wider than the one ray that says where they end.
+    add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
     add_flat_fixed(layers, impl_->meshes, framing, shown);
     add_on_floor(layers, scene, frame, colors, *projection, shown);
-    add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
     add_flat_mobile(layers, impl_->meshes, frame, colors, framing, shown);
   } else {
     projection = project(scene, frame, view, framing);

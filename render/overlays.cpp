@@ -28,7 +28,9 @@ using engine::FrameTransducer;
 constexpr Rgba k_grid_line = {233, 227, 214, 255};
 constexpr Rgba k_sight = {196, 30, 110, 200};
 constexpr Rgba k_cell_line = {120, 112, 98, 150};
-constexpr std::uint8_t k_scan_opacity = 46;
+constexpr double k_scan_opacity = 46;  // of up to k_few_scans; of more less, so that what lies below shows
+constexpr double k_few_scans = 20;
+constexpr double k_least_opacity = 5;
 constexpr std::uint8_t k_beam_opacity = 110;
 constexpr std::uint8_t k_heat_opacity = 150;
 
@@ -46,6 +48,11 @@ Rgba with_opacity(Rgba color, std::uint8_t opacity) { return {color[0], color[1]
 
 Rgba color_of(const Frame& frame, std::span<const Rgba> colors, std::size_t body) {
   return colors.empty() ? to_rgba(frame.mobile[body].color) : colors[body];
+}
+
+std::uint8_t scan_opacity(const Frame& frame) {
+  const double crowd = std::max(1.0, static_cast<double>(frame.scans.size()) / k_few_scans);
+  return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
 }
 
 /// Where reading `i` of a transducer ends, from the projection's origin.
@@ -73,17 +80,17 @@ void add_slice(SolidMesh& mesh, const Pose& pose_world, double fov, double range
 void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const Frame& frame,
               const FrameScan& scan, const Projection& projection, Rgba color, const Layers& shown) {
   const Vec3& origin = projection.origin();
+  const Rgba fill = with_opacity(color, scan_opacity(frame));
   for (const FrameTransducer& transducer : scene.rangers[scan.ranger].transducers) {
     const Pose pose = compose(frame.mobile[scan.body].pose_world_body, transducer.pose_body);
     const Vec3 from = Vec3(pose.x, pose.y, pose.z) - origin;
     const float* const ranges = frame.ranges.data() + scan.first + transducer.first;
     if (shown.scans && transducer.samples == 1)
-      add_slice(fills, pose, transducer.fov, ranges[0], origin, with_opacity(color, k_scan_opacity));
+      add_slice(fills, pose, transducer.fov, ranges[0], origin, fill);
     for (std::size_t i = 0; i < transducer.samples; ++i) {
       const Vec3 end = end_of_beam(pose, transducer, i, ranges[i], origin);
       if (shown.scans && i > 0)
-        add_plain(fills, from, end_of_beam(pose, transducer, i - 1, ranges[i - 1], origin), end,
-                  with_opacity(color, k_scan_opacity));
+        add_plain(fills, from, end_of_beam(pose, transducer, i - 1, ranges[i - 1], origin), end, fill);
       if (shown.beams)
         add_stroke(lines, from, end, 0.8 * projection.stroke(), Paint::own,
                    with_opacity(color, k_beam_opacity));
