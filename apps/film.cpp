@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_no_ffmpeg =
-    "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes pictures that "
+    "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes pictures "
+    "that "
     "can become a film elsewhere";
 constexpr int k_last_open_file = 1023;
 
@@ -55,13 +56,30 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
   partial_ = film_;
   partial_ += fmt::format(".{}.partial.mp4", getpid());
   // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines.
-  start(program, {"ffmpeg",       "-y",       "-loglevel",   "error",
-                  "-f",           "rawvideo", "-pixel_format", "rgba",
-                  "-video_size",  fmt::format("{}x{}", width, height),
-                  "-framerate",   fmt::format("{:g}", fps),
-                  "-i",           "-",        "-vf",         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                  "-c:v",         "libx264",  "-crf",        "18",
-                  "-pix_fmt",     "yuv420p",  "-movflags",   "+faststart",
+  start(program, {"ffmpeg",
+                  "-y",
+                  "-loglevel",
+                  "error",
+                  "-f",
+                  "rawvideo",
+                  "-pixel_format",
+                  "rgba",
+                  "-video_size",
+                  fmt::format("{}x{}", width, height),
+                  "-framerate",
+                  fmt::format("{:g}", fps),
+                  "-i",
+                  "-",
+                  "-vf",
+                  "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                  "-c:v",
+                  "libx264",
+                  "-crf",
+                  "18",
+                  "-pix_fmt",
+                  "yuv420p",
+                  "-movflags",
+                  "+faststart",
                   partial_.string()});
 }
 
@@ -138,8 +156,7 @@ void Ffmpeg::finish() {
   std::error_code fault;
   fs::rename(partial_, film_, fault);
   if (fault)
-    throw std::runtime_error(
-        fmt::format("{}: error: writing failed: {}", film_.string(), fault.message()));
+    throw std::runtime_error(fmt::format("{}: error: writing failed: {}", film_.string(), fault.message()));
 }
 
 }  // namespace troupe::apps

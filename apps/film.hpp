@@ -11,8 +11,8 @@
 
 namespace troupe::apps {
 
-/// A film that ffmpeg, a process of its own, makes of pictures. It is written beside its name and renamed when
-/// it is whole; a film that is not finished leaves nothing.
+/// A film that ffmpeg, a process of its own, makes of pictures. It is written beside its name and renamed
+/// when it is whole; a film that is not finished leaves nothing.
 class Ffmpeg {
  public:
   /// Throws OutputError where there is no ffmpeg, with the package to install.

@@ -68,7 +68,8 @@ void Filming::observe(const Simulation& simulation) {
   const Pictures::Shot shot = is_needed ? pictures_.take(simulation) : nullptr;
   for (; shot && due_s() <= now; ++frames_) {
     const bool is_between = previous_ && due_s() < now;
-    add(is_between ? Pictures::between(previous_, shot, (due_s() - previous_s_) / (now - previous_s_)) : shot);
+    add(is_between ? Pictures::between(previous_, shot, (due_s() - previous_s_) / (now - previous_s_))
+                   : shot);
   }
   previous_ = shot;
   previous_s_ = now;

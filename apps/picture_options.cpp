@@ -82,19 +82,17 @@ void add_files(CLI::App& app, PictureFiles& pictures) {
             "Instead at these simulated times, s; {time} in the name stands for them",
             [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
-  CLI::Option* const film =
-      add_value(app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
-                [&pictures](const std::string& text) {
-                  pictures.film = text;
-                  const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
-                  if (!is_film || text.starts_with('-'))
-                    refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
-                });
-  add_value(app, "--fps", "N", "Its pictures a second (default: 30)",
-            [&pictures](const std::string& text) {
-              pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
-            })
-      ->needs(film);
+  CLI::Option* const film = add_value(
+      app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
+      [&pictures](const std::string& text) {
+        pictures.film = text;
+        const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
+        if (!is_film || text.starts_with('-'))
+          refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
+      });
+  add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
+    pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
+  })->needs(film);
   add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
             [&pictures](const std::string& text) {
               pictures.film_speed = number_within("--film-speed", text, k_most_speed, "times real time");
@@ -194,8 +192,9 @@ void check_names(const PictureFiles& pictures, const char* times_option, const c
   const std::string name = pictures.snapshot.string();
   if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
   throw CLI::ValidationError(
-      times_option, fmt::format("several pictures need names of their own: write {} in the name, as in {} {}-{}.png",
-                                k_time_mark, name_option, pictures.snapshot.stem().string(), k_time_mark));
+      times_option,
+      fmt::format("several pictures need names of their own: write {} in the name, as in {} {}-{}.png",
+                  k_time_mark, name_option, pictures.snapshot.stem().string(), k_time_mark));
 }
 
 void add_picture_options(CLI::App& app, PictureFiles& pictures) {
@@ -206,7 +205,8 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures) {
 
 std::string picture_help() {
   std::string text =
-      "Pictures: --camera top is a map; perspective, and follow:NAME with a robot in the middle, show solids; "
+      "Pictures: --camera top is a map; perspective, and follow:NAME with a robot in the middle, show "
+      "solids; "
       "window is\nthe camera of the world's own window. --center, --angle and --across change any of them.\n"
       "Layers, those in brackets only where --layers asks for them; -NAME leaves one out:\n";
   for (const PictureLayer& layer : picture_layers())

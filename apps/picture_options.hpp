@@ -14,9 +14,9 @@ namespace troupe::apps {
 
 /// Which pictures a run leaves, and how they look.
 struct PictureFiles {
-  std::filesystem::path snapshot;    ///< empty: none
+  std::filesystem::path snapshot;     ///< empty: none
   std::vector<double> snapshot_at_s;  ///< empty: at the end
-  std::filesystem::path film;        ///< a film, or frames with `%06d` for their number; empty: none
+  std::filesystem::path film;         ///< a film, or frames with `%06d` for their number; empty: none
   double fps = 30;
   double film_speed = 1;  ///< simulated seconds a second of film
   PictureOptions look;

@@ -99,7 +99,8 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
           "World file, checkpoint or recording")
       ->option_text(" ")
       ->required();
-  add_value(*command, "-o,--output", "FILE.png", "The picture; {time} in its name stands for the simulated time",
+  add_value(*command, "-o,--output", "FILE.png",
+            "The picture; {time} in its name stands for the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); })
       ->required();
   add_value(*command, "--at", "T,...", "Simulated times to draw, s",

@@ -70,9 +70,9 @@ class WorldRun {
   Clock::time_point start_ = Clock::now();
   Simulation simulation_;
   Report report_;
-  std::uint64_t ticks_ = 0;           // at which it ends
-  std::optional<Measures> measures_;        // until their table takes them
-  std::unique_ptr<Snapshots> rehearsed_;    // until they are among the observers, as is
+  std::uint64_t ticks_ = 0;               // at which it ends
+  std::optional<Measures> measures_;      // until their table takes them
+  std::unique_ptr<Snapshots> rehearsed_;  // until they are among the observers, as is
   std::unique_ptr<Filming> rehearsed_film_;
   std::vector<std::unique_ptr<Observer>> observers_;
   Profile* profile_ = nullptr;         // of them the one that the phases and tasks are told, too

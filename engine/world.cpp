@@ -567,8 +567,8 @@ FrameScene World::frame_scene() const {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!body_rows_[b].valid())
-      scene.fixed.push_back({body.type.value, body.pose_world_body, body.color, false,
-                             static_cast<std::uint32_t>(b)});
+      scene.fixed.push_back(
+          {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
     else
       scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
   }
@@ -581,8 +581,8 @@ Frame World::frame() const {
   for (std::size_t b = 0; b < body_rows_.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (const Row r = body_rows_[b]; r.valid())
-      frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r),
-                              static_cast<std::uint32_t>(b)});
+      frame.mobile.push_back(
+          {body.type.value, poses()[r.index()], body.color, stalled(r), static_cast<std::uint32_t>(b)});
   }
   return frame;
 }

@@ -75,8 +75,9 @@ void main() {
 }
 )";
 
-// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 dot. Faces are lit from both sides alike,
-// as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from above.
+// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 dot. Faces are lit from both sides
+// alike, as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from
+// above.
 constexpr const char* k_solid_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec4 a;

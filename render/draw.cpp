@@ -87,7 +87,8 @@ Framing frame_from_above(const FrameScene& scene, const View& view) {
 ZInterval heights_of(const FrameScene& scene, const std::vector<FrameBody>& bodies) {
   ZInterval heights{0, 0.01};
   for (const engine::FrameType& type : scene.types)
-    for (const engine::FrameShape& shape : type.shapes) heights.max = std::max(heights.max, shape.solid.z.max);
+    for (const engine::FrameShape& shape : type.shapes)
+      heights.max = std::max(heights.max, shape.solid.z.max);
   for (const FrameBody& body : bodies) {
     for (const engine::FrameShape& shape : scene.types[body.type].shapes) {
       heights.min = std::min(heights.min, body.pose_world_body.z + shape.solid.z.min);

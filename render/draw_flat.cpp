@@ -64,12 +64,11 @@ std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
     const Vec2 place = framing.to_pixels(position);
     const SinCos heading = sincos(body.pose_world_body.heading);
     const Rgba color = colors.empty() ? to_rgba(body.color) : colors[i];
-    instances[body.type].push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
-                                    static_cast<float>(heading.cos), static_cast<float>(heading.sin),
-                                    static_cast<float>(body.pose_world_body.z),
-                                    static_cast<float>(scale * framing.pixels_per_metre), color,
-                                    shows_stalls && body.stalled ? k_stalled_edge : darker(color),
-                                    contrasting(color)});
+    instances[body.type].push_back(
+        {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(heading.cos),
+         static_cast<float>(heading.sin), static_cast<float>(body.pose_world_body.z),
+         static_cast<float>(scale * framing.pixels_per_metre), color,
+         shows_stalls && body.stalled ? k_stalled_edge : darker(color), contrasting(color)});
   }
   return instances;
 }

@@ -25,7 +25,7 @@ constexpr double k_shortest_side = 8;
 struct Seen {
   std::vector<SolidInstance> prisms;
   std::vector<SolidInstance> boxes;
-  double widest = 0;           ///< of the prisms, strokes
+  double widest = 0;            ///< of the prisms, strokes
   double pixels_per_metre = 0;  ///< where that is
 };
 
@@ -55,10 +55,14 @@ class Sorter {
     const Vec3 place = middle - projection_.origin();
     const Rgba edge = is_stalled ? k_stalled_edge : darker(color);
     const SinCos heading = sincos(pose.heading);
-    SolidInstance instance{static_cast<float>(place.x()), static_cast<float>(place.y()),
-                           static_cast<float>(pose.z),    1,
-                           static_cast<float>(heading.cos), static_cast<float>(heading.sin),
-                           color,                           edge,
+    SolidInstance instance{static_cast<float>(place.x()),
+                           static_cast<float>(place.y()),
+                           static_cast<float>(pose.z),
+                           1,
+                           static_cast<float>(heading.cos),
+                           static_cast<float>(heading.sin),
+                           color,
+                           edge,
                            contrasting(color)};
     if (scale > 0 && across < smallest) {
       instance.z = static_cast<float>(middle.z());

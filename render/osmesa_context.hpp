@@ -23,8 +23,8 @@ class OsmesaContext {
   void release();
 
   using Procedure = void (*)();
-  /// An OpenGL entry point by its name, "glClear", of all contexts. Throws std::runtime_error when the library
-  /// has none.
+  /// An OpenGL entry point by its name, "glClear", of all contexts. Throws std::runtime_error when the
+  /// library has none.
   Procedure procedure(const char* name) const;
 
  private:

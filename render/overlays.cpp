@@ -34,10 +34,10 @@ constexpr double k_least_opacity = 5;
 constexpr std::uint8_t k_beam_opacity = 110;
 constexpr std::uint8_t k_heat_opacity = 150;
 
-constexpr double k_grid_strokes = 48;   // between two lines, at least
+constexpr double k_grid_strokes = 48;      // between two lines, at least
 constexpr double k_most_grid_lines = 120;  // each way
 constexpr double k_density_strokes = 36;   // edge of a square, at least
-constexpr std::size_t k_fan_steps = 8;             // of a single beam that has a width
+constexpr std::size_t k_fan_steps = 8;     // of a single beam that has a width
 
 /// Meshes of an overlay are in metres from the projection's origin.
 SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
@@ -58,11 +58,10 @@ std::uint8_t scan_opacity(const Frame& frame) {
 /// Where reading `i` of a transducer ends, from the projection's origin.
 Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std::size_t i, double range,
                  const Vec3& origin) {
-  const double bearing =
-      transducer.samples > 1
-          ? -transducer.fov / 2 +
-                static_cast<double>(i) * transducer.fov / static_cast<double>(transducer.samples - 1)
-          : 0;
+  const double bearing = transducer.samples > 1
+                             ? -transducer.fov / 2 + static_cast<double>(i) * transducer.fov /
+                                                         static_cast<double>(transducer.samples - 1)
+                             : 0;
   const Vec2 way = Rotation(pose_world.heading + bearing) * Vec2(range, 0);
   return Vec3(pose_world.x + way.x(), pose_world.y + way.y(), pose_world.z) - origin;
 }
@@ -120,8 +119,9 @@ SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection
   int most = 1;
   for (const auto& [square, count] : counts) most = std::max(most, count);
   for (const auto& [square, count] : counts) {
-    const Vec3 a = Vec3(static_cast<double>(square.first) * pitch, static_cast<double>(square.second) * pitch, 0) -
-                   projection.origin();
+    const Vec3 a =
+        Vec3(static_cast<double>(square.first) * pitch, static_cast<double>(square.second) * pitch, 0) -
+        projection.origin();
     const std::array<Vec3, 4> corners = {a, a + Vec3(pitch, 0, 0), a + Vec3(pitch, pitch, 0),
                                          a + Vec3(0, pitch, 0)};
     if (filled) {
@@ -138,8 +138,8 @@ SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection
 }
 
 /// The outlines of a body's shapes on the floor.
-void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& body, const Projection& projection,
-                   Rgba color) {
+void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& body,
+                   const Projection& projection, Rgba color) {
   const Transform place(body.pose_world_body);
   for (const engine::FrameShape& shape : scene.types[body.type].shapes) {
     for (const Ring& ring : shape.solid.contours) {
@@ -264,8 +264,7 @@ void add_on_floor(std::vector<AnyLayer>& layers, const FrameScene& scene, const 
   if (shown.density) {
     const double scale = projection.pixels_per_metre(projection.floor_center());
     const double at_least = scale > 0 ? k_density_strokes * projection.stroke() / scale : 1;
-    layers.emplace_back(
-        squares(scene, frame, projection, RoundLength::at_most(2.5 * at_least).metres, true));
+    layers.emplace_back(squares(scene, frame, projection, RoundLength::at_most(2.5 * at_least).metres, true));
   }
   if (shown.tiles && scene.tile_m > 0)
     layers.emplace_back(squares(scene, frame, projection, scene.tile_m, true));
@@ -301,8 +300,8 @@ void add_in_air(std::vector<AnyLayer>& layers, const FrameScene& scene, const Fr
   if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), depth));
 }
 
-Mesh written(const FrameScene& scene, const Frame& frame, const Projection& projection, const Framing& framing,
-             const View& view) {
+Mesh written(const FrameScene& scene, const Frame& frame, const Projection& projection,
+             const Framing& framing, const View& view) {
   const bool from_above = !view.camera.perspective && view.camera.pitch == 0 && view.camera.yaw == 0;
   Furniture shown;
   shown.scale = view.layers.scale && from_above;

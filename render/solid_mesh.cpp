@@ -8,17 +8,23 @@
 namespace troupe::render {
 namespace {
 
+using Eigen::Vector3d;
 using engine::FrameShape;
 using engine::FrameType;
-using Eigen::Vector3d;
 
 /// Where two sides meet at less than this angle they are one bent surface, and have no line between them.
 constexpr double k_bend = 30 * k_pi / 180;
 
 SolidVertex vertex(const Vector3d& p, const Vector3d& a, double side, Paint paint, Rgba own, Corner corner) {
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
-          static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()),
-          static_cast<float>(side),  own,                       paint,
+  return {static_cast<float>(p.x()),
+          static_cast<float>(p.y()),
+          static_cast<float>(p.z()),
+          static_cast<float>(a.x()),
+          static_cast<float>(a.y()),
+          static_cast<float>(a.z()),
+          static_cast<float>(side),
+          own,
+          paint,
           corner};
 }
 
@@ -63,8 +69,7 @@ void add_edges(SolidMesh& mesh, const Ring& ring, const ZInterval& z, const Soli
 
 /// Triangles of a flat mesh, as faces that look up or as marks on such faces.
 void add_flat(SolidMesh& mesh, std::span<const Vertex> triangles, Corner corner) {
-  for (const Vertex& v : triangles)
-    mesh.push_back({v.x, v.y, v.z, 0, 0, 1, 0, v.own, v.paint, corner});
+  for (const Vertex& v : triangles) mesh.push_back({v.x, v.y, v.z, 0, 0, 1, 0, v.own, v.paint, corner});
 }
 
 }  // namespace
@@ -111,7 +116,8 @@ SolidMesh box_mesh(const FrameType& type) {
   }
   if (extent.empty()) return mesh;
   const ZInterval z = heights_of(type);
-  const Ring ring = {extent.min, {extent.max.x(), extent.min.y()}, extent.max, {extent.min.x(), extent.max.y()}};
+  const Ring ring = {
+      extent.min, {extent.max.x(), extent.min.y()}, extent.max, {extent.min.x(), extent.max.y()}};
   add_quad(mesh, {at(ring[0], z.max), at(ring[1], z.max), at(ring[2], z.max), at(ring[3], z.max)}, {0, 0, 1},
            Paint::body, {});
   add_sides(mesh, ring, z, Paint::body, {});

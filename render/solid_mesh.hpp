@@ -25,8 +25,8 @@ SolidMesh shadow_mesh(const SolidMesh& mesh);
 ZInterval heights_of(const engine::FrameType& type);
 
 /// A line of this width in pixels.
-void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width, Paint paint,
-                Rgba own = {});
+void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
+                Paint paint, Rgba own = {});
 /// A triangle that is not lit.
 void add_plain(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                Rgba own);

@@ -22,10 +22,10 @@ struct ChosenValue {
 /// `velocity.x`, `ranger/ir.ranges.3`, or a component by its kind: `wander.turn_left_s`. Where there is no
 /// such thing `fault` says so, and what there is.
 std::optional<ChosenValue> find_value(const engine::World& world, const std::string& name,
-                                           std::string& fault);
+                                      std::string& fault);
 /// A value each of the frame's bodies; NaN for those that lack it.
 std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
-                                 const engine::Frame& frame);
+                              const engine::Frame& frame);
 
 /// The rangers of all types.
 std::vector<engine::FrameRanger> frame_rangers(const engine::World& world);

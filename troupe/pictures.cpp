@@ -93,22 +93,22 @@ constexpr double k_stage_fov = 60 * k_pi / 180;
 
 bool* switch_of(render::Layers& layers, std::string_view name) {
   const std::array<std::pair<std::string_view, bool*>, 17> all = {{{"grid", &layers.grid},
-                                                                    {"shadows", &layers.shadows},
-                                                                    {"headings", &layers.headings},
-                                                                    {"stalls", &layers.stalls},
-                                                                    {"scale", &layers.scale},
-                                                                    {"clock", &layers.clock},
-                                                                    {"legend", &layers.legend},
-                                                                    {"scans", &layers.scans},
-                                                                    {"beams", &layers.beams},
-                                                                    {"sights", &layers.sights},
-                                                                    {"trails", &layers.trails},
-                                                                    {"names", &layers.names},
-                                                                    {"energy", &layers.energy},
-                                                                    {"footprints", &layers.footprints},
-                                                                    {"density", &layers.density},
-                                                                    {"tiles", &layers.tiles},
-                                                                    {"cells", &layers.cells}}};
+                                                                   {"shadows", &layers.shadows},
+                                                                   {"headings", &layers.headings},
+                                                                   {"stalls", &layers.stalls},
+                                                                   {"scale", &layers.scale},
+                                                                   {"clock", &layers.clock},
+                                                                   {"legend", &layers.legend},
+                                                                   {"scans", &layers.scans},
+                                                                   {"beams", &layers.beams},
+                                                                   {"sights", &layers.sights},
+                                                                   {"trails", &layers.trails},
+                                                                   {"names", &layers.names},
+                                                                   {"energy", &layers.energy},
+                                                                   {"footprints", &layers.footprints},
+                                                                   {"density", &layers.density},
+                                                                   {"tiles", &layers.tiles},
+                                                                   {"cells", &layers.cells}}};
   const auto found = std::ranges::find(all, name, &std::pair<std::string_view, bool*>::first);
   return found == all.end() ? nullptr : found->second;
 }
@@ -184,7 +184,8 @@ struct Pictures::Impl {
     const BodyId body = of.find(name);
     if (!body.valid()) refuse(fmt::format("there is no model \"{}\" to follow", name));
     follow = body.value;
-    follow_across = k_follow_widths * std::max(of.types()[of.spec().bodies[body.index()].type.index()].radius, 0.05);
+    follow_across =
+        k_follow_widths * std::max(of.types()[of.spec().bodies[body.index()].type.index()].radius, 0.05);
   }
 
   void set_camera(const engine::World& of) {

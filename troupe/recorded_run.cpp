@@ -39,7 +39,8 @@ SimulationOptions options_of(const RecordingReader& reader,
   const std::string text = meta(reader, "seed");
   if (std::from_chars(text.data(), text.data() + text.size(), seed).ec == std::errc()) options.seed = seed;
   for (const auto& [key, value] : reader.meta())
-    if (key.starts_with(k_set) && key.find(" at tick ") == key.npos) options.set.emplace_back(key.substr(k_set.size()), value);
+    if (key.starts_with(k_set) && key.find(" at tick ") == key.npos)
+      options.set.emplace_back(key.substr(k_set.size()), value);
   return options;
 }
 
@@ -123,8 +124,8 @@ void RecordedRun::go_to(double time_s) {
   // 0.3 s of 0.1 s ticks may be a little later than 0.3.
   constexpr double k_same_s = 1e-9;
   if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
-    impl_->refuse(
-        fmt::format("{:g} s is not in it: it goes from {:g} s to {:g} s", time_s, times.front(), times.back()));
+    impl_->refuse(fmt::format("{:g} s is not in it: it goes from {:g} s to {:g} s", time_s, times.front(),
+                              times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
   try {
     impl_->show(static_cast<std::size_t>(later - times.begin()) - 1);

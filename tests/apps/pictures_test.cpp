@@ -53,7 +53,8 @@ class RunPictures : public ProgramTest {
 };
 
 TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
-  const Outcome outcome = run({"--snapshot", "p-{time}.png", "--snapshot-at", "0.25,0,0.5", "--hash-log", "h.log"});
+  const Outcome outcome =
+      run({"--snapshot", "p-{time}.png", "--snapshot-at", "0.25,0,0.5", "--hash-log", "h.log"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(files(), ElementsAre("bin", "h.log", "p-0.25.png", "p-0.5.png", "p-0.png", "room.world"));
   const std::vector<std::string> lines = lines_of(read("h.log"));
@@ -63,13 +64,12 @@ TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
 }
 
 TEST_F(RunPictures, TheySeeThroughAnyCamera) {
-  for (const std::vector<std::string>& camera :
-       std::vector<std::vector<std::string>>{{"--camera", "perspective", "--angle", "60,-30"},
-                                             {"--camera", "window"},
-                                             {"--camera", "follow:bot:0", "--across", "3"},
-                                             {"--center", "-1,0.5", "--across", "4"},
-                                             {"--layers", "scans,trails,names,-grid", "--color-by", "velocity.x",
-                                              "--color-range", "0,0.5"}}) {
+  for (const std::vector<std::string>& camera : std::vector<std::vector<std::string>>{
+           {"--camera", "perspective", "--angle", "60,-30"},
+           {"--camera", "window"},
+           {"--camera", "follow:bot:0", "--across", "3"},
+           {"--center", "-1,0.5", "--across", "4"},
+           {"--layers", "scans,trails,names,-grid", "--color-by", "velocity.x", "--color-range", "0,0.5"}}) {
     std::vector<std::string> options = camera;
     options.insert(options.end(), {"--snapshot", "p.png"});
     const Outcome outcome = run(options);
@@ -101,7 +101,8 @@ TEST_F(RunPictures, AFilmMayBeAFolderOfPictures) {
   std::filesystem::create_directory(path("frames"));
   const Outcome outcome = run({"--film", "frames/%06d.png", "--fps", "10"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* name : {"frames/000000.png", "frames/000005.png"}) EXPECT_THAT(read(name), HasSubstr("time_s"));
+  for (const char* name : {"frames/000000.png", "frames/000005.png"})
+    EXPECT_THAT(read(name), HasSubstr("time_s"));
   EXPECT_FALSE(std::filesystem::exists(path("frames/000006.png")));
 }
 
@@ -127,11 +128,13 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--snapshot", "p.png", "--camera", "follow:nobody"},
        "room.world: error: there is no model \"nobody\" to follow"},
-      {{"--snapshot", "p.png", "--color-by", "velocity.q"}, "room.world: error: unknown value \"velocity.q\"; known: "},
+      {{"--snapshot", "p.png", "--color-by", "velocity.q"},
+       "room.world: error: unknown value \"velocity.q\"; known: "},
       {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},
        "room.world: error: --snapshot-at 0.8: the run goes from 0 s to 0.5 s"},
       {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},
-       "troupe run: error: --snapshot-at: several pictures need names of their own: write {time} in the name, as in "
+       "troupe run: error: --snapshot-at: several pictures need names of their own: write {time} in the "
+       "name, as in "
        "--snapshot p-{time}.png; see"},
       {{"--film", "none/%06d.png"}, "none/%06d.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},

@@ -29,8 +29,10 @@ class Render : public ProgramTest {
   }
   void record() {
     if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-    ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--checkpoint", "c.h5"}).code,
-              0);
+    ASSERT_EQ(
+        troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--checkpoint", "c.h5"})
+            .code,
+        0);
   }
   /// The compressed pixels of a picture, without the texts about it.
   std::string pixels(const std::string& png) const {
@@ -43,7 +45,10 @@ class Render : public ProgramTest {
 };
 
 TEST_F(Render, AWorldIsDrawnAsItBeginsAndAtOtherTimes) {
-  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.5", "--quiet", "--snapshot", "run.png", "--size", "96x64"}).code, 0);
+  ASSERT_EQ(
+      troupe({"run", "room.world", "--for", "0.5", "--quiet", "--snapshot", "run.png", "--size", "96x64"})
+          .code,
+      0);
   EXPECT_EQ(draw({"room.world", "--at", "0"}).code, 0);
   EXPECT_EQ(pixels("p.png"), first_);
   EXPECT_EQ(draw({"room.world", "--at", "0.5"}).code, 0);
@@ -52,7 +57,8 @@ TEST_F(Render, AWorldIsDrawnAsItBeginsAndAtOtherTimes) {
 }
 
 TEST_F(Render, SeveralTimesAreSeveralPictures) {
-  const Outcome outcome = troupe({"render", "room.world", "-o", "q-{time}.png", "--at", "0.2,0", "--size", "96x64"});
+  const Outcome outcome =
+      troupe({"render", "room.world", "-o", "q-{time}.png", "--at", "0.2,0", "--size", "96x64"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(files(), ElementsAre("p.png", "q-0.2.png", "q-0.png", "room.world"));
 }
@@ -99,9 +105,12 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_EQ(refusal({"run.h5", "--color-by", "velocity.x"}),
             "run.h5: error: a recording is drawn by its poses: it has no values to colour by\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}), "run.h5: error: 2 s is not in it: it goes from 0 s to 1 s\n");
-  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields", "velocity"}).code,
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
+                    "velocity"})
+                .code,
             0);
-  EXPECT_EQ(refusal({"v.h5"}), "v.h5: error: the recording has no poses: --record-fields chooses what is recorded\n");
+  EXPECT_EQ(refusal({"v.h5"}),
+            "v.h5: error: the recording has no poses: --record-fields chooses what is recorded\n");
   write("room.world", std::string(k_room) + "\nbot( pose [3 3 0 0] )\n");
   EXPECT_EQ(refusal({"run.h5"}), "run.h5: error: the recording is of other robots than room.world has now\n");
 }
@@ -111,13 +120,17 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render"}, "troupe render: error: "},
       {{"render", "room.world"}, "troupe render: error: "},
       {{"render", "room.world", "-o", "q.jpg"},
-       "troupe render: error: --output: \"q.jpg\" is not the name of a picture, as in --output crowd.png; see"},
+       "troupe render: error: --output: \"q.jpg\" is not the name of a picture, as in --output crowd.png; "
+       "see"},
       {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
-       "troupe render: error: --at: several pictures need names of their own: write {time} in the name, as in "
+       "troupe render: error: --at: several pictures need names of their own: write {time} in the name, as "
+       "in "
        "--output q-{time}.png; see"},
       {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
-      {{"render", "room.world", "-o", "none/q.png"}, "none/q.png: error: cannot be written: there is no folder none"},
-      {{"render", "room.world", "-o", "q.png", "--camera", "window"}, "room.world: error: the world has no window"},
+      {{"render", "room.world", "-o", "none/q.png"},
+       "none/q.png: error: cannot be written: there is no folder none"},
+      {{"render", "room.world", "-o", "q.png", "--camera", "window"},
+       "room.world: error: the world has no window"},
   };
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = troupe(arguments);

@@ -129,7 +129,8 @@ TEST(DrawSolid, WallsHideRobotsToo) {
   yard.add(0, 0, 2, k_blue);
   yard.draw();
   const int alone = yard.count(is_blue);
-  yard.scene.types.push_back({{FrameShape{Solid{{rectangle(-4, -0.2, 4, 0.2)}, {0, 5}}, std::nullopt}}, false, 4.1});
+  yard.scene.types.push_back(
+      {{FrameShape{Solid{{rectangle(-4, -0.2, 4, 0.2)}, {0, 5}}, std::nullopt}}, false, 4.1});
   yard.scene.fixed = {{2, {}, k_green}};
   yard.draw();
   EXPECT_EQ(yard.count(is_blue), 0);
@@ -140,7 +141,9 @@ TEST(DrawSolid, HollowAndConcaveSolidsShowTheFloor) {
   Yard yard;
   yard.view.camera.pitch = 0.2;  // nearly from above
   yard.scene.types.push_back(
-      {{FrameShape{Solid{{rectangle(-3, -3, 3, 3), rectangle(-2, -2, 2, 2)}, {0, 0.2}}, std::nullopt}}, false, 4.3});
+      {{FrameShape{Solid{{rectangle(-3, -3, 3, 3), rectangle(-2, -2, 2, 2)}, {0, 0.2}}, std::nullopt}},
+       false,
+       4.3});
   yard.scene.fixed = {{2, {}, k_blue}};
   yard.draw();
   EXPECT_EQ(yard.pixel(320, 240), k_paper);
@@ -209,7 +212,8 @@ TEST(DrawSolid, EverythingIsInThePictureByItself) {
         for (const double y : {-7.4, 7.4}) yard.add(0, x, y, k_blue);
       yard.draw();
       int rim = 0;
-      for (int column = 0; column < 640; ++column) rim += is_blue(yard.pixel(column, 0)) + is_blue(yard.pixel(column, 479));
+      for (int column = 0; column < 640; ++column)
+        rim += is_blue(yard.pixel(column, 0)) + is_blue(yard.pixel(column, 479));
       for (int row = 0; row < 480; ++row) rim += is_blue(yard.pixel(0, row)) + is_blue(yard.pixel(639, row));
       EXPECT_EQ(rim, 0) << yaw;
       EXPECT_GT(yard.count(is_blue), 800) << yaw;

@@ -49,7 +49,8 @@ TEST(PictureLayers, AreCheckedByName) {
   EXPECT_THAT(layers_fault("scan"), AllOf(HasSubstr("unknown layer \"scan\"; known: beams, cells, "),
                                           HasSubstr("(did you mean \"scans\"?)")));
   EXPECT_THAT(layers_fault("scans,,grid"), HasSubstr("unknown layer \"\""));
-  for (const PictureLayer& layer : picture_layers()) EXPECT_THAT(layers_fault(std::string(layer.name)), IsEmpty());
+  for (const PictureLayer& layer : picture_layers())
+    EXPECT_THAT(layers_fault(std::string(layer.name)), IsEmpty());
 }
 
 TEST(Cameras, AreCheckedByName) {
@@ -68,8 +69,10 @@ TEST_F(PicturesTest, TheyShowWhatTheWorldHas) {
   Simulation simulation(world_);
   simulation.run_for(0.5);
   const std::string followed = "follow:" + simulation.robot_names()[2];
-  for (const std::string& camera : {std::string("top"), std::string("perspective"), std::string("window"), followed}) {
-    Pictures pictures(simulation, {.width = 160, .height = 120, .camera = camera, .layers = "scans,names,trails,cells"});
+  for (const std::string& camera :
+       {std::string("top"), std::string("perspective"), std::string("window"), followed}) {
+    Pictures pictures(simulation,
+                      {.width = 160, .height = 120, .camera = camera, .layers = "scans,names,trails,cells"});
     const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(simulation));
     ASSERT_EQ(rgba.size(), 160U * 120 * 4);
     int colored = 0;
@@ -103,8 +106,11 @@ TEST_F(PicturesTest, TheyChangeNothing) {
 TEST_F(PicturesTest, BetweenTwoTicksBodiesAreBetweenTheirPlaces) {
   Simulation simulation(world_);
   simulation.run_for(1);
-  Pictures pictures(simulation, {.width = 300, .height = 300, .center_m = std::array<double, 2>{1.5, 1.5},
-                                 .across_m = 6, .layers = "-clock"});
+  Pictures pictures(simulation, {.width = 300,
+                                 .height = 300,
+                                 .center_m = std::array<double, 2>{1.5, 1.5},
+                                 .across_m = 6,
+                                 .layers = "-clock"});
   const Pictures::Shot earlier = pictures.take(simulation);
   simulation.run_for(0.5);
   const Pictures::Shot later = pictures.take(simulation);
@@ -117,8 +123,8 @@ TEST_F(PicturesTest, BetweenTwoTicksBodiesAreBetweenTheirPlaces) {
 TEST_F(PicturesTest, AnyNumberOfTheStateMayBeTheColour) {
   Simulation simulation(world_);
   simulation.step();
-  for (const char* value : {"velocity.x", "pose.heading", "stall.stalled", "ranger/eye.ranges.4", "ranger.ranges.0",
-                            "command.mode"}) {
+  for (const char* value : {"velocity.x", "pose.heading", "stall.stalled", "ranger/eye.ranges.4",
+                            "ranger.ranges.0", "command.mode"}) {
     Pictures pictures(simulation, {.width = 64, .height = 48, .color_by = value});
     EXPECT_EQ(pictures.draw(pictures.take(simulation)).size(), 64U * 48 * 4) << value;
   }
@@ -135,8 +141,9 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
             file + ": error: \"ranger/eye.ranges\" has the columns 0 to 8");
   EXPECT_THAT(refusal({.layers = "scan"}), HasSubstr("unknown layer \"scan\""));
   world_ = write("no_window.json", R"({"troupe": 1})");
-  EXPECT_EQ(refusal({.camera = "window"}),
-            world_.string() + ": error: the world has no window; other cameras: follow:NAME, perspective, top");
+  EXPECT_EQ(
+      refusal({.camera = "window"}),
+      world_.string() + ": error: the world has no window; other cameras: follow:NAME, perspective, top");
 }
 
 TEST_F(PicturesTest, APictureIsAFile) {
