@@ -87,7 +87,7 @@ std::string camera_fault(const std::string& camera) {
 
 namespace {
 
-constexpr double k_default_pitch = 50 * k_pi / 180;
+constexpr double k_default_pitch = 40 * k_pi / 180;
 constexpr double k_follow_widths = 24;  // of the model that is followed, across the picture
 constexpr double k_stage_fov = 60 * k_pi / 180;
 
