@@ -76,13 +76,13 @@ void draw_recording(const RenderOptions& options) {
 
 void render_checked(const RenderOptions& options) {
   check_outputs({{options.input, "what is to be drawn"}}, snapshot_files(options.pictures));
-  if (!is_hdf5(options.input)) {
+  if (worldio::is_checkpoint(options.input)) {
+    draw_simulation(options,
+                    Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));
+  } else if (!is_hdf5(options.input)) {
     SimulationOptions simulation;
     simulation.plugin_path = options.plugin_path;
     draw_simulation(options, Simulation(options.input, with_environment(std::move(simulation))));
-  } else if (worldio::is_checkpoint(options.input)) {
-    draw_simulation(options,
-                    Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));
   } else {
     draw_recording(options);
   }

@@ -24,7 +24,7 @@ exit ${FAKE_FFMPEG_CODE:-0}
 class RunPictures : public ProgramTest {
  protected:
   void SetUp() override {
-    write("room.world", std::string(k_room) + "\nwindow( size [80 60] scale 8 )\n");
+    write("room.world", std::string(k_room) + "\nbot( name \"scout\" pose [3 3 0 0] )\nwindow( size [80 60] scale 8 )\n");
     std::filesystem::create_directory(path("bin"));
     const Outcome outcome = run({"--snapshot", "try.png"});
     if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;
@@ -67,7 +67,7 @@ TEST_F(RunPictures, TheySeeThroughAnyCamera) {
   for (const std::vector<std::string>& camera : std::vector<std::vector<std::string>>{
            {"--camera", "perspective", "--angle", "60,-30"},
            {"--camera", "window"},
-           {"--camera", "follow:bot:0", "--across", "3"},
+           {"--camera", "follow:scout", "--across", "3"},
            {"--center", "-1,0.5", "--across", "4"},
            {"--layers", "scans,trails,names,-grid", "--color-by", "velocity.x", "--color-range", "0,0.5"}}) {
     std::vector<std::string> options = camera;
