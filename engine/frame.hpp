@@ -25,7 +25,7 @@ struct FrameType {
 };
 
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into FrameScene::types
+  std::uint32_t type = 0;  ///< index into FrameScene::types; from their number on, into Frame::types
   Pose pose_world_body;
   Color color;
   bool stalled = false;
@@ -83,6 +83,7 @@ struct Frame {
   double time_s = 0;
   std::uint64_t tick = 0;
   std::vector<FrameBody> mobile;
+  std::vector<FrameType> types;  ///< of bodies of which parts have moved: as they look now
 
   // What a viewer asked for beside the bodies; else empty.
   std::vector<FrameScan> scans;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <cstddef>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -146,6 +147,33 @@ struct Painter::Impl {
   }
 };
 
+namespace {
+
+/// A frame's own types stand behind the scene's while it is drawn.
+class WithTypesOf {
+ public:
+  WithTypesOf(const Frame& frame, FrameScene& scene, std::vector<Pieces>& pieces)
+      : scene_(scene), pieces_(pieces), own_(scene.types.size()) {
+    for (const engine::FrameType& type : frame.types) {
+      scene_.types.push_back(type);
+      pieces_.push_back(pieces_of(type));
+    }
+  }
+  ~WithTypesOf() {
+    scene_.types.erase(scene_.types.begin() + static_cast<std::ptrdiff_t>(own_), scene_.types.end());
+    pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(own_), pieces_.end());
+  }
+  WithTypesOf(const WithTypesOf&) = delete;
+  WithTypesOf& operator=(const WithTypesOf&) = delete;
+
+ private:
+  FrameScene& scene_;
+  std::vector<Pieces>& pieces_;
+  std::size_t own_;
+};
+
+}  // namespace
+
 Painter::Painter(FrameScene scene) : impl_(std::make_unique<Impl>(std::move(scene))) {}
 Painter::~Painter() {
   const KeepFpEnvironment keep;
@@ -159,6 +187,7 @@ const FrameScene& Painter::scene() const { return impl_->scene; }
 Picture Painter::draw(const Frame& frame, const View& view) {
   const KeepFpEnvironment keep;
   const FrameScene& scene = impl_->scene;
+  const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Layers& shown = view.layers;
   if (!impl_->canvas) impl_->canvas.emplace();
   impl_->canvas->check_size(view.width, view.height);

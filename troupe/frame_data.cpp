@@ -176,7 +176,7 @@ void add_scans(const World& world, const engine::FrameScene& scene, Frame& frame
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
     const Row row = world.row(BodyId(std::size_t{frame.mobile[i].id}));
     const BodyType& type = world.type(row);
-    const std::uint32_t type_index = frame.mobile[i].type;
+    const std::uint32_t type_index = world.spec().bodies[frame.mobile[i].id].type.value;
     auto ranger = std::ranges::find(scene.rangers, type_index, &FrameRanger::type);
     for (const BodyType::Device& device : type.devices) {
       if (ranger == scene.rangers.end() || ranger->type != type_index) break;
@@ -208,7 +208,10 @@ void add_sights(const World& world, Frame& frame) {
       const std::size_t count =
           std::min<std::size_t>(table.cell<std::uint32_t>(slot, sensors::k_fiducial_count)[0],
                                 table.fields()[sensors::k_fiducial_id].columns);
-      const Pose& sensor = world.spec().types[frame.mobile[i].type].devices[d].pose_body_sensor;
+      const Pose& sensor = world.spec()
+                               .types[world.spec().bodies[frame.mobile[i].id].type.index()]
+                               .devices[d]
+                               .pose_body_sensor;
       const Pose eye = compose(frame.mobile[i].pose_world_body, sensor);
       for (std::size_t k = 0; k < count; ++k)
         frame.sights.push_back({static_cast<std::uint32_t>(i),
