@@ -5,6 +5,7 @@
 #include "apps/lint.hpp"
 #include "apps/options.hpp"
 #include "apps/repair.hpp"
+#include "apps/replay.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -86,6 +87,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* diff_command = add_diff_command(app, diff_options);
   std::filesystem::path cut_off;
   const CLI::App* repair_command = add_repair_command(app, cut_off);
+  ReplayOptions replayed;
+  const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -114,6 +117,7 @@ int troupe_main(int argc, char** argv) {
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);
+  if (replay_command->parsed()) return replay(replayed);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {

@@ -1,12 +1,12 @@
 #include "worldio/png.hpp"
 
+#include "worldio/whole_file.hpp"
+
 #include <fmt/format.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
 #include <new>
@@ -76,33 +76,12 @@ std::string encode(const Image& image, const std::vector<std::pair<std::string, 
   return bytes;
 }
 
-/// Throws std::system_error; leaves nothing behind then.
-void write_whole(const std::filesystem::path& file, const std::string& bytes) {
-  // The process id keeps two programs that write one name out of each other's way.
-  std::filesystem::path partial = file;
-  partial += fmt::format(".{}.partial", getpid());
-  const auto failed = [&] { return std::system_error(errno, std::generic_category()); };
-
-  std::FILE* const out = std::fopen(partial.c_str(), "wb");
-  if (!out) throw failed();
-  const bool written =
-      std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!written) errno = write_error;
-  if (!written || !closed || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const int reason = errno;
-    std::remove(partial.c_str());
-    throw std::system_error(reason, std::generic_category());
-  }
-}
-
 }  // namespace
 
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text) {
   try {
-    write_whole(file, encode(image, text));
+    write_whole_file(file, {encode(image, text)});
   } catch (const std::system_error& error) {
     throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.code().message()));
   } catch (const std::runtime_error& error) {

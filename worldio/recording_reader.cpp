@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 
 namespace troupe::worldio {
 namespace {
@@ -122,6 +123,39 @@ void RecordingReader::read_frames() {
   hashes_.resize(whole);
   if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
     frames.fail("has ticks that do not rise: the file is damaged");
+}
+
+std::optional<RecordingReader::Scene> RecordingReader::scene() const {
+  if (!hdf5_.has_group("scene")) return std::nullopt;
+  const Hdf5Group group = hdf5_.group("scene");
+  Scene scene{.word = group.dataset("word").read<std::uint32_t>(),
+              .number = group.dataset("number").read<std::uint32_t>(),
+              .type = group.dataset("type").read<std::uint32_t>(),
+              .pose = group.dataset("pose").read<double>(),
+              .color = group.dataset("color").read<float>()};
+  const std::size_t bodies = scene.type.size();
+  if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
+      scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))
+    group.fail("has not all of the bodies: the file is damaged");
+  return scene;
+}
+
+std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
+  std::vector<std::uint8_t> all(array.bodies.size(), 1);
+  if (array.component.starts_with("sensors/") || !hdf5_.group("bodies").has_group("has")) return all;
+  Hdf5Group group = hdf5_.group("bodies").group("has");
+  std::string_view path = array.component;
+  for (std::size_t slash = path.find('/'); slash != path.npos; slash = path.find('/')) {
+    const std::string step(path.substr(0, slash));
+    if (!group.has_group(step)) return all;
+    group = group.group(step);
+    path.remove_prefix(slash + 1);
+  }
+  const std::string name(path);
+  if (!group.has(name) || group.has_group(name)) return all;
+  std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
+  if (has.size() != all.size()) group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
+  return has;
 }
 
 void RecordingReader::read(const Array& array, std::size_t frame, std::span<std::byte> into) const {
