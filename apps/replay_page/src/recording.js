@@ -77,25 +77,20 @@ export class Recording {
     if (!a || !b) return false;
     const { step_m: step, turn, has_z: hasZ, z_m: heights } = this.header.pose;
     const radians = (2 * Math.PI) / turn;
+    const { x: ax, y: ay, heading: ah, z: az } = a;
+    const { x: bx, y: by, heading: bh, z: bz } = b;
     for (let r = 0, to = 0, i = a.at, j = b.at; r < this.robots; r++, i++, j++, to += AXES) {
-      const x = a.x[i];
-      if (x === ABSENT) {
+      if (ax[i] === ABSENT) {
         out[to + 3] = GONE;
         continue;
       }
-      if (b.x[j] === ABSENT || mix === 0) {
-        out[to] = x * step;
-        out[to + 1] = a.y[i] * step;
-        out[to + 2] = hasZ ? a.z[i] * step : heights[r];
-        out[to + 3] = a.heading[i] * radians;
-        continue;
-      }
-      let turned = b.heading[j] - a.heading[i];
+      const share = bx[j] === ABSENT ? 0 : mix; // the next frame may be without it
+      let turned = share > 0 ? bh[j] - ah[i] : 0;
       turned -= Math.round(turned / turn) * turn;
-      out[to] = (x + mix * (b.x[j] - x)) * step;
-      out[to + 1] = (a.y[i] + mix * (b.y[j] - a.y[i])) * step;
-      out[to + 2] = hasZ ? (a.z[i] + mix * (b.z[j] - a.z[i])) * step : heights[r];
-      out[to + 3] = (a.heading[i] + mix * turned) * radians;
+      out[to] = (ax[i] + share * (bx[j] - ax[i])) * step;
+      out[to + 1] = (ay[i] + share * (by[j] - ay[i])) * step;
+      out[to + 2] = hasZ ? (az[i] + share * (bz[j] - az[i])) * step : heights[r];
+      out[to + 3] = (ah[i] + share * turned) * radians;
     }
     return true;
   }
@@ -153,7 +148,7 @@ export class Recording {
     const axes = this.header.pose.has_z ? ["x", "y", "heading", "z"] : ["x", "y", "heading"];
     for (const axis of axes) unit[axis] = new Int32Array(frames * this.robots);
     unit.bytes = axes.length * 4 * frames * this.robots;
-    const layout = { frames, count: this.robots, width: this.robots, first: 0, line: true, absent: ABSENT, bias: 0 };
+    const layout = { frames, count: this.robots, line: true, absent: ABSENT, bias: 0 };
     return (function* () {
       let at = 0;
       for (const axis of axes) at = yield* unpackSeries(packed, at, layout, unit[axis]);
@@ -166,7 +161,7 @@ export class Recording {
     const Values = steps < 0xff ? Uint8Array : steps < 0xffff ? Uint16Array : Uint32Array;
     unit.values = new Values(frames * width);
     unit.bytes = unit.values.byteLength;
-    const layout = { frames, count: width, width, first: 0, line: false, absent: 0, bias: 1 };
+    const layout = { frames, count: width, line: false, absent: 0, bias: 1 };
     return unpackSeries(packed, 0, layout, unit.values);
   }
 }
