@@ -1,0 +1,257 @@
+#include "worldio/replay_data.hpp"
+
+#include "base/diagnostics.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "tests/worldio/replay_unpacked.hpp"
+#include "troupe/recording.hpp"
+#include "worldio/recorded_scene.hpp"
+#include "worldio/replay_codec.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using test::Unpacked;
+using test::unpacked;
+
+// Two types, in an order that is not that of the page; a wall; a sensor of one of them; a part with a colour.
+constexpr const char* k_world = R"({
+  "troupe": 1, "seed": 4,
+  "types": {
+    "cart": {"size_m": [0.3, 0.2, 0.2], "drive": {"kind": "diff"}},
+    "bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+            "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
+              {"range_max_m": 2, "samples": 5, "fov_deg": 90},
+              {"pose": {"x_m": -0.1, "heading_deg": 180}, "range_max_m": 1.5}]}]},
+    "wall": {"size_m": [4, 0.1, 1]}
+  },
+  "models": [
+    {"name": "b0", "type": "bot", "color": "red"},
+    {"name": "c0", "type": "cart", "pose": {"x_m": 1.5}},
+    {"name": "b1", "type": "bot", "pose": {"y_m": -1, "heading_deg": 40}, "color": [0, 0.5, 1]},
+    {"name": "north", "type": "wall", "pose": {"y_m": 2}, "color": "gray"}
+  ]
+})";
+
+class Replay : public troupe::test::ScratchTest {
+ protected:
+  void SetUp() override {
+    if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  }
+  /// Runs the world for some seconds and records it.
+  std::filesystem::path record(double seconds, const RecordingOptions& options = {}, const char* world = k_world) {
+    Simulation simulation(write("w.json", world));
+    RecordingOptions all = options;
+    all.replace = true;
+    for (const std::string& name : simulation.robot_names())
+      if (name == "c0") simulation.find(name).set_speed(0.1, 1);  // it has no controller: it goes round and round
+    Recording recording(folder_ / "run.h5", simulation, all);
+    while (simulation.time_s() < seconds - 1e-9) {
+      simulation.step();
+      recording.observe(simulation);
+    }
+    recording.close();
+    return folder_ / "run.h5";
+  }
+  std::string error_of(const std::filesystem::path& file, const ReplayOptions& options = {}) {
+    try {
+      replay_data(RecordingReader(file), options);
+    } catch (const InputError& error) {
+      return error.what();
+    } catch (const Hdf5Error& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+  /// A number of the recording.
+  template <class T>
+  static T recorded(const RecordingReader& recording, const std::string& component, const std::string& field,
+                    std::size_t frame, std::size_t at) {
+    for (const RecordingReader::Array& array : recording.arrays()) {
+      if (array.component != component || array.field.name != field) continue;
+      std::vector<T> values(array.bodies.size() * array.field.columns);
+      recording.read(array, frame, std::as_writable_bytes(std::span(values)));
+      return values.at(at);
+    }
+    throw std::out_of_range(field);
+  }
+};
+
+TEST_F(Replay, TheSceneIsThatOfTheWorld) {
+  const RecordingReader recording(record(0.2));
+  const RecordedScene scene = recorded_scene(recording);
+  ASSERT_EQ(scene.bodies.size(), 5u);
+  EXPECT_EQ(scene.bodies[1].name, "b0");
+  EXPECT_EQ(scene.bodies[1].color, (Color{1, 0, 0, 1}));
+  EXPECT_EQ(scene.bodies[4].name, "north");
+  EXPECT_EQ(scene.bodies[4].pose_world_body, (Pose{0, 2, 0, 0}));
+  const RecordedScene::Type& wall = scene.types[scene.bodies[4].type];
+  EXPECT_EQ(wall.name, "wall");
+  EXPECT_FALSE(wall.look.mobile);
+  ASSERT_EQ(wall.look.shapes.size(), 1u);
+  EXPECT_EQ(wall.look.shapes[0].solid.z, (ZInterval{0, 1}));
+  EXPECT_NEAR(wall.look.radius, std::hypot(2, 0.05), 1e-9);
+
+  const RecordedScene::Type& bot = scene.types[scene.bodies[1].type];
+  EXPECT_TRUE(bot.look.mobile);
+  ASSERT_EQ(bot.eyes.size(), 1u);
+  EXPECT_EQ(bot.eyes[0].name, "eye");
+  ASSERT_EQ(bot.eyes[0].fans.size(), 2u);
+  EXPECT_EQ(bot.eyes[0].fans[0].beams, 5u);
+  EXPECT_NEAR(bot.eyes[0].fans[0].fov_rad, radians(90), 1e-12);
+  EXPECT_NEAR(bot.eyes[0].fans[1].pose_body_fan.x, -0.1, 1e-12);
+  EXPECT_NEAR(std::abs(bot.eyes[0].fans[1].pose_body_fan.heading), radians(180), 1e-12);
+  EXPECT_EQ(bot.eyes[0].fans[1].range_max_m, 1.5);
+}
+
+TEST_F(Replay, PosesAreThoseOfTheRunToAMillimetre) {
+  const RecordingReader recording(record(20));
+  const ReplayData data = replay_data(recording, {});
+  EXPECT_EQ(data.robots, 3u);
+  EXPECT_EQ(data.frames, 201u);
+  EXPECT_EQ(data.recorded, 201u);
+  EXPECT_EQ(data.stride, 1u);
+  EXPECT_NEAR(data.every_s, 0.1, 1e-12);
+  const Unpacked page = unpacked(data.bytes);
+  EXPECT_EQ(page.header.at("format"), 1);
+  // By type, then by id: carts were named first.
+  EXPECT_EQ(page.header.at("robots").at("name"), (std::vector<std::string>{"c0", "b0", "b1"}));
+  EXPECT_EQ(page.header.at("robots").at("color")[2], "#0080ff");
+  EXPECT_FALSE(page.header.at("pose").at("has_z").get<bool>());
+  EXPECT_EQ(page.header.at("times_s").size(), 201u);
+  ASSERT_EQ(page.x.size(), 201u);
+  const std::vector<std::size_t> rows{1, 0, 2};  // of the recording, by row of the page
+  for (std::size_t frame = 0; frame < 201; ++frame)
+    for (std::size_t row = 0; row < 3; ++row) {
+      ASSERT_NEAR(page.x[frame][row], recorded<double>(recording, "pose", "x", frame, rows[row]), 0.000501);
+      ASSERT_NEAR(page.y[frame][row], recorded<double>(recording, "pose", "y", frame, rows[row]), 0.000501);
+      const double off = page.heading[frame][row] - recorded<double>(recording, "pose", "heading", frame, rows[row]);
+      ASSERT_NEAR(std::remainder(off, 2 * k_pi), 0, 2 * k_pi / 4096 + 1e-9);
+    }
+  ASSERT_EQ(page.header.at("fixed").size(), 1u);
+  EXPECT_EQ(page.header.at("fixed")[0].at("pose")[1], 2.0);
+}
+
+TEST_F(Replay, HeadingsRunOnWhereTheyPassHalfATurn) {
+  const RecordingReader recording(record(10));
+  const Unpacked page = unpacked(replay_data(recording, {}).bytes);
+  const std::size_t block = page.header.at("block_frames").get<std::size_t>();
+  double furthest = 0;
+  for (std::size_t frame = 1; frame < page.heading.size(); ++frame)
+    for (std::size_t row = 0; row < 3 && frame % block != 0; ++row) {
+      ASSERT_LE(std::abs(page.heading[frame][row] - page.heading[frame - 1][row]), k_pi + 0.01);
+      furthest = std::max(furthest, std::abs(page.heading[frame][row]));
+    }
+  EXPECT_NEAR(furthest, 10, 0.2) << "of the cart, which turns by 1 rad/s";
+}
+
+TEST_F(Replay, FieldsAreOfThoseThatHaveThem) {
+  const RecordingReader recording(record(3, {.fields = {"pose", "stall", "ranges", "wander"}}));
+  const Unpacked page = unpacked(replay_data(recording, {}).bytes);
+  const auto& fields = page.header.at("fields");
+  std::size_t seen = 0;
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const std::string name = fields[f].at("name").get<std::string>();
+    if (name == "ranges") {
+      ++seen;
+      EXPECT_EQ(fields[f].at("component"), "sensors/bot/eye");
+      EXPECT_EQ(fields[f].at("columns"), 6);
+      EXPECT_EQ(fields[f].at("unit"), "m");
+      EXPECT_EQ(fields[f].at("rows").dump(), "[[1,2]]");
+      const double step = fields[f].at("step").get<double>();
+      EXPECT_EQ(step, 0.001);
+      for (std::size_t frame = 0; frame < page.fields[f].size(); ++frame)
+        for (std::size_t at = 0; at < 12; ++at)
+          ASSERT_NEAR(page.fields[f][frame][at],
+                      static_cast<double>(recorded<float>(recording, "sensors/bot/eye", "ranges", frame, at)),
+                      step / 2 + 1e-6);
+    }
+    if (name == "stalled") {
+      ++seen;
+      EXPECT_EQ(fields[f].at("rows").dump(), "[[0,3]]");
+      EXPECT_EQ(fields[f].at("step"), 1.0);
+    }
+    if (fields[f].at("component") == "wander/0") {
+      ++seen;
+      EXPECT_EQ(fields[f].at("rows").dump(), "[[1,2]]") << "carts have no memory";
+    }
+  }
+  EXPECT_GE(seen, 3u);
+
+  EXPECT_TRUE(unpacked(replay_data(recording, {.fields = {"pose"}}).bytes).fields.empty());
+  EXPECT_EQ(unpacked(replay_data(recording, {.fields = {"stall/stalled", "ranges"}}).bytes).fields.size(), 2u);
+}
+
+TEST_F(Replay, FramesAreLeftOutUntilTheyFit) {
+  const RecordingReader recording(record(60));
+  const std::size_t whole = replay_data(recording, {}).bytes.size();
+  const std::size_t fewer = replay_data(recording, {.most_bytes = whole - 1}).stride;
+  EXPECT_GE(fewer, 2u);
+  const ReplayData small = replay_data(recording, {.most_bytes = whole / 3});
+  EXPECT_LE(small.bytes.size(), whole / 3);
+  EXPECT_GT(small.stride, fewer);
+  EXPECT_EQ(small.recorded, 601u);
+  const Unpacked page = unpacked(small.bytes);
+  const auto times = page.header.at("times_s").get<std::vector<double>>();
+  EXPECT_EQ(times.size(), small.frames);
+  EXPECT_NEAR(times[1], 0.1 * static_cast<double>(small.stride), 1e-9);
+  EXPECT_NEAR(times.back(), 60, 1e-9) << "the end is always there";
+  EXPECT_NEAR(page.x[1][1], recorded<double>(recording, "pose", "x", small.stride, 0), 0.000501);
+  EXPECT_THAT(error_of(recording.file(), {.most_bytes = 100}), HasSubstr("not even two frames of 3 robots fit"));
+}
+
+TEST_F(Replay, TheSameRecordingGivesTheSameBytes) {
+  const RecordingReader recording(record(2));
+  EXPECT_EQ(replay_data(recording, {}).bytes, replay_data(recording, {}).bytes);
+}
+
+TEST_F(Replay, RefusesARecordingWithoutWhatItNeeds) {
+  EXPECT_THAT(error_of(record(0.5, {.fields = {"stall"}})),
+              HasSubstr("run.h5: error: holds no poses, so there is nothing to show: record it with "
+                        "--record-fields pose,..."));
+  EXPECT_THAT(error_of(record(0.5), {.fields = {"ranges"}}),
+              HasSubstr("run.h5: error: unknown field \"ranges\"; known: pose/"));
+  EXPECT_THAT(error_of(record(0.5, {}, R"({"troupe": 1, "types": {"wall": {"size_m": [4, 0.1, 1]}},
+                                          "models": [{"name": "w", "type": "wall"}]})")),
+              HasSubstr("run.h5: error: holds nothing that moves, senses or decides"));
+}
+
+TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
+  const std::filesystem::path file = record(0.5);
+  {
+    // As an older version wrote it: the same file under another name for /scene is what it cannot find.
+    Hdf5File old = Hdf5File::create(folder_ / "old.h5");
+    Hdf5Group meta = old.create_group("meta");
+    meta.set_text("kind", "troupe recording");
+    meta.set_integer("layout", 1);
+    meta.set_integer("record_every_ticks", 1);
+    old.write_text("world", "{}");
+    Hdf5Group bodies = old.create_group("bodies");
+    bodies.write("id", std::span<const std::uint32_t>(std::vector<std::uint32_t>{1}));
+    bodies.write_texts("type", std::vector<std::string>{"bot"});
+    bodies.write_texts("name", std::vector<std::string>{"a"});
+    Hdf5Group pose = old.create_group("state").create_group("pose");
+    for (const char* name : {"x", "y", "heading"}) {
+      Hdf5Dataset array = pose.create_extendible(name, engine::Element::f64, {1, 1}, {.extent = {1, 1, 1}});
+      for (const char* key : {"unit", "frame", "text"}) array.set_text(key, "");
+      array.append(std::span<const double>(std::vector<double>{0.5}));
+    }
+    Hdf5Group frames = old.create_group("frames");
+    frames.write("tick", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0}));
+    frames.write("time_s", std::span<const double>(std::vector<double>{0}));
+    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0}));
+  }
+  EXPECT_THAT(error_of(folder_ / "old.h5"),
+              HasSubstr("old.h5: error: does not say where walls stand and what colours robots have (/scene)"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio
