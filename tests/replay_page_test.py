@@ -280,7 +280,7 @@ class APage(Used):
 
 class TenThousandRobots(Used):
     options = ["--record-fields", "pose,stall"]
-    seconds = 3
+    seconds = 2
 
     @classmethod
     def world(cls, folder):
@@ -298,7 +298,7 @@ class TenThousandRobots(Used):
             if median < MOST_SCRIPT_MS:
                 break
         self.assertLess(median, MOST_SCRIPT_MS)
-        self.page.run("troupe.play(false), troupe.seek(2)")
+        self.page.run("troupe.play(false), troupe.seek(1.5)")
         self.shown()
         self.picture("ten_thousand")
 

@@ -18,6 +18,7 @@ using Array = RecordingReader::Array;
 using engine::Element;
 
 constexpr double k_levels = 4095;           // that a colour or a reading needs
+constexpr double k_endless = 1e150;         // beyond it a number counts as none: differences stay finite
 constexpr double k_most_whole = 100000000;  // whole numbers that span more are rounded
 
 [[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
@@ -177,7 +178,11 @@ void FrameReader::read(const Array& array, std::size_t frame, std::vector<double
   into.resize(array.bodies.size() * array.field.columns);
   recording_.read(array, frame, bytes_);
   switch (array.field.element) {
-    case Element::f64: return convert<double>(bytes_, into);
+    case Element::f64:
+      convert<double>(bytes_, into);
+      for (double& x : into)
+        if (!(std::abs(x) <= k_endless)) x = std::numeric_limits<double>::quiet_NaN();
+      return;
     case Element::f32: return convert<float>(bytes_, into);
     case Element::i64: return convert<std::int64_t>(bytes_, into);
     case Element::i32: return convert<std::int32_t>(bytes_, into);

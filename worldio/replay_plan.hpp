@@ -41,7 +41,7 @@ struct ReplayPlan {
   std::vector<ReplayField> fields;
 };
 
-/// One frame of an array as numbers, row-major; `into` is resized to it.
+/// One frame of an array as numbers, row-major; `into` is resized to it. NaN: none.
 class FrameReader {
  public:
   explicit FrameReader(const RecordingReader& recording) : recording_(recording) {}
