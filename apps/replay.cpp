@@ -114,7 +114,7 @@ ExitCode replay(const ReplayOptions& options) {
   const std::size_t mark = k_replay_page.find(k_mark);
   if (mark == k_replay_page.npos) throw std::runtime_error("this program was built with a page without a place");
   try {
-    check_outputs({{options.recording, "the recording"}}, {page});
+    check_outputs({Input{options.recording, "the recording"}}, {page});
   } catch (const OutputError& error) {
     throw InputError(error.what());
   }

@@ -34,7 +34,7 @@ WORLD = {
                    "controller": {"kind": "script", "legs": [{"until_s": 100, "forward_mps": 0.5}]}},
         "looker": {"size_m": [0.5, 0.4, 0.3], "drive": {"kind": "diff"},
                    "sensors": [{"name": "eye", "kind": "ranger",
-                                "transducers": [{"range_max_m": 3, "samples": 9, "fov_deg": 120}]}]},
+                                "transducers": [{"range_max_m": 3, "samples": 9, "fov_deg": 180}]}]},
         "wall": {"size_m": [12, 0.2, 0.6]},
     },
     "models": [
@@ -110,11 +110,6 @@ class Used(unittest.TestCase):
 
     def text(self, selector):
         return self.page.run(f"document.querySelector({json.dumps(selector)}).innerText")
-
-    def is_shown(self, selector):
-        return self.page.run(f"!!document.querySelector({json.dumps(selector)}).offsetParent"
-                             f" || getComputedStyle(document.querySelector({json.dumps(selector)})).position === 'fixed'"
-                             f" && !document.querySelector({json.dumps(selector)}).hidden")
 
 
 class APage(Used):

@@ -24,8 +24,8 @@ const PLACE = `
     vec4 center = viewMatrix * vec4(pose.xyz, 1.0);
     return 2.0 * radius * focal / max(-center.z, 1e-6) / pixelRatio;
   }
-  vec4 place(float across) {
-    float grown = max(1.0, smallest / max(across, 1e-6));
+  vec4 place(float seen) {
+    float grown = max(1.0, smallest / max(seen, 1e-6));
     float c = cos(pose.w);
     float s = sin(pose.w);
     vec3 p = position * grown;
@@ -44,8 +44,8 @@ export function facesMaterial(radius, smallest) {
         vec3 own = paint.w < 0.5 ? tint : paint.rgb;
         bool isMark = paint.w > 1.5;
         if (isMark && paint.w < 2.5) own = vec3(dot(tint, vec3(0.299, 0.587, 0.114)) > 0.59 ? 0.15 : 1.0);
-        float across_y = abs(cos(pose.w) * normal.y + sin(pose.w) * normal.x);
-        color = own * (normal.z > 0.5 ? 1.0 : 0.62 + 0.2 * across_y);
+        float facing = abs(cos(pose.w) * normal.y + sin(pose.w) * normal.x); // 1: north or south
+        color = own * (normal.z > 0.5 ? 1.0 : 0.62 + 0.2 * facing);
         gl_Position = pose.w > 1e8 || (isMark && seen < 9.0)
             ? NOWHERE : projectionMatrix * viewMatrix * place(seen);
       }`,

@@ -15,7 +15,7 @@ import {
 import { trailsMaterial } from "./materials.js";
 import { ABSENT } from "./series.js";
 
-const MARKS = 64;
+const MOST_MARKS = 64;
 const COLUMNS = 2048; // every WebGL 2 has textures this wide
 const UPLOADS = 4; // marks a picture: after a jump in time trails grow back in a moment
 
@@ -25,20 +25,21 @@ export class Trails {
     this.recording = recording;
     this.columns = Math.min(recording.robots, COLUMNS);
     this.rowsEach = Math.ceil(recording.robots / this.columns);
-    this.texture = this.makeTexture(this.rowsEach * MARKS);
+    this.ring = Math.max(1, Math.min(MOST_MARKS, Math.floor(renderer.capabilities.maxTextureSize / this.rowsEach)));
+    this.texture = this.makeTexture(this.rowsEach * this.ring);
     this.piece = this.makeTexture(this.rowsEach);
-    this.held = new Int32Array(MARKS).fill(-1); // mark in time that each place of the ring holds
+    this.held = new Int32Array(this.ring).fill(-1); // mark in time that each place of the ring holds
     this.seconds = 0;
 
     const geometry = new InstancedBufferGeometry();
-    const vertices = new Float32Array(3 * (MARKS + 1)).map((_, i) => (i % 3 === 0 ? i / 3 : 0));
+    const vertices = new Float32Array(3 * (this.ring + 1)).map((_, i) => (i % 3 === 0 ? i / 3 : 0));
     geometry.setAttribute("position", new BufferAttribute(vertices, 3));
     this.pose = new InstancedBufferAttribute(poses, 4);
     this.tint = new InstancedBufferAttribute(tints, 3, true);
     geometry.setAttribute("pose", this.pose);
     geometry.setAttribute("tint", this.tint);
     geometry.instanceCount = recording.robots;
-    this.material = trailsMaterial(this.texture, { columns: this.columns, rowsEach: this.rowsEach, marks: MARKS });
+    this.material = trailsMaterial(this.texture, { columns: this.columns, rowsEach: this.rowsEach, marks: this.ring });
     this.object = new Line(geometry, this.material);
     this.object.frustumCulled = false;
     this.object.visible = false;
@@ -57,8 +58,8 @@ export class Trails {
     this.held.fill(-1);
     const { frames, start, end } = this.recording;
     const frame = frames > 1 ? (end - start) / (frames - 1) : 1;
-    this.spacing = Math.max(1, Math.ceil(seconds / frame / MARKS)); // frames from mark to mark
-    this.marks = Math.min(MARKS, Math.max(1, Math.round(seconds / (frame * this.spacing))));
+    this.spacing = Math.max(1, Math.ceil(seconds / frame / this.ring)); // frames from mark to mark
+    this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (frame * this.spacing))));
   }
 
   /** To be called when the poses are those of this frame. */
@@ -70,12 +71,12 @@ export class Trails {
     let uploads = 0;
     for (; count < this.marks && newest - count >= 0; count++) {
       const mark = newest - count;
-      if (this.held[mark % MARKS] === mark) continue;
+      if (this.held[mark % this.ring] === mark) continue;
       if (uploads === UPLOADS || !this.upload(mark)) break;
       uploads++;
     }
     this.object.geometry.setDrawRange(0, count + 1);
-    this.material.uniforms.newest.value = newest % MARKS;
+    this.material.uniforms.newest.value = newest % this.ring;
     this.material.uniforms.count.value = this.marks + 1;
     this.pose.needsUpdate = true;
   }
@@ -91,8 +92,8 @@ export class Trails {
       data[2 * r] = x === ABSENT ? 1e9 : x * step;
       data[2 * r + 1] = found.y[i] * step;
     }
-    this.renderer.copyTextureToTexture(this.piece, this.texture, null, new Vector2(0, (mark % MARKS) * this.rowsEach));
-    this.held[mark % MARKS] = mark;
+    this.renderer.copyTextureToTexture(this.piece, this.texture, null, new Vector2(0, (mark % this.ring) * this.rowsEach));
+    this.held[mark % this.ring] = mark;
     return true;
   }
 }

@@ -2,6 +2,7 @@
 
 import {
   ColorManagement,
+  LinearSRGBColorSpace,
   Mesh,
   MeshBasicMaterial,
   PerspectiveCamera,
@@ -43,6 +44,7 @@ export class View {
     this.recording = recording;
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace; // that is: as they are
     this.renderer.setClearColor(PAPER[0] * 65536 + PAPER[1] * 256 + PAPER[2]);
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(FOV, 1, 0.1, 1000);
