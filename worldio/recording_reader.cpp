@@ -88,9 +88,14 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
       continue;
     }
     Hdf5Dataset dataset = group.dataset(name);
-    dataset.values();                 // throws where no file could hold them
-    if (component.empty()) continue;  // /state/alive is of no component
+    dataset.values();  // throws where no file could hold them
     const std::vector<std::size_t>& extent = dataset.extent();
+    if (component.empty()) {  // /state/alive is of no component
+      if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
+          dataset.element() == engine::Element::u8)
+        alive_ = std::move(dataset);
+      continue;
+    }
     if (extent.size() != 3 || extent[1] != bodies.size())
       dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
     Array array;
@@ -156,6 +161,12 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
   std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
   if (has.size() != all.size()) group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
   return has;
+}
+
+std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame) const {
+  std::vector<std::uint8_t> alive(ids_.size(), 1);
+  if (alive_ && frame < alive_->rows()) alive_->read_rows(frame, std::span(alive));
+  return alive;
 }
 
 void RecordingReader::read(const Array& array, std::size_t frame, std::span<std::byte> into) const {

@@ -65,6 +65,8 @@ class RecordingReader {
   std::span<const Array> arrays() const { return arrays_; }
   /// Whether each row of an array is of a body that has the component, 1 or 0: the others hold NaN, or 0.
   std::vector<std::uint8_t> has(const Array& array) const;
+  /// Which bodies are there in a frame, 1 or 0 each.
+  std::vector<std::uint8_t> alive(std::size_t frame) const;
   /// One frame of an array, row-major; `into` takes as many bytes as its rows have.
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
@@ -84,6 +86,7 @@ class RecordingReader {
   std::vector<double> times_s_;
   std::vector<std::uint64_t> hashes_;
   std::vector<Array> arrays_;
+  std::optional<Hdf5Dataset> alive_;
 };
 
 }  // namespace troupe::worldio

@@ -65,11 +65,14 @@ void unwrap(std::span<std::int32_t> series) {
 /// Makes the streams of one block after another.
 class BlockWriter {
  public:
-  BlockWriter(const RecordingReader& recording, const ReplayPlan& plan) : plan_(plan), reader_(recording) {}
+  BlockWriter(const RecordingReader& recording, const ReplayPlan& plan)
+      : recording_(recording), plan_(plan), reader_(recording) {}
 
   /// Poses: x, y, heading and, where it changes, z, of each robot over the frames.
   std::string poses(std::span<const std::size_t> frames) {
     packed_.clear();
+    std::vector<std::vector<std::uint8_t>> alive;
+    for (const std::size_t frame : frames) alive.push_back(recording_.alive(frame));
     const std::array<double, 4> steps{k_replay_step_m, k_replay_step_m, 2 * k_pi / k_replay_turn,
                                       k_replay_step_m};
     for (std::size_t axis = 0; axis < steps.size(); ++axis) {
@@ -77,6 +80,8 @@ class BlockWriter {
       gather(*plan_.pose[axis], plan_.order, frames, 0, steps[axis]);
       for (std::size_t row = 0; row < plan_.order.size(); ++row) {
         const std::span series = std::span(values_).subspan(row * frames.size(), frames.size());
+        for (std::size_t frame = 0; frame < frames.size(); ++frame)
+          if (alive[frame][plan_.order[row]] == 0) series[frame] = k_absent;
         if (axis == 2) unwrap(series);
         append_series(series, Expected::line, packed_);
       }
@@ -108,6 +113,7 @@ class BlockWriter {
     }
   }
 
+  const RecordingReader& recording_;
   const ReplayPlan& plan_;
   FrameReader reader_;
   std::vector<double> frame_;

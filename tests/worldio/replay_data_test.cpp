@@ -5,7 +5,6 @@
 #include "tests/worldio/replay_unpacked.hpp"
 #include "troupe/recording.hpp"
 #include "worldio/recorded_scene.hpp"
-#include "worldio/replay_codec.hpp"
 
 #include <gmock/gmock.h>
 
@@ -16,7 +15,6 @@
 namespace troupe::worldio {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using test::Unpacked;
 using test::unpacked;
@@ -224,33 +222,90 @@ TEST_F(Replay, RefusesARecordingWithoutWhatItNeeds) {
               HasSubstr("run.h5: error: holds nothing that moves, senses or decides"));
 }
 
-TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
-  const std::filesystem::path file = record(0.5);
-  {
-    // As an older version wrote it: the same file under another name for /scene is what it cannot find.
-    Hdf5File old = Hdf5File::create(folder_ / "old.h5");
-    Hdf5Group meta = old.create_group("meta");
+/// One body over three frames, written by hand from docs/recordings.md.
+struct ByHand {
+  bool with_scene = true;
+  std::string world =
+      R"({"title": "t", "words": ["", "a"], "types": [{"name": "bot", "parts": [{"solids": []}], "sensors": []}]})";
+  std::uint32_t type = 0;
+  std::vector<double> x = {0.5, 1.5, 2.5};
+  std::vector<std::uint8_t> alive = {1, 1, 1};
+
+  template <class T>
+  static Hdf5Dataset array(Hdf5Group& group, const std::string& name, const std::vector<std::size_t>& row,
+                           const std::vector<T>& values) {
+    std::vector<std::size_t> chunk{1};
+    chunk.insert(chunk.end(), row.begin(), row.end());
+    Hdf5Dataset dataset = group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk});
+    for (const char* key : {"unit", "frame", "text"}) dataset.set_text(key, "");
+    dataset.append(std::span<const T>(values));
+    return dataset;
+  }
+
+  void write(const std::filesystem::path& name) const {
+    Hdf5File file = Hdf5File::create(name);
+    Hdf5Group meta = file.create_group("meta");
     meta.set_text("kind", "troupe recording");
     meta.set_integer("layout", 1);
     meta.set_integer("record_every_ticks", 1);
-    old.write_text("world", "{}");
-    Hdf5Group bodies = old.create_group("bodies");
+    file.write_text("world", world);
+    Hdf5Group bodies = file.create_group("bodies");
     bodies.write("id", std::span<const std::uint32_t>(std::vector<std::uint32_t>{1}));
     bodies.write_texts("type", std::vector<std::string>{"bot"});
     bodies.write_texts("name", std::vector<std::string>{"a"});
-    Hdf5Group pose = old.create_group("state").create_group("pose");
-    for (const char* name : {"x", "y", "heading"}) {
-      Hdf5Dataset array = pose.create_extendible(name, engine::Element::f64, {1, 1}, {.extent = {1, 1, 1}});
-      for (const char* key : {"unit", "frame", "text"}) array.set_text(key, "");
-      array.append(std::span<const double>(std::vector<double>{0.5}));
+    if (with_scene) {
+      Hdf5Group scene = file.create_group("scene");
+      scene.write("word", std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, 1}));
+      scene.write("number", std::span<const std::uint32_t>(std::vector<std::uint32_t>{~0u, ~0u}));
+      scene.write("type", std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, type}));
+      scene.create_dataset("pose", engine::Element::f64, {2, 4})
+          .write(std::span<const double>(std::vector<double>(8, 0.0)));
+      scene.create_dataset("color", engine::Element::f32, {2, 4})
+          .write(std::span<const float>(std::vector<float>(8, 1.0f)));
     }
-    Hdf5Group frames = old.create_group("frames");
-    frames.write("tick", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0}));
-    frames.write("time_s", std::span<const double>(std::vector<double>{0}));
-    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0}));
+    Hdf5Group state = file.create_group("state");
+    array(state, "alive", {1}, alive);
+    Hdf5Group pose = state.create_group("pose");
+    array(pose, "x", {1, 1}, x);
+    array(pose, "y", {1, 1}, std::vector<double>{0, 0, 0});
+    array(pose, "heading", {1, 1}, std::vector<double>{0, 0, 0});
+    Hdf5Group frames = file.create_group("frames");
+    frames.write("tick", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0, 1, 2}));
+    frames.write("time_s", std::span<const double>(std::vector<double>{0, 0.1, 0.2}));
+    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>{0, 0, 0}));
   }
+};
+
+TEST_F(Replay, WhoIsNotThereIsAbsent) {
+  const std::filesystem::path file = folder_ / "hand.h5";
+  ByHand{.alive = {0, 1, 0}}.write(file);
+  Unpacked page = unpacked(replay_data(RecordingReader(file), {}).bytes);
+  EXPECT_EQ(page.header.at("robots").at("name")[0], "a");
+  EXPECT_TRUE(std::isnan(page.x[0][0]) && std::isnan(page.heading[0][0]) && std::isnan(page.x[2][0]));
+  EXPECT_NEAR(page.x[1][0], 1.5, 1e-9);
+
+  ByHand{.x = {0.5, std::nan(""), 2.5}}.write(file);
+  page = unpacked(replay_data(RecordingReader(file), {}).bytes);
+  EXPECT_NEAR(page.x[0][0], 0.5, 1e-9);
+  EXPECT_TRUE(std::isnan(page.x[1][0]));
+  EXPECT_NEAR(page.x[2][0], 2.5, 1e-9);
+}
+
+TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
+  ByHand{.with_scene = false}.write(folder_ / "old.h5");
   EXPECT_THAT(error_of(folder_ / "old.h5"),
               HasSubstr("old.h5: error: does not say where walls stand and what colours robots have (/scene)"));
+}
+
+TEST_F(Replay, RefusesADamagedScene) {
+  const std::filesystem::path file = folder_ / "hand.h5";
+  for (const char* world : {"{", "[]", R"({"title": "t"})", R"({"title": 1, "words": ["", "a"], "types": []})"}) {
+    ByHand{.world = world}.write(file);
+    EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world is not what a recording holds: the file is damaged"))
+        << world;
+  }
+  ByHand{.type = 1}.write(file);
+  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene says what no world does"));
 }
 
 }  // namespace
