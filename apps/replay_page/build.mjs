@@ -39,7 +39,7 @@ const parts = { STYLE: style.code.trim(), SCRIPT: script.outputFiles[0].text.tri
 for (const text of Object.values(parts))
   if (text.includes("@RECORDING@")) throw new Error("only index.html may say where the recording goes");
 const page = read("index.html")
-  .replace("<!doctype html>", () => `<!doctype html>\n${head}`)
+  .replace("<style>", () => `${head}\n<style>`) // behind the character set, which must stand in the first 1,024 bytes
   .replace(/@(STYLE|SCRIPT)@/g, (_, name) => parts[name]);
 writeFileSync(new URL("replay.html", import.meta.url), page);
 console.log(`apps/replay_page/replay.html: ${Math.round(page.length / 1000)} kB`);

@@ -5,7 +5,7 @@ import { scaleGradient } from "./palette.js";
 import { SPEEDS } from "./player.js";
 import { roundLength } from "./view.js";
 
-const TRAILS = [0, 2, 5, 10, 30, 60, 300]; // s
+export const TRAILS = [0, 2, 5, 10, 30, 60, 300]; // s
 const SCALE_PIXELS = 150; // at most
 
 const byId = (id) => document.getElementById(id);

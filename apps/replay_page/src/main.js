@@ -1,6 +1,6 @@
 // Puts the page together, and draws a picture whenever the browser wants one.
 
-import { Bar } from "./bar.js";
+import { Bar, TRAILS } from "./bar.js";
 import { Coloring } from "./coloring.js";
 import { openContainer } from "./container.js";
 import { Panel } from "./panel.js";
@@ -95,7 +95,8 @@ class Page {
 
   draw(now) {
     const begin = performance.now();
-    this.player.advance(this.last === null ? 0 : (now - this.last) / 1000);
+    const seconds = this.last === null ? 0 : (now - this.last) / 1000;
+    this.player.advance(seconds);
     this.last = now;
     const { frame, mix } = this.recording.frameAt(this.player.time);
     const fields = [...new Set([...this.coloring.fields, ...this.panel.fields])];
@@ -110,7 +111,8 @@ class Page {
     this.bar.update();
     const ahead = frame + Math.max(1, Math.round(0.5 * this.recording.header.block_frames));
     this.recording.prefetch(ahead, fields);
-    this.recording.pump(this.drawn === frame ? UNPACK_MS : UNPACK_NOW_MS);
+    // On a machine that draws slowly a picture more or less is no matter, and a recording that stands still is.
+    this.recording.pump(this.drawn === frame ? UNPACK_MS : Math.max(UNPACK_NOW_MS, 0.3 * seconds * 1000));
     this.scriptTimes.push(performance.now() - begin);
     if (this.scriptTimes.length > 240) this.scriptTimes.shift();
     requestAnimationFrame((time) => this.draw(time));
@@ -143,7 +145,10 @@ function remote(page) {
       return [...view.poses.subarray(4 * robot, 4 * robot + 4)];
     },
     screenPlace: (name) => view.screenPlace(recording.header.robots.name.indexOf(name)),
-    trails: (seconds) => page.trails(seconds),
+    trails: (seconds) => {
+      document.getElementById("trails").selectedIndex = TRAILS.indexOf(seconds);
+      page.trails(seconds);
+    },
     slant: () => page.slant(),
     color: (text) => {
       const index = page.coloring.choices.findIndex((choice) => choice.text === text);

@@ -145,8 +145,8 @@ export class View {
     const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
     this.controls.target.copy(target);
     // A hair off the vertical: straight down, no direction is up.
-    const offset = slanted ? new Vector3(-0.35, -0.75, 0.62) : new Vector3(0, -1e-4, 1);
-    this.camera.position.copy(target).addScaledVector(offset.normalize(), distance * (slanted ? 1.1 : 1));
+    const offset = slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1);
+    this.camera.position.copy(target).addScaledVector(offset.normalize(), distance * (slanted ? 1.15 : 1));
     this.slanted = slanted;
     this.controls.minDistance = this.size * 1e-3;
     this.controls.maxDistance = this.size * 15;
