@@ -8,7 +8,6 @@
 namespace troupe::apps {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -83,7 +82,7 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(error_of({"run.h5", "-o", "run.h5"}), HasSubstr("run.h5: error: cannot be written: it is the recording"));
   EXPECT_THAT(error_of({"run.h5", "-o", "."}), HasSubstr("it is a folder"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "stal"}),
-              AllOf(HasSubstr("run.h5: error: unknown field \"stal\"; known: "), HasSubstr("did you mean")));
+              HasSubstr("run.h5: error: unknown field \"stal\"; known: pose/heading, pose/x, pose/y, pose/z, stall/stalled;"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "pose,,stall"}), HasSubstr("is not a list of names"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0"}), HasSubstr("is not a size in megabytes"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0.01"}), HasSubstr("not even two frames of 12 robots fit"));

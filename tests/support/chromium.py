@@ -162,9 +162,11 @@ class Page:
             self.mouse("mouseMoved", *at, button=button, buttons=1 if button == "left" else 2)
         self.mouse("mouseReleased", *end, button=button, clickCount=1)
 
-    def screenshot(self):
-        """PNG bytes."""
-        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+    def screenshot(self, box=None):
+        """PNG bytes of the page, or of a box (x0, y0, x1, y1) of it."""
+        clip = {} if box is None else {"clip": {"x": box[0], "y": box[1], "width": box[2] - box[0],
+                                                "height": box[3] - box[1], "scale": 1}}
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png", **clip)["data"])
 
 
 class Picture:
@@ -215,8 +217,7 @@ class Picture:
         first = round(x) * self.channels
         return tuple(self.rows[round(y)][first:first + 3])
 
-    def different(self, other, box=None):
-        """How many pixels of a box (x0, y0, x1, y1) differ visibly."""
-        x0, y0, x1, y1 = box or (0, 0, self.width, self.height)
+    def different(self, other):
+        """How many pixels differ visibly from those of another of the same size."""
         return sum(max(abs(a - b) for a, b in zip(self.at(x, y), other.at(x, y))) > 12
-                   for y in range(y0, y1) for x in range(x0, x1))
+                   for y in range(self.height) for x in range(self.width))

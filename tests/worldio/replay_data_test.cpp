@@ -26,7 +26,7 @@ constexpr const char* k_world = R"({
     "cart": {"size_m": [0.3, 0.2, 0.2], "drive": {"kind": "diff"}},
     "bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
             "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
-              {"range_max_m": 2, "samples": 5, "fov_deg": 90},
+              {"range_max_m": 2, "samples": 9, "fov_deg": 90},
               {"pose": {"x_m": -0.1, "heading_deg": 180}, "range_max_m": 1.5}]}]},
     "wall": {"size_m": [4, 0.1, 1]}
   },
@@ -103,7 +103,7 @@ TEST_F(Replay, TheSceneIsThatOfTheWorld) {
   ASSERT_EQ(bot.eyes.size(), 1u);
   EXPECT_EQ(bot.eyes[0].name, "eye");
   ASSERT_EQ(bot.eyes[0].fans.size(), 2u);
-  EXPECT_EQ(bot.eyes[0].fans[0].beams, 5u);
+  EXPECT_EQ(bot.eyes[0].fans[0].beams, 9u);
   EXPECT_NEAR(bot.eyes[0].fans[0].fov_rad, radians(90), 1e-12);
   EXPECT_NEAR(bot.eyes[0].fans[1].pose_body_fan.x, -0.1, 1e-12);
   EXPECT_NEAR(std::abs(bot.eyes[0].fans[1].pose_body_fan.heading), radians(180), 1e-12);
@@ -161,13 +161,13 @@ TEST_F(Replay, FieldsAreOfThoseThatHaveThem) {
     if (name == "ranges") {
       ++seen;
       EXPECT_EQ(fields[f].at("component"), "sensors/bot/eye");
-      EXPECT_EQ(fields[f].at("columns"), 6);
+      EXPECT_EQ(fields[f].at("columns"), 10);
       EXPECT_EQ(fields[f].at("unit"), "m");
       EXPECT_EQ(fields[f].at("rows").dump(), "[[1,2]]");
       const double step = fields[f].at("step").get<double>();
       EXPECT_EQ(step, 0.001);
       for (std::size_t frame = 0; frame < page.fields[f].size(); ++frame)
-        for (std::size_t at = 0; at < 12; ++at)
+        for (std::size_t at = 0; at < 20; ++at)
           ASSERT_NEAR(page.fields[f][frame][at],
                       static_cast<double>(recorded<float>(recording, "sensors/bot/eye", "ranges", frame, at)),
                       step / 2 + 1e-6);
@@ -193,8 +193,8 @@ TEST_F(Replay, FramesAreLeftOutUntilTheyFit) {
   const std::size_t whole = replay_data(recording, {}).bytes.size();
   const std::size_t fewer = replay_data(recording, {.most_bytes = whole - 1}).stride;
   EXPECT_GE(fewer, 2u);
-  const ReplayData small = replay_data(recording, {.most_bytes = whole / 3});
-  EXPECT_LE(small.bytes.size(), whole / 3);
+  const ReplayData small = replay_data(recording, {.most_bytes = whole * 6 / 10});
+  EXPECT_LE(small.bytes.size(), whole * 6 / 10);
   EXPECT_GT(small.stride, fewer);
   EXPECT_EQ(small.recorded, 601u);
   const Unpacked page = unpacked(small.bytes);

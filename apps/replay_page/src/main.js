@@ -132,6 +132,7 @@ function remote(page) {
       robots: recording.robots,
       frames: recording.frames,
       frame: page.drawn,
+      coloured: page.coloring.done === "own" || page.coloring.done === page.drawn,
       shown: page.drawn === recording.frameAt(player.time).frame,
       selected: page.selected === null ? null : recording.header.robots.name[page.selected],
       scriptMs: [...page.scriptTimes],
@@ -144,7 +145,7 @@ function remote(page) {
       const robot = recording.header.robots.name.indexOf(name);
       return [...view.poses.subarray(4 * robot, 4 * robot + 4)];
     },
-    screenPlace: (name) => view.screenPlace(recording.header.robots.name.indexOf(name)),
+    screenPlace: (name, shift = [0, 0, 0]) => view.screenPlace(recording.header.robots.name.indexOf(name), shift),
     trails: (seconds) => {
       document.getElementById("trails").selectedIndex = TRAILS.indexOf(seconds);
       page.trails(seconds);

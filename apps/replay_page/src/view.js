@@ -193,9 +193,9 @@ export class View {
     return best;
   }
 
-  /** Where a robot is on the screen, CSS pixels. */
-  screenPlace(robot) {
-    const place = new Vector3(...this.poses.subarray(4 * robot, 4 * robot + 3));
+  /** Where a robot is on the screen, or what lies so many metres from it; CSS pixels. */
+  screenPlace(robot, shift) {
+    const place = new Vector3(...this.poses.subarray(4 * robot, 4 * robot + 3)).add(new Vector3(...shift));
     this.camera.updateMatrixWorld();
     place.project(this.camera);
     return [((place.x + 1) / 2) * window.innerWidth, ((1 - place.y) / 2) * window.innerHeight];
