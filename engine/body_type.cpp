@@ -20,6 +20,17 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
+/// The joint of each piece of obstacle_shape().
+std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
+  std::vector<std::int32_t> joints;
+  for (const PartSpec& part : spec.parts) {
+    if (!part.returns.obstacle) continue;
+    for (const Solid& solid : part.solids)
+      joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
+  }
+  return joints;
+}
+
 void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   double radius2 = 0;
   std::uint32_t solid_number = 0;
@@ -32,7 +43,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
           for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
           outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
                               static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p,
-                              solid_number});
+                              solid_number, part.joint});
           type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
         }
         ++solid_number;
@@ -46,9 +57,13 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
     type.targets.push_back(p);
     radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
   }
-  if (is_mobile(spec) || !spec.devices.empty()) {  // others: the static scene
+  const bool can_be_gripped =
+      std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
+  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped) {  // others: the static scene
     try {
       type.obstacle = obstacle_shape(spec);
+      type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
+      if (!spec.joints.empty()) type.obstacle_joints = joints_of_pieces(spec);
     } catch (const std::length_error& fault) {
       diagnostics.error(spec.parts.front().where,
                         fmt::format("a body of type \"{}\": {}", spec.name, fault.what()));
@@ -95,10 +110,20 @@ void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnos
   if (type.drive) type.drive->supply = supplies.front();
 }
 
+/// The device that controllers of a part drive with: that of the part itself, or else of the nearest one
+/// below.
+std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
+  for (;; part = spec.parts[part].parent) {
+    for (std::size_t d = 0; d < type.devices.size(); ++d)
+      if (type.devices[d].kind->drives && type.devices[d].part == part) return d;
+    if (part == 0) return {};
+  }
+}
+
 }  // namespace
 
 double BodyType::row_bytes() const {
-  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2));
+  double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2) + joints.size() * sizeof(Pose));
   for (const Device& device : devices) {
     for (const StateField& field : device.prepared.percepts)
       sum += static_cast<double>(element_size(field.element)) * field.columns;
@@ -114,7 +139,8 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
                                             std::string& fault) {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
-    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+    if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
+      shown.push_back(s);
   std::vector<DeviceInfo> infos;
   std::vector<bool> claimed_shown;
   for (const std::size_t s : shown) {
@@ -140,6 +166,17 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   BodyType type;
   type.name = spec.name;
   add_geometry(spec, type, diagnostics);
+  for (const JointSpec& joint : spec.joints) {
+    const Mount at_rest(joint.pose_body_joint);
+    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
+  }
+
+  for (std::size_t j = 0; j < spec.joints.size(); ++j)
+    if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
+      diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
+  for (const PartSpec& part : spec.parts)
+    if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
+      diagnostics.error(part.where, "a part stands on a joint that its type does not have");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -174,6 +211,15 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                       samples, k_most_readings));
       continue;
     }
+    const auto joints = static_cast<std::int64_t>(kind->joints.size());
+    const auto known = static_cast<std::int64_t>(spec.joints.size());
+    const bool moves = joints > 0 && sensor.moves != k_rigid;
+    if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
+        (moves ? sensor.moves + joints > known : joints > 0)) {
+      diagnostics.error(sensor.where,
+                        fmt::format("device \"{}\" needs joints that its type does not have", sensor.kind));
+      continue;
+    }
     // Readings are found, and hashed, by name.
     std::string name = sensor.name;
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
@@ -196,9 +242,20 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                             period_ticks(sensor.period_s, tick_s),
                             sensor.active,
                             sensor.part,
+                            sensor.joint,
+                            sensor.moves,
                             stream,
                             {}});
+    type.carries = type.carries || kind->carries;
+    type.joint_reach += type.devices.back().prepared.joint_reach_m;
+    if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
+  constexpr double k_most_reach = 1000;  // m: the circle about a body lies in every cell that it touches
+  if (!(type.joint_reach <= k_most_reach))
+    diagnostics.error(
+        spec.parts.front().where,
+        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
+                    spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);
@@ -209,7 +266,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
       continue;
     }
-    if (kind->needs_drive && !type.drive) {
+    const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
+    if (kind->needs_drive && !type.drive && !drive) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
       continue;
@@ -232,7 +290,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                                  : type.drive              ? type.drive->period
                                                            : period_ticks(controller.period_s, tick_s);
     type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.devices), period,
-                                stream_id(kind->name, std::to_string(c)), std::nullopt});
+                                stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
   }
   return type;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/kinds.hpp"
+#include "engine/mount.hpp"
 #include "engine/world_spec.hpp"
 #include "partition/overlap.hpp"
 
@@ -18,20 +19,33 @@ struct RayOutline {
   std::uint32_t count = 0;
   ZInterval z;  ///< body frame
   float ranger_return = 1;
-  std::uint32_t part = 0;   ///< that it is of
-  std::uint32_t solid = 0;  ///< of the type: contours of one number are one even-odd region
+  std::uint32_t part = 0;        ///< that it is of
+  std::uint32_t solid = 0;       ///< of the type: contours of one number are one even-odd region
+  std::int32_t joint = k_rigid;  ///< of the type, that it moves with
 };
 
 /// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
 struct BodyType {
   std::string name;
-  partition::ObstacleShape obstacle;
-  std::vector<Vec2> outline_vertices;       ///< body frame
-  std::vector<RayOutline> outlines;         ///< that rangers see; their vertices come first
-  std::vector<RayOutline> hidden_outlines;  ///< that rangers do not: fiducial finders and others do
+  partition::ObstacleShape obstacle;          ///< with every joint at rest
+  std::vector<std::int32_t> obstacle_joints;  ///< of its pieces; empty where the type has no joints
+  partition::ObstacleShape grip;              ///< what grippers feel; empty where they cannot take it
+  std::vector<Vec2> outline_vertices;         ///< body frame
+  std::vector<RayOutline> outlines;           ///< that rangers see; their vertices come first
+  std::vector<RayOutline> hidden_outlines;    ///< that rangers do not: fiducial finders and others do
   /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.
-  double radius = 0;
+  double radius = 0;                   ///< with every joint at rest
+  double joint_reach = 0;              ///< by how much joints are known to widen it, m
   std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
+
+  struct Joint {
+    std::string name;
+    std::int32_t parent;
+    Mount at_rest;          ///< in the body's frame, as is
+    Mount to_body;          ///< its inverse
+    std::size_t table = 0;  ///< where it is: index into World::tables()
+  };
+  std::vector<Joint> joints;
 
   struct Drive {
     const DriveKind* kind;
@@ -50,12 +64,17 @@ struct BodyType {
     std::uint64_t period;                      ///< ticks
     bool active;                               ///< runs: always on, or a controller reads it
     std::uint32_t part;                        ///< that carries it
+    std::int32_t joint;                        ///< of the type, that it stands on
+    std::int32_t moves;                        ///< first of the joints that it moves
     std::uint32_t stream;                      ///< of its random numbers
     std::optional<std::size_t> supply;         ///< what it runs on: index into `devices`
     std::size_t table = 0;                     ///< its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
   };
   std::vector<Device> devices;
+  std::vector<std::size_t>
+      joint_devices;     ///< those that move joints: the devices that stand on them come later
+  bool carries = false;  ///< a device can pick up other bodies
 
   struct Controller {
     const ControllerKind* kind;
@@ -64,12 +83,16 @@ struct BodyType {
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
+    std::optional<std::size_t> drive;  ///< that it commands: index into `devices`; none: the body's
   };
   std::vector<Controller> controllers;
 
   /// What a body of this type takes: readings, memories and its outline.
   double row_bytes() const;
-  bool runs() const { return drive || !devices.empty() || !controllers.empty(); }
+  /// Whether bodies of the type have a row: they can move, be moved, sense or decide.
+  bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty(); }
+  /// Whether their obstacle shape changes.
+  bool is_composite() const { return !joints.empty() || carries; }
 };
 
 /// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses

@@ -135,6 +135,7 @@ class Conflicts::Settling {
     far_ = std::span(conflicts_.far_).first(few ? far_count_.load() : 0);
     const double longest2 = std::max(value_of(longest2_), few ? 0.0 : value_of(longest_far2_));
     longest_ = sqrt(longest2) + partition::k_rounding_m;
+    conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
   /// First round: the static scene, and all who are sure to stand where they are when this body's turn comes.

@@ -78,6 +78,8 @@ class Conflicts {
   }
   /// Rounds of the last settling: 1 where nobody had to wait.
   std::uint64_t rounds() const { return rounds_; }
+  /// No body moved farther in the last settling, m.
+  double longest() const { return longest_; }
 
  private:
   class Settling;
@@ -97,6 +99,7 @@ class Conflicts {
   std::vector<std::uint32_t> settled_;
   std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
+  double longest_ = 0;
 
   // Lists that threads append to, in any order: no outcome depends on it. Not touched where nobody waits.
   std::size_t reserved_ = 0;

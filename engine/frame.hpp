@@ -24,7 +24,7 @@ struct FrameType {
 };
 
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into FrameScene::types
+  std::uint32_t type = 0;  ///< index into FrameScene::types; from their number on, into Frame::types
   Pose pose_world_body;
   Color color;
   bool stalled = false;
@@ -42,6 +42,7 @@ struct Frame {
   double time_s = 0;
   std::uint64_t tick = 0;
   std::vector<FrameBody> mobile;
+  std::vector<FrameType> types;  ///< of bodies of which parts have moved: as they look now
 };
 
 }  // namespace troupe::engine

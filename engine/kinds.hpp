@@ -1,12 +1,14 @@
 #pragma once
 
 #include "base/color.hpp"
+#include "base/geometry.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
 #include "engine/effects.hpp"
 #include "engine/fields.hpp"
 #include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
+#include "engine/mount.hpp"
 #include "engine/state_table.hpp"
 
 #include <any>
@@ -22,6 +24,7 @@
 namespace troupe::engine {
 
 class World;
+struct Links;
 struct Registry;
 struct TypeSpec;
 struct WorldSpec;
@@ -50,6 +53,7 @@ struct DeviceBatch {
   StateTable& state;           ///< the device's rows, by slot; of `rows` it may write its own
   const StateTable* commands;  ///< what controllers asked of it, by slot; null where the kind takes none
   Effects& effects;            ///< what it does to others goes here
+  Links& links;                ///< where its joints are to go: see move_joint()
   std::uint32_t device = 0;    ///< its index within the type
   std::uint32_t stream = 0;    ///< of its random numbers
   double period_s = 0;         ///< since it last ran
@@ -58,6 +62,16 @@ struct DeviceBatch {
   std::size_t slot(std::size_t i) const;
   /// Its random numbers in this tick.
   Random random(std::size_t i) const;
+  /// Where the body's frame is in the world as seen from the device: that of the joint it stands on.
+  Mount mount(std::size_t i) const;
+  /// Where the n-th joint that the device moves is, relative to its rest.
+  const Pose& joint(std::size_t i, std::size_t n) const;
+  /// In `act`: where it is to go in this tick. Joints of one device, and of one body with all that it
+  /// carries, that are asked in one round go together or not at all.
+  void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
+  /// In `settled`: whether it was asked to move, and whether it did.
+  bool asked_joint(std::size_t i, std::size_t n) const;
+  bool moved_joint(std::size_t i, std::size_t n) const;
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -70,6 +84,20 @@ struct DeviceKind {
   std::string_view name;
   std::string_view text;
   FieldTable params;
+  /// Names of the joints that it moves; a single one needs none.
+  std::vector<std::string_view> joints;
+  /// Whether it can pick up other bodies.
+  bool carries = false;
+  /// Whether it is a drive: what controllers of its part, and of those that stand on that, ask of theirs.
+  /// Its commands are a Command (command_fields), and its state begins with the pose that it believes to
+  /// have.
+  bool drives = false;
+  /// The body that it brings along, in its own frame, its joints at rest. Null: none.
+  struct Fixture {
+    Solid solid;
+    std::int32_t joint = -1;  ///< of its own, that the solid moves with
+  };
+  std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// Parameters -> what `sense` needs; also says what state a row has.
   struct Prepared {
     std::any data;
@@ -81,6 +109,8 @@ struct DeviceKind {
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
     double watts = 0;                  ///< drawn from its supply while it runs
+    std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
+    double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -99,6 +129,9 @@ struct DeviceKind {
   /// Before the controllers decide, as drives do: carries out the commands of the tick before. Null: it does
   /// nothing.
   void (*act)(const DeviceBatch& batch) = nullptr;
+  /// When bodies and joints have moved, for all rows of which some were asked to move a joint: learns what
+  /// became of its own.
+  void (*settled)(const DeviceBatch& batch) = nullptr;
   /// Where the bodies have moved: what one effect of this kind does. Effects come one after another, by
   /// (source, device, sequence), each seeing what the earlier ones did. Null: it has none.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
@@ -130,6 +163,9 @@ struct Command {
   double turn = 0;
   ControlMode mode = ControlMode::velocity;
 };
+
+/// Its members, for tables.
+std::vector<StateField> command_fields();
 
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
@@ -247,12 +283,21 @@ struct DecideBatch {
   std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
   std::size_t devices = 0;
   Rows memories;
+  /// Of the drive that the controller's part has for itself; none: it commands the body's, as above.
+  Rows drive_commands = {};
+  const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  Command& command(std::size_t i) const { return commands[rows[i].index()]; }
-  Pose estimate(std::size_t i) const { return estimates.of(rows[i], slots[rows[i].index()]); }
+  Command& command(std::size_t i) const {
+    if (drive_commands.first == nullptr) return commands[rows[i].index()];
+    return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
+  }
+  Pose estimate(std::size_t i) const {
+    if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
+    return estimates.of(rows[i], slots[rows[i].index()]);
+  }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }

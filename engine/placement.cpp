@@ -90,9 +90,13 @@ struct Ahead {
 }  // namespace
 
 partition::ObstacleShape obstacle_shape(const TypeSpec& type) {
+  return shape_of(type, [](const PartSpec& part) { return part.returns.obstacle; });
+}
+
+partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part)) {
   std::vector<ConvexPrism> pieces;
   for (const PartSpec& part : type.parts) {
-    if (!part.returns.obstacle) continue;
+    if (!counts(part)) continue;
     for (const Solid& solid : part.solids)
       for (ConvexPrism& piece : convex_pieces(solid)) pieces.push_back(std::move(piece));
   }

@@ -18,6 +18,8 @@ namespace troupe::engine {
 /// The obstacle solids of all parts of a type, for overlap tests; empty where nothing of it blocks.
 /// Throws std::length_error where an outline is too intricate (convex_pieces).
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
+/// The same of those parts for which counts(part) holds.
+partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
 /// Bodies that stand somewhere, found by where they are. A body lies in the cell of its centre, at the level
 /// whose cells are as wide as the body, so that one truck does not widen every query; the cells change no

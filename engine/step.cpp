@@ -151,6 +151,7 @@ DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
           .state = tables_[sensor.table],
           .commands = sensor.command_table ? &tables_[*sensor.command_table] : nullptr,
           .effects = effects_,
+          .links = links_,
           .device = static_cast<std::uint32_t>(&sensor - type.devices.data()),
           .stream = sensor.stream,
           .period_s = static_cast<double>(sensor.period) * spec_.tick_s};
@@ -227,6 +228,11 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
         chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
   }
   if (controller.table) batch.memories = rows_of(*controller.table);
+  if (controller.drive) {
+    const BodyType::Device& drive = type.devices[*controller.drive];
+    batch.drive_commands = rows_of(*drive.command_table);
+    batch.drive_state = &percepts(drive);
+  }
   if (on_decide_)
     on_decide_(type, controller, batch);
   else
@@ -240,6 +246,11 @@ void World::move() {
       scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
+  if (links_.any()) {
+    settle_joints();
+    carry();
+    report_joints();
+  }
   apply_effects();
 }
 
@@ -252,8 +263,23 @@ void World::apply_effects() {
   effects_.clear();
 }
 
+/// Devices learn what became of the joints that they asked to move.
+void World::report_joints() {
+  if (!links_.asked.exchange(false, std::memory_order_relaxed)) return;
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    if (type.joint_devices.empty()) return;
+    for (const std::size_t d : type.joint_devices) {
+      const BodyType::Device& device = type.devices[d];
+      if (device.kind->settled) device.kind->settled(device_batch(rows, type, device));
+    }
+    for (const Row row : rows)
+      for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
+  });
+}
+
 void World::propose() {
   const double dt = spec_.tick_s;
+  const bool carrying = links_.carried > 0;  // who is carried goes where its carrier goes
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     std::array<Motion*, k_block> turning;
     std::array<double, k_block> headings;
@@ -262,7 +288,7 @@ void World::propose() {
     for (const Row row : rows) {
       const Velocity& v = velocities()[row.index()];
       Motion& motion = motions_[row.index()];
-      motion.moves = type.drive && (v.x != 0 || v.y != 0 || v.turn != 0);
+      motion.moves = type.drive && (v.x != 0 || v.y != 0 || v.turn != 0) && !(carrying && carrier(row));
       if (!motion.moves) continue;
       // Euler with the old heading, as in Stage.
       const Pose& from = poses()[row.index()];
@@ -316,13 +342,14 @@ void World::count_way(Row row, const BodyType::Drive& drive) {
 
 void World::put(Row row, const BodyType& type, const Transform& transform) {
   transforms_[row.index()] = transform;
+  if (!type.joints.empty()) return put_outlines(row, type, transform);
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
 }
 
 void World::index_bodies() {
   index_.rebuild(transforms_, row_radii_, parallel_);
-  if (ray_grid_) ray_grid_->redraw(outlines_, poses(), parallel_);
+  if (ray_grid_) redraw_ray_grid();
 }
 
 }  // namespace troupe::engine

@@ -35,9 +35,10 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
-    sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
-    widths += 2 * type.radius;
-    width = std::max(width, 2 * type.radius);
+    const double radius = type.radius + type.joint_reach;
+    sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
+    widths += 2 * radius;
+    width = std::max(width, 2 * radius);
     ++count;
   }
   // As wide as most bodies, and never so small that one lies in more than some hundred cells.
@@ -71,6 +72,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
+  build_links();
   build_scene();
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
@@ -207,26 +209,42 @@ void World::build_tables() {
                                                {"y", Element::f64, 1, "m/s", "left"},
                                                {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
-  tables_.emplace_back(
-      "command", HashGroup::velocity, Layout::rows,
-      std::vector<StateField>{
-          {"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
-          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true}},
-      row_bodies_, sizeof(Command));
+  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), row_bodies_,
+                       sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
           {"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
       row_bodies_);
 
+  if (std::ranges::any_of(types_, &BodyType::carries)) {
+    carrier_table_ = tables_.size();
+    tables_.emplace_back(
+        "carrier", HashGroup::pose, Layout::rows,
+        sparse({{"carrier", Element::u32, 1, "", "id of the body that carries it + 1; 0: none"},
+                {"joint", Element::u32, 1, "", "of the carrier, from which it hangs: its number from 1 on"},
+                {"x", Element::f64, 1, "m", "frame of the carrier, as that joint moves it"},
+                {"y", Element::f64, 1, "m", "same frame"},
+                {"z", Element::f64, 1, "m", "same frame"},
+                {"heading", Element::f64, 1, "rad", "same frame"}}),
+        row_bodies_);
+  }
+
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
   std::size_t effects = 0;
   for (std::size_t t = 0; t < types_.size(); ++t) {
     if (bodies[t].empty()) continue;
+    for (BodyType::Joint& joint : types_[t].joints) {
+      joint.table = tables_.size();
+      tables_.emplace_back(
+          fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
+          std::vector<StateField>{{"x", Element::f64, 1, "m", "from its rest, in its own frame"},
+                                  {"y", Element::f64, 1, "m", "from its rest"},
+                                  {"z", Element::f64, 1, "m", "from its rest"},
+                                  {"heading", Element::f64, 1, "rad", "from its rest; not wrapped"}},
+          bodies[t]);
+    }
     if (auto& drive = types_[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
       drive->odometry_table = tables_.size();
       tables_.emplace_back(
@@ -272,6 +290,7 @@ void World::start() {
       StateTable& state = tables_[sensor.table];
       for (std::size_t i = 0; i < state.rows(); ++i) sensor.kind->start(sensor.prepared.data, state, i);
     }
+    start_joints(type);
     for (const BodyType::Controller& controller : type.controllers) {
       if (!controller.table) continue;
       StateTable& memories = tables_[*controller.table];
@@ -284,6 +303,19 @@ void World::start() {
     if (const auto& drive = type(Row(r)).drive) start(Row(r), *drive);
   }
   derive();
+}
+
+/// Where a type's devices want their joints at tick 0.
+void World::start_joints(const BodyType& type) {
+  for (const std::size_t d : type.joint_devices) {
+    const BodyType::Device& device = type.devices[d];
+    if (device.table == 0) continue;
+    const std::vector<Pose>& joints = device.prepared.joints;
+    for (std::size_t n = 0; n < joints.size(); ++n) {
+      StateTable& table = tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table];
+      for (std::size_t i = 0; i < table.rows(); ++i) table.as<Pose>(i) = joints[n];
+    }
+  }
 }
 
 void World::start(Row row, const BodyType::Drive& drive) {
@@ -300,6 +332,7 @@ void World::derive() {
   std::ranges::fill(motions_, Motion());
   std::ranges::fill(free_circles_, FreeCircle());
   count_stalls();
+  derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
 }
@@ -315,6 +348,7 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
     for (const RayOutline& outline : type(Row(r)).outlines)
       outlines.push_back({r, static_cast<std::uint32_t>(outline_begins_[r]) + outline.first, outline.count,
                           outline.z, outline.ranger_return});
+  if (links_.any()) links_.lifts.resize(outlines.size());
   try {
     ray_grid_ = std::make_unique<partition::RayGrid>(scene_.solids(), std::move(outlines), outlines_,
                                                      spec_.resolution_m);
@@ -322,7 +356,7 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
     diagnostics.error(spec_.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
     diagnostics.throw_if_errors();
   }
-  ray_grid_->redraw(outlines_, poses(), parallel_);
+  redraw_ray_grid();
 }
 
 void World::report_overlaps(Diagnostics& diagnostics) {
@@ -437,6 +471,9 @@ void World::set_poses(std::span<const Placed> placed) {
           fmt::format("\"{}\" cannot be put at x {}, y {}, z {} (m), heading {} (rad): {}",
                       spec_.name(body(place.row)), p.x, p.y, p.z, p.heading,
                       is_finite(p) ? "that is outside the world's bounds" : "these must be finite numbers"));
+    if (const std::optional<BodyId> by = carrier(place.row))
+      throw std::invalid_argument(fmt::format("\"{}\" cannot be put elsewhere: \"{}\" carries it",
+                                              spec_.name(body(place.row)), spec_.name(*by)));
   }
   for (const auto& [row, p] : placed) {
     const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
@@ -446,6 +483,7 @@ void World::set_poses(std::span<const Placed> placed) {
     free_circles_[row.index()] = FreeCircle();
     put(row, type(row), Transform(pose));
   }
+  if (links_.any()) carry();
   count_stalls();
   index_bodies();
 }
@@ -498,7 +536,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return static_cast<std::size_t>(command.mode) < k_control_modes;
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
-      !std::ranges::all_of(commands(), has_mode)) {
+      !std::ranges::all_of(commands(), has_mode) || !links_hold()) {
     start();
     return false;
   }
@@ -552,15 +590,27 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
 }
 
+/// What bodies of a type look like: this one, or all with their joints at rest.
+FrameType World::look_of(std::size_t t, Row row) const {
+  FrameType look{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
+  for (const PartSpec& part : spec_.types[t].parts)
+    for (const Solid& solid : part.solids) {
+      look.shapes.push_back({solid, part.color});
+      if (part.joint == k_rigid || !row.valid()) continue;
+      const Mount& now = joints(row)[static_cast<std::size_t>(part.joint)].now;
+      Solid& moved = look.shapes.back().solid;
+      for (Ring& ring : moved.contours)
+        for (Vec2& point : ring) point = now.transform * point;
+      moved.z = moved.z.shifted(now.z);
+    }
+  if (row.valid()) look.radius = row_radii_[row.index()];
+  return look;
+}
+
 FrameScene World::frame_scene() const {
   FrameScene scene;
   scene.title = spec_.title;
-  for (std::size_t t = 0; t < types_.size(); ++t) {
-    FrameType type{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
-    for (const PartSpec& part : spec_.types[t].parts)
-      for (const Solid& solid : part.solids) type.shapes.push_back({solid, part.color});
-    scene.types.push_back(std::move(type));
-  }
+  for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
   scene.bounds = scene_.bounds();
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
@@ -577,8 +627,15 @@ Frame World::frame() const {
   frame.mobile.reserve(rows());
   for (std::size_t b = 0; b < body_rows_.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
-    if (const Row r = body_rows_[b]; r.valid())
-      frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const Row r = body_rows_[b];
+    if (!r.valid()) continue;
+    frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const auto has_moved = [](const Links::Joint& joint) {
+      return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
+    };
+    if (type(r).joints.empty() || std::ranges::none_of(joints(r), has_moved)) continue;
+    frame.mobile.back().type = static_cast<std::uint32_t>(types_.size() + frame.types.size());
+    frame.types.push_back(look_of(body.type.value, r));
   }
   return frame;
 }

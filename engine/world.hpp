@@ -5,6 +5,7 @@
 #include "engine/fixed_targets.hpp"
 #include "engine/frame.hpp"
 #include "engine/kinds.hpp"
+#include "engine/links.hpp"
 #include "engine/phase.hpp"
 #include "engine/state_table.hpp"
 #include "engine/world_spec.hpp"
@@ -127,11 +128,39 @@ class World {
   void set_estimate(Row row, const Pose& pose);
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
+  /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
+  /// the joint moves. What the type says of parts and devices on that joint is said in this frame.
+  Mount mount(Row row, std::int32_t joint) const;
+  /// No surface of the row's body is farther from its origin, with its joints as they are, m.
+  double radius(Row row) const { return row_radii_[row.index()]; }
+  /// By how much that joint has raised what stands on it, m.
+  double lift(Row row, std::int32_t joint) const {
+    return joint == k_rigid
+               ? 0.0
+               : links_.joints[links_.joint_begins[row.index()] + static_cast<std::size_t>(joint)].now.z;
+  }
+  /// Where a joint is, relative to its rest.
+  const Pose& joint_state(Row row, std::size_t joint) const;
+  /// Who carries a body; nothing where nobody does.
+  std::optional<BodyId> carrier(Row row) const;
+  /// How many are carried.
+  std::size_t carried_count() const { return links_.carried; }
+  /// Whether two bodies move as one, because one carries the other or a third carries both.
+  bool same_tree(Row a, Row b) const {
+    return a == b || (links_.carried > 0 && links_.roots[a.index()] == links_.roots[b.index()]);
+  }
+  /// From now on a body moves with another, or with a joint of it, as it stands to it now. False, and nothing
+  /// is changed, where it is carried already, carries the other itself, or the other cannot carry anything.
+  /// As release(), for DeviceKind::apply.
+  bool attach(Row cargo, Row carrier, std::int32_t joint);
+  /// Leaves a body where it is, to itself.
+  void release(Row cargo);
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
-  /// Throws std::invalid_argument, and moves nobody, for a pose that is not finite or not within the world's
-  /// bounds. Each call indexes all bodies anew: move many at once.
+  /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
+  /// carried, and for a pose that is not finite or not within the world's bounds. Each call indexes all
+  /// bodies anew: move many at once.
   struct Placed {
     Row row;
     Pose pose;  ///< world frame; the heading is wrapped
@@ -149,8 +178,6 @@ class World {
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
-  /// Whether two rows belong to one tree, whose parts do not see one another.
-  bool same_tree(Row a, Row b) const { return a == b; }
   /// Whether what the row's device, or drive, runs on has something left; true where it runs on nothing.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     if (!supply) return true;
@@ -160,6 +187,8 @@ class World {
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_supplied(row, device.supply);
   }
+  /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
+  StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
   /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.
@@ -205,6 +234,7 @@ class World {
   void build_tables();
   /// Fills the tables, and what is derived from them, with the state that the spec describes.
   void start();
+  void start_joints(const BodyType& type);
   void start(Row row, const BodyType::Drive& drive);
   /// All that is derived from the tables.
   void derive();
@@ -226,9 +256,40 @@ class World {
   /// The odometry of a robot that has moved as proposed.
   void count_way(Row row, const BodyType::Drive& drive);
   void apply_effects();
+
+  // engine/links.cpp
+  struct Limb;
+  void build_links();
+  void derive_links();
+  bool links_hold() const;
+  std::span<Links::Joint> joints(Row row);
+  std::span<const Links::Joint> joints(Row row) const;
+  Pose& joint_state(Row row, std::size_t joint);
+  void move_to_joints(Row row);
+  void hang(std::uint32_t cargo, std::uint32_t carrier);
+  void unhang(std::uint32_t cargo, std::uint32_t carrier);
+  void set_root(std::uint32_t row, std::uint32_t root);
+  void add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const;
+  void reshape(std::uint32_t row);
+  void put_outlines(Row row, const BodyType& type, const Transform& transform);
+  void settle_joints();
+  void report_joints();
+  double aim_joints(const Limb& limb, std::size_t round, double t, double radius);
+  double ask_joints(std::size_t c, Row root, std::size_t round);
+  bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
+  bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
+                     double reach) const;
+  void answer_joints(Row row, std::size_t round, bool refused);
+  void carry();
+  void redraw_ray_grid();
+  void carry_cargo_of(Row carrier);
+  template <class Work>
+  void for_roots(Work&& work);
+
   /// What is derived from a row's pose.
   void put(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
+  FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);
   /// work(rows of one type, type), in parallel. Where rows look at one another: of rows that lie near one
   /// another in the world.
@@ -267,6 +328,7 @@ class World {
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;
   Effects effects_;  // of the tick under way
+  std::optional<std::size_t> carrier_table_;
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;
@@ -274,6 +336,7 @@ class World {
   std::vector<Motion> motions_;
   std::vector<FreeCircle> free_circles_;
   Conflicts conflicts_;
+  Links links_;
 
   std::size_t stalled_ = 0;
   std::size_t held_ = 0;

@@ -34,12 +34,24 @@ struct Returns {
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
-/// One model of a type's tree, rigidly attached to the root.
+/// No joint: rigid with the body.
+inline constexpr std::int32_t k_rigid = -1;
+
+/// A frame of a type that one of its devices moves: an actuator's, a gripper's paddle's. What stands on it
+/// (parts, devices, further joints) is described where it is while every joint is at rest.
+struct JointSpec {
+  std::string name;               ///< of its component, `joint/<name>`
+  std::int32_t parent = k_rigid;  ///< index of the joint that it stands on, which comes before it
+  Pose pose_body_joint;           ///< at rest; the joint moves in this frame
+};
+
+/// One model of a type's tree.
 struct PartSpec {
-  std::string name;          ///< below the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;         ///< its generated name, where the world gave it another; else empty
-  std::string kind;          ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;  ///< index of the part it stands on; the root's own is 0
+  std::string name;              ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string alias;             ///< its generated name, where the world gave it another; else empty
+  std::string kind;              ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;      ///< index of the part it stands on; the root's own is 0
+  std::int32_t joint = k_rigid;  ///< index of the joint that it moves with
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
   std::vector<Solid> solids;            ///< in the body's frame, scaled, z included
@@ -52,11 +64,13 @@ struct PartSpec {
 struct DeviceSpec {
   std::string name;  ///< of the part that carries it, or as the type names it
   std::string kind;
-  std::uint32_t part = 0;  ///< index of the part that carries it
-  Record params;           ///< by the kind's field table
-  Pose pose_body_sensor;   ///< frame in which the kind's parameters are given
-  double period_s = 0;     ///< 0: every tick
-  bool active = true;      ///< runs without a subscriber
+  std::uint32_t part = 0;        ///< index of the part that carries it
+  std::int32_t joint = k_rigid;  ///< index of the joint that it stands on
+  std::int32_t moves = k_rigid;  ///< index of the first of the joints that it moves (DeviceKind::joints)
+  Record params;                 ///< by the kind's field table
+  Pose pose_body_sensor;         ///< frame in which the kind's parameters are given
+  double period_s = 0;           ///< 0: every tick
+  bool active = true;            ///< runs without a subscriber
   Where where;
 };
 
@@ -79,6 +93,7 @@ struct ControllerSpec {
 struct TypeSpec {
   std::string name;
   std::vector<PartSpec> parts;  ///< depth first; part 0 is the root
+  std::vector<JointSpec> joints;
   std::optional<DriveSpec> drive;
   std::vector<DeviceSpec> devices;
   std::vector<ControllerSpec> controllers;

@@ -281,7 +281,9 @@ RayGrid::Slot& RayGrid::settle(Cell region) {
   return slots_[slot];
 }
 
-void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel) {
+void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
+                     const Linked& linked) {
+  groups_ = linked.groups;
   // Runs are pushed on a list for each region, in whatever order: nothing depends on it.
   std::vector<Homeless> homeless;
   std::mutex homeless_mutex;
@@ -295,7 +297,7 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
     Pen pen(cells_, drawing_, shares_[s].cell, shares_[s].run);
     for (std::uint32_t o = shares_[s].outline; o < shares_[s + 1].outline; ++o) {
       const MovingOutline& outline = outlines_[o];
-      heights_[o] = poses[outline.body].z;
+      heights_[o] = poses[outline.body].z + (linked.lifts.empty() ? 0.0 : linked.lifts[o]);
       pen.draw(vertices.subspan(outline.first, outline.count),
                static_cast<std::uint32_t>(surfaces_.size()) + o, [&](Cell region, std::uint32_t run) {
                  const std::uint32_t slot = directory_.find(region);
@@ -422,6 +424,8 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
     }
     const std::size_t o = surface - surfaces_.size();
     const MovingOutline& outline = outlines_[o];
+    if (!groups_.empty() && ray.body < groups_.size() && groups_[outline.body] == groups_[ray.body])
+      return -1.0f;
     return outline.z.shifted(heights_[o]).contains(ray.z) ? outline.ranger_return : -1.0f;
   };
   float most = -1;

@@ -64,7 +64,14 @@ class RayGrid {
 
   /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
   /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
-  void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel);
+  /// `linked` says what else there is to know of bodies with moving parts, and of those that move as one.
+  struct Linked {
+    std::span<const double> lifts;          ///< by how much each outline is raised, m; empty: none is
+    std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty:
+                                            ///< each is one of its own. Kept until the next redraw
+  };
+  void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
+              const Linked& linked = {});
 
   /// The first surface along a ray. From any number of threads between redraws.
   GridHit cast(const GridRay& ray) const;
@@ -163,7 +170,8 @@ class RayGrid {
   std::vector<Surface> surfaces_;
   std::vector<MovingOutline> outlines_;
   std::vector<Own> own_;         // of each body
-  std::vector<double> heights_;  // of each outline's body, m
+  std::vector<double> heights_;  // of each outline's body, m, and by how much the outline is raised
+  std::span<const std::uint32_t> groups_;
   std::vector<Share> shares_;
   Drawing drawing_;
   // Memory for the worst case; what is not used is never touched. What never moves comes first.

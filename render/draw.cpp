@@ -152,7 +152,13 @@ Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {
   std::vector<Layer> layers;
   layers.push_back(flat(floor_grid(framing), true));
   add_fixed(layers, scene, framing);
-  add_mobile(layers, scene, frame, framing);
+  if (frame.types.empty()) {
+    add_mobile(layers, scene, frame, framing);
+  } else {
+    FrameScene all{.types = scene.types};
+    all.types.insert(all.types.end(), frame.types.begin(), frame.types.end());
+    add_mobile(layers, all, frame, framing);
+  }
   layers.push_back(flat(scale_and_time(framing, frame.time_s), true));
   return paint(view.width, view.height, k_paper, layers);
 }

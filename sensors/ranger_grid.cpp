@@ -14,10 +14,11 @@ void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     const Row row = batch.rows[r];
     Random random = random_of_headings(batch, r);
     const std::span<float> ranges = batch.state.cell<float>(world.slot(row), 0);
-    const Transform& transform = world.transform(row);
+    const engine::Mount mount = batch.mount(r);
+    const Transform& transform = mount.transform;
     const Vec2 reference = transform * ranger.reference;
     for (const BeamGroup& group : ranger.groups) {
-      const double z = world.poses()[row.index()].z + group.z;
+      const double z = mount.z + group.z;
       const auto [dx, dy] =
           group.wobbles.empty() ? std::pair(group.dx.data(), group.dy.data()) : wobbling.draw(group, random);
       for (std::size_t i = 0; i < group.count; ++i) {

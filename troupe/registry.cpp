@@ -1,5 +1,6 @@
 #include "troupe/registry.hpp"
 
+#include "models/actuator.hpp"
 #include "models/coverage.hpp"
 #include "models/demos.hpp"
 #include "models/depots.hpp"
@@ -8,14 +9,17 @@
 #include "models/flags.hpp"
 #include "models/flocking.hpp"
 #include "models/forager.hpp"
+#include "models/gripper.hpp"
 #include "models/light.hpp"
 #include "models/measures.hpp"
 #include "models/model_kinds.hpp"
 #include "models/nearness.hpp"
+#include "models/operate.hpp"
 #include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "models/waypoints.hpp"
+#include "models/wheels.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
@@ -30,13 +34,15 @@ engine::Registry make_registry() {
   registry.devices = {sensors::ranger_kind(),        sensors::fiducial_kind(),  sensors::blobfinder_kind(),
                       sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
                       models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
-                      models::flags_kind()};
+                      models::flags_kind(),          models::actuator_kind(),   models::gripper_kind(),
+                      models::wheels_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
       models::expand_controller(),    models::wander_controller(),     models::script_controller(),
       models::waypoints_controller(), models::source_controller(),     models::sink_controller(),
       models::fasr_controller(),      models::fasr2_controller(),      models::pioneer_flocking_controller(),
-      models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller()};
+      models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller(),
+      models::operate_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),

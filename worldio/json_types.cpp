@@ -1,5 +1,6 @@
 #include "worldio/json_types.hpp"
 
+#include "engine/add_device.hpp"
 #include "worldio/fields_json.hpp"
 
 #include <fmt/format.h>
@@ -126,8 +127,70 @@ std::optional<engine::DriveSpec> read_drive(const JsonCursor& at, const engine::
 /// The kinds of a type's list: sensors only look, other devices are asked to do something.
 enum class DeviceList : std::uint8_t { sensors, devices };
 
+/// A sensor that stands on a device read after it.
+struct Riding {
+  std::size_t device;
+  std::string on;
+  JsonCursor at;
+};
+
+/// Puts a device on another, which moves what stands on it.
+bool put_on(engine::TypeSpec& type, const engine::Registry& registry, engine::DeviceSpec& device,
+            const std::string& on, const JsonCursor& at) {
+  std::vector<std::string_view> known;
+  for (const engine::DeviceSpec& other : type.devices) {
+    const engine::DeviceKind* kind = registry.device(other.kind);
+    if (kind == nullptr || kind->joints.size() != 1) continue;
+    known.push_back(other.name);
+    if (other.name != on) continue;
+    device.part = other.part;
+    device.joint = other.moves;
+    device.pose_body_sensor = compose(other.pose_body_sensor, device.pose_body_sensor);
+    return true;
+  }
+  if (known.empty())
+    at.error(fmt::format("\"{}\" is no device before it that moves what stands on it; there is none", on));
+  else
+    at.error(unknown_name("device that moves what stands on it", on, known));
+  return false;
+}
+
+/// What a device shows of itself: the body of its kind, or one given by `size_m` or `blocks`.
+engine::PartSpec read_device_part(JsonObject& object, const engine::DeviceSpec& device,
+                                  const engine::DeviceKind& kind) {
+  engine::PartSpec part{.name = device.name, .kind = device.kind, .where = device.where};
+  part.pose_body_part = device.pose_body_sensor;
+  if (const JsonNode* node = object.find("color"))
+    part.color = read_color(JsonCursor(object.at(), "color", *node));
+  part.returns = read_returns(object);
+  if (kind.body) return part;
+  std::vector<Solid> solids;
+  if (const Value size = read_field(object, k_size); size.given())
+    solids.push_back({{rectangle(size.numbers()[0], size.numbers()[1])}, {0, size.numbers()[2]}});
+  if (const JsonNode* node = object.find("blocks")) {
+    const JsonCursor cursor(object.at(), "blocks", *node);
+    const JsonNode::List* blocks = read_list(cursor);
+    for (std::size_t i = 0; blocks && i < blocks->size(); ++i)
+      read_block(JsonCursor(cursor, i, (*blocks)[i]), solids);
+  }
+  for (Solid& solid : solids) part.solids.push_back(placed(std::move(solid), device.pose_body_sensor));
+  return part;
+}
+
+/// The extent of a part's solids is its size.
+void measure_part(engine::PartSpec& part) {
+  Box extent;
+  ZInterval z;
+  for (const Solid& solid : part.solids) {
+    extent.extend(bounds(solid.contours[0]));
+    z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
+  }
+  if (!extent.empty()) part.size = {extent.size().x(), extent.size().y(), z.max - z.min};
+}
+
 void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& registry,
-                 std::vector<engine::DeviceSpec>& devices) {
+                 engine::TypeSpec& type, std::vector<Riding>& riding) {
+  std::vector<engine::DeviceSpec>& devices = type.devices;
   const auto belongs = [list](const engine::DeviceKind& kind) {
     return kind.is_sensor() == (list == DeviceList::sensors);
   };
@@ -158,8 +221,31 @@ void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& 
   device.active = read_boolean(object, "active", true);
   device.period_s = read_period(object);
   device.params = read_fields(object, kind->params);
+  bool stands = true;
+  if (const JsonNode* node = object.find("on")) {
+    const JsonCursor cursor(at, "on", *node);
+    const std::string* on = read_text(cursor, "the name of a device that moves what stands on it");
+    if (on && list == DeviceList::sensors)
+      riding.push_back({devices.size(), *on, cursor});
+    else
+      stands = on && put_on(type, registry, device, *on, cursor);
+  }
+  const bool has_part = !kind->joints.empty();
+  if (has_part) {
+    engine::PartSpec part = read_device_part(object, device, *kind);
+    part.parent = device.part;
+    part.joint = kind->body ? device.joint : static_cast<std::int32_t>(type.joints.size());
+    device.part = static_cast<std::uint32_t>(type.parts.size());
+    type.parts.push_back(std::move(part));
+  }
   object.finish();
-  devices.push_back(std::move(device));
+  if (!stands) return;
+  const std::size_t part = device.part;
+  const std::size_t d = engine::add_device(type, std::move(device), *kind);
+  if (has_part) {
+    engine::add_device_body(type, d, *kind);
+    measure_part(type.parts[part]);
+  }
 }
 
 void read_controller(const JsonCursor& at, const engine::Registry& registry,
@@ -209,11 +295,15 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
 
   if (const JsonNode* node = object.find("drive"))
     type.spec.drive = read_drive(JsonCursor(at, "drive", *node), registry);
-  const auto devices_of = [&](std::string_view key, DeviceList list) {
-    each_of(key, [&](const JsonCursor& cursor) { read_device(cursor, list, registry, type.spec.devices); });
-  };
-  devices_of("sensors", DeviceList::sensors);
-  devices_of("devices", DeviceList::devices);
+  measure_part(root);
+  root.kind = type.spec.drive ? "position" : "model";
+  type.spec.parts.push_back(std::move(root));
+  std::vector<Riding> riding;
+  for (const auto& [key, list] :
+       {std::pair("sensors", DeviceList::sensors), {"devices", DeviceList::devices}})
+    each_of(key, [&](const JsonCursor& cursor) { read_device(cursor, list, registry, type.spec, riding); });
+  for (const Riding& sensor : riding)
+    put_on(type.spec, registry, type.spec.devices[sensor.device], sensor.on, sensor.at);
 
   const JsonNode* one = object.find("controller");
   if (one) read_controller(JsonCursor(at, "controller", *one), registry, type.spec.controllers);
@@ -229,16 +319,6 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
                                                 std::ranges::any_of(type.spec.controllers, needs_drive))
     at.error_at(moved->where, "a controller needs a \"drive\" to command");
   object.finish();
-
-  Box extent;
-  ZInterval z;
-  for (const Solid& solid : root.solids) {
-    extent.extend(bounds(solid.contours[0]));
-    z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
-  }
-  if (!extent.empty()) root.size = {extent.size().x(), extent.size().y(), z.max - z.min};
-  root.kind = type.spec.drive ? "position" : "model";
-  type.spec.parts.push_back(std::move(root));
   return type;
 }
 

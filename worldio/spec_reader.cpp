@@ -86,6 +86,7 @@ class SpecReader {
   double number(JsonObject& object, std::string_view key, double min, double max, double fallback);
   bool boolean(JsonObject& object, std::string_view key);
   std::uint32_t index(JsonObject& object, std::string_view key);
+  std::int32_t joint_index(JsonObject& object, std::string_view key);
   std::int32_t int32(JsonObject& object, std::string_view key);
   Where where(JsonObject& object, std::string_view key = "where");
   Pose pose(JsonObject& object);
@@ -103,6 +104,7 @@ class SpecReader {
   template <class Kinds>
   engine::Record params(JsonObject& object, std::string_view what, const std::string& kind,
                         const Kinds& kinds);
+  engine::JointSpec joint(const JsonCursor& at);
   /// By the kind's table; null where there is none.
   engine::Record params(JsonObject& object, const engine::FieldTable* table);
   engine::DriveSpec drive(const JsonCursor& at);
@@ -174,6 +176,12 @@ std::uint32_t SpecReader::index(JsonObject& object, std::string_view key) {
                                   .min = 0,
                                   .max = static_cast<double>(std::numeric_limits<std::uint32_t>::max())});
   return value.given() ? static_cast<std::uint32_t>(value.integer()) : 0;
+}
+
+/// Of a joint; rigid where the object does not say.
+std::int32_t SpecReader::joint_index(JsonObject& object, std::string_view key) {
+  return object.find(key) ? static_cast<std::int32_t>(std::min(index(object, key), 0x7fffffffu))
+                          : engine::k_rigid;
 }
 
 Where SpecReader::where(JsonObject& object, std::string_view key) {
@@ -328,6 +336,7 @@ engine::PartSpec SpecReader::part(const JsonCursor& at) {
   part.alias = text(object, "alias");
   part.kind = text(object, "kind");
   part.parent = index(object, "parent");
+  part.joint = joint_index(object, "joint");
   part.pose_body_part = pose(object);
   const std::vector<double> size = numbers(object, "size_m", 3);
   part.size = {size[0], size[1], size[2]};
@@ -372,6 +381,16 @@ engine::Record SpecReader::params(JsonObject& object, const engine::FieldTable* 
   return record;
 }
 
+engine::JointSpec SpecReader::joint(const JsonCursor& at) {
+  JsonObject object(at);
+  engine::JointSpec joint;
+  joint.name = text(object, "name");
+  joint.parent = joint_index(object, "parent");
+  joint.pose_body_joint = pose(object);
+  object.finish();
+  return joint;
+}
+
 engine::DriveSpec SpecReader::drive(const JsonCursor& at) {
   JsonObject object(at);
   engine::DriveSpec drive;
@@ -389,6 +408,8 @@ engine::DeviceSpec SpecReader::sensor(const JsonCursor& at) {
   sensor.name = text(object, "name");
   sensor.kind = text(object, "kind");
   sensor.part = index(object, "part");
+  sensor.joint = joint_index(object, "joint");
+  sensor.moves = joint_index(object, "moves");
   sensor.pose_body_sensor = pose(object);
   sensor.period_s = number(object, "period_s", 0, k_most_s, 0);
   sensor.active = boolean(object, "active");
@@ -422,11 +443,20 @@ engine::TypeSpec SpecReader::type(const JsonCursor& at) {
   for (std::size_t p = 0; p < type.parts.size(); ++p)
     if (type.parts[p].parent >= std::max<std::size_t>(p, 1))
       at.error("a part stands on one that comes before it");
+  if (object.find("joints"))
+    each_of(object, "joints", [&](const JsonCursor& entry) { type.joints.push_back(joint(entry)); });
   if (const JsonNode* node = object.find("drive")) type.drive = drive(JsonCursor(at, "drive", *node));
   each_of(object, "sensors", [&](const JsonCursor& entry) { type.devices.push_back(sensor(entry)); });
   each_of(object, "controllers",
           [&](const JsonCursor& entry) { type.controllers.push_back(controller(entry)); });
   object.finish();
+  const auto joints = static_cast<std::int32_t>(type.joints.size());
+  const auto is_no_joint = [joints](const auto& placed) { return placed.joint >= joints; };
+  if (std::ranges::any_of(type.parts, is_no_joint) || std::ranges::any_of(type.devices, is_no_joint))
+    at.error("a part or device stands on a joint that the type does not have");
+  for (std::int32_t j = 0; j < joints; ++j)
+    if (type.joints[static_cast<std::size_t>(j)].parent >= j)
+      at.error("a joint stands on one that comes before it");
   const auto is_no_part = [&](const auto& carried) { return carried.part >= type.parts.size(); };
   if (std::ranges::any_of(type.devices, is_no_part) || std::ranges::any_of(type.controllers, is_no_part))
     at.error("a sensor or controller belongs to a part that the type does not have");

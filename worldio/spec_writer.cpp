@@ -144,14 +144,15 @@ Json solid_json(const Solid& solid) {
 }
 
 Json part_json(const engine::PartSpec& part) {
-  const auto& [name, alias, kind, parent, pose_body_part, size, solids, returns, floor_plan, color, where] =
-      part;
+  const auto& [name, alias, kind, parent, joint, pose_body_part, size, solids, returns, floor_plan, color,
+               where] = part;
   const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
   Json json;
   json["name"] = text_json(name);
   json["alias"] = text_json(alias);
   json["kind"] = text_json(kind);
   json["parent"] = parent;
+  if (joint != engine::k_rigid) json["joint"] = joint;
   json["pose"] = pose_json(pose_body_part);
   json["size_m"] = {finite(size.x()), finite(size.y()), finite(size.z())};
   json["solids"] = Json::array();
@@ -168,6 +169,15 @@ Json part_json(const engine::PartSpec& part) {
   return json;
 }
 
+Json joint_json(const engine::JointSpec& joint) {
+  const auto& [name, parent, pose_body_joint] = joint;
+  Json json;
+  json["name"] = text_json(name);
+  if (parent != engine::k_rigid) json["parent"] = parent;
+  json["pose"] = pose_json(pose_body_joint);
+  return json;
+}
+
 Json drive_json(const engine::DriveSpec& drive, const engine::Registry& registry) {
   const auto& [kind, params, period_s, where] = drive;
   Json json;
@@ -179,11 +189,13 @@ Json drive_json(const engine::DriveSpec& drive, const engine::Registry& registry
 }
 
 Json sensor_json(const engine::DeviceSpec& sensor, const engine::Registry& registry) {
-  const auto& [name, kind, part, params, pose_body_sensor, period_s, active, where] = sensor;
+  const auto& [name, kind, part, joint, moves, params, pose_body_sensor, period_s, active, where] = sensor;
   Json json;
   json["name"] = text_json(name);
   json["kind"] = text_json(kind);
   json["part"] = part;
+  if (joint != engine::k_rigid) json["joint"] = joint;
+  if (moves != engine::k_rigid) json["moves"] = moves;
   json["pose"] = pose_json(pose_body_sensor);
   json["period_s"] = finite(period_s);
   json["active"] = active;
@@ -204,11 +216,12 @@ Json controller_json(const engine::ControllerSpec& controller, const engine::Reg
 }
 
 Json type_json(const engine::TypeSpec& type, const engine::Registry& registry) {
-  const auto& [name, parts, drive, sensors, controllers] = type;
+  const auto& [name, parts, joints, drive, sensors, controllers] = type;
   Json json;
   json["name"] = text_json(name);
   json["parts"] = Json::array();
   for (const engine::PartSpec& part : parts) json["parts"].push_back(part_json(part));
+  for (const engine::JointSpec& joint : joints) json["joints"].push_back(joint_json(joint));
   if (drive) json["drive"] = drive_json(*drive, registry);
   json["sensors"] = Json::array();
   for (const engine::DeviceSpec& sensor : sensors) json["sensors"].push_back(sensor_json(sensor, registry));

@@ -39,12 +39,7 @@ std::vector<Solid> StageBodies::make(const StageModel& model, const engine::Mode
   std::vector<Solid> solids;
   // As long as this is set, the first explicit block discards all there is.
   bool is_default = kind.has_default_body;
-  if (is_default) {
-    if (kind.name == "gripper")
-      solids = gripper(model);
-    else
-      solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
-  }
+  if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
   if (flag(model, "noblocks")) {
     solids.clear();
     is_default = false;
@@ -92,27 +87,6 @@ std::vector<Solid> StageBodies::map(const StageModel& model, const FloorImage& i
   if (flag(model, "boundary")) add_boundary(size, solids);
   for (Solid& solid : solids) solid = placed(std::move(solid), pose_map_center);
   return solids;
-}
-
-/// A base and two paddles, open and down, as fractions of the whole.
-std::vector<Solid> StageBodies::gripper(const StageModel& model) {
-  double length = 0.66;
-  double thickness = 0.1;
-  double height = 0.4;
-  if (const StageProperty* property = model.find(document_, "paddle_size"))
-    if (const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size")) {
-      if (std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) && (*v)[1] < 0.5) {
-        length = (*v)[0];
-        thickness = (*v)[1];
-        height = (*v)[2];
-      } else {
-        values_.error(values_.where(*property),
-                      "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
-      }
-    }
-  const double front = 0.5 - length;
-  return {box(-0.5, front, -0.5, 0.5, 0, 1), box(front, 0.5, 0.5 - thickness, 0.5, 0, height),
-          box(front, 0.5, -0.5, -0.5 + thickness, 0, height)};
 }
 
 const FloorImage* StageBodies::read_image(const StageModel& model, const StageProperty& property) {

@@ -31,7 +31,6 @@ class StageBodies {
 
  private:
   bool flag(const StageModel& model, std::string_view key);
-  std::vector<Solid> gripper(const StageModel& model);
   /// Null, with an error, where there is no image that can be read or nothing of it is solid.
   const FloorImage* read_image(const StageModel& model, const StageProperty& property);
   std::vector<Solid> map(const StageModel& model, const FloorImage& image, Eigen::Vector3d& size,

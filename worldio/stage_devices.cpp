@@ -8,6 +8,13 @@ namespace {
 using enum StageUnit;
 
 constexpr auto k_parameters = std::to_array<StageParameter>({
+    {"actuator", "type", "type"},
+    {"actuator", "axis", "axis"},
+    {"actuator", "min_position", "min_position"},
+    {"actuator", "max_position", "max_position"},
+    {"actuator", "max_speed", "max_speed"},
+    {"actuator", "start_position", "start_position"},
+    {"gripper", "autosnatch", "autosnatch"},
     {"blinkenlight", "period", "period", milliseconds},
     {"blinkenlight", "dutycycle", "dutycycle"},
     {"blinkenlight", "enabled", "enabled"},

@@ -230,6 +230,37 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
   return spec;
 }
 
+std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, const engine::DeviceKind& kind,
+                                                      const Eigen::Vector3d& size) {
+  auto spec = device(model, kind);
+  if (!spec) return {};
+  set(kind.params, spec->params, "size", std::vector<double>{size.x(), size.y(), size.z()});
+  if (const StageProperty* property = model.find(document_, "paddle_size")) {
+    const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");
+    if (!v) return {};
+    if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
+      values_.error(values_.where(*property),
+                    "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
+      return {};
+    }
+    set(kind.params, spec->params, "paddle_size", *v);
+  }
+  if (const StageProperty* property = model.find(document_, "paddle_state")) {
+    const auto given = values_.texts(*property);
+    const auto is_one_of = [](std::string_view text, std::string_view a, std::string_view b) {
+      return text == a || text == b;
+    };
+    if (given.size() != 2 || !is_one_of(given[0], "open", "closed") || !is_one_of(given[1], "up", "down")) {
+      values_.error(values_.where(*property),
+                    "\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]");
+      return {};
+    }
+    set(kind.params, spec->params, "paddles", std::string(given[0]));
+    set(kind.params, spec->params, "lift", std::string(given[1]));
+  }
+  return spec;
+}
+
 bool StageKinds::is_always_on(const StageModel& model) {
   const StageProperty* property = model.find(document_, "alwayson");
   return property != nullptr && values_.flag(*property).value_or(false);
@@ -376,6 +407,32 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
   }
   if (!localize(model, kind->params, spec.params)) return {};
   spec.period_s = period_s(model);
+  return spec;
+}
+
+std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
+                                                     const engine::DeviceKind& kind) {
+  const auto drive = this->drive(model);
+  if (!drive) return {};
+  const engine::FieldTable& given = registry_.drive(drive->kind)->params;
+  engine::DeviceSpec spec{
+      .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
+  set(kind.params, spec.params, "drive", drive->kind);
+  for (std::size_t f = 0; f < given.fields.size(); ++f)
+    if (const int at = kind.params.find(given.fields[f].name); at >= 0)
+      spec.params[static_cast<std::size_t>(at)] = drive->params[f];
+  for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
+    if (const StageProperty* property = model.find(document_, key))
+      values_.warning_once(
+          values_.where(*property),
+          fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
+                      "true pose",
+                      key));
+  if (const StageProperty* property = model.find(document_, "localization");
+      property && values_.text(*property).value_or("gps") != "gps")
+    values_.warning_once(values_.where(*property),
+                         "\"localization\" of a position inside another model has no effect: it knows its "
+                         "true pose");
   return spec;
 }
 

@@ -24,7 +24,13 @@ class StageKinds {
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Of a model that is a device of this kind; empty, with errors, where its properties are wrong.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
+  /// Of a gripper whose model is of this size.
+  std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
+                                            const Eigen::Vector3d& size);
   std::optional<engine::DriveSpec> drive(const StageModel& model);
+  /// Of a position inside another model, which has a drive of its own; empty, with errors, where its
+  /// properties are wrong.
+  std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
   /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
   /// parameter=value.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);

@@ -91,10 +91,13 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   return {};
 }
 
-bool StageMacros::is_only_a_body(std::string_view type) const {
+bool StageMacros::is_device(std::string_view type) const {
   const engine::ModelKind* kind = registry_.model(type);
-  return kind != nullptr && type != "model" && type != "position" &&
-         registry_.device(kind->device) == nullptr;
+  return kind != nullptr && registry_.device(kind->device) != nullptr;
+}
+
+bool StageMacros::is_only_a_body(std::string_view type) const {
+  return registry_.model(type) != nullptr && type != "model" && type != "position" && !is_device(type);
 }
 
 void StageMacros::report_unused() {

@@ -119,6 +119,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   DeviceSpec pack{.name = device_name(type, part, "power"),
                   .kind = "power_pack",
                   .part = part,
+                  .joint = type.parts[part].joint,
                   .params = kind->params.defaults(),
                   .where = model.where};
   set(kind->params, pack.params, "capacity", capacity);
@@ -143,6 +144,7 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
   DeviceSpec contact{.name = device_name(type, part, "contact"),
                      .kind = "power_contact",
                      .part = part,
+                     .joint = type.parts[part].joint,
                      .params = kind->params.defaults(),
                      .active = is_on(model),
                      .where = model.where};

@@ -87,8 +87,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "fiducial_return", honoured, "what fiducial finders read; 0: they do not find it",
      "StageWorld.ReturnsAndColours"},
     {"model", "fiducial_key", honoured, "of the finders that may find it", "StageWorld.ReturnsAndColours"},
-    {"model", "gripper_return", honoured, "grippers feel it, and can take it",
-     "StageWorld.ReturnsAndColours"},
+    {"model", "gripper_return", fixed, "grippers feel it, and take the whole body; held bodies do not jump",
+     "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
     {"model", "blob_return", fixed, "0: blob finders do not see its colour; Stage never reads it",
      "StageWorld.ReturnsAndColours"},
     {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`",
@@ -295,17 +295,30 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[x y z heading] of its middle; it runs across its heading and is 0.02 m thick",
      "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
 
-    {"gripper", "paddle_size", honoured, "shapes the body: base and two paddles",
-     "StageWorld.TheGripperIsABaseAndTwoPaddles"},
-    {"gripper", "paddle_state", unsupported, "paddles stand open and down"},
-    {"gripper", "autosnatch", unsupported, ""},
+    {"gripper", "paddle_size", fixed,
+     "paddles move as solid parts of the body, where those of Stage jump; they stop at what they touch",
+     "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "paddle_state", fixed,
+     "[\"open\" or \"closed\" \"up\" or \"down\"]; what is held rises with the paddles and is left where it "
+     "is let go",
+     "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "autosnatch", honoured, "closes while a beam is broken, opens while none is",
+     "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
 
-    {"actuator", "type", unsupported, ""},
-    {"actuator", "axis", unsupported, ""},
-    {"actuator", "min_position", unsupported, ""},
-    {"actuator", "max_position", unsupported, ""},
-    {"actuator", "max_speed", unsupported, ""},
-    {"actuator", "start_position", unsupported, ""},
+    {"actuator", "type", fixed,
+     "\"linear\" or \"rotational\"; it moves, with what stands on it, where Stage's stand still",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "axis", fixed, "[x y z] in the model's frame; of no length: x",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "min_position", fixed, "m or rad, whatever the file's units",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_position", fixed, "m or rad, whatever the file's units",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "start_position", fixed,
+     "m or rad from the model's pose, which Stage overwrites with it instead",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
 
     {"camera", "resolution", fixed, "[width height]; any, where Stage's window limits it",
      "StageSensors.ACameraIsWrittenInDegrees"},
@@ -403,10 +416,9 @@ std::string_view status(StageSupport support) {
     case fixed: return "honoured, with a fix";
     case no_effect: return "accepted, no effect";
     case window_only: return "accepted, window only";
-    case obsolete: return "accepted, obsolete";
-    case unsupported: break;
+    case obsolete: break;
   }
-  return "not supported yet";
+  return "accepted, obsolete";
 }
 
 /// The rows of a property's name, in whatever entity.

@@ -1,3 +1,4 @@
+#include "engine/add_device.hpp"
 #include "engine/world_spec.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage_body.hpp"
@@ -43,6 +44,7 @@ class Structure {
       add(part.alias);
       add(part.kind);
       add(part.parent);
+      add(part.joint);
       add(part.pose_body_part);
       for (int i = 0; i < 3; ++i) add(part.size[i]);
       add(part.solids.size());
@@ -65,6 +67,12 @@ class Structure {
       add(part.color.has_value());
       if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
     }
+    add(type.joints.size());
+    for (const engine::JointSpec& joint : type.joints) {
+      add(joint.name);
+      add(joint.parent);
+      add(joint.pose_body_joint);
+    }
     add(type.drive.has_value());
     if (type.drive) {
       add(type.drive->kind);
@@ -76,6 +84,8 @@ class Structure {
       add(sensor.name);
       add(sensor.kind);
       add(sensor.part);
+      add(sensor.joint);
+      add(sensor.moves);
       add(sensor.params);
       add(sensor.pose_body_sensor);
       add(sensor.period_s);
@@ -189,6 +199,7 @@ class StageWorld {
   /// Where a part lies in its body, and how it is called there.
   struct Place {
     std::uint32_t parent = 0;
+    std::int32_t joint = engine::k_rigid;
     Pose pose_body_part;
     std::string name;
     std::string alias;
@@ -202,6 +213,7 @@ class StageWorld {
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
   void add_part(const StageModel& model, const Place& place, Draft& draft);
+  bool is_without_body(const StageModel& model);
   engine::Returns returns(const StageModel& model);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
@@ -481,6 +493,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
 
   engine::PartSpec part{.name = place.name, .alias = place.alias, .kind = std::string(kind.name)};
   part.parent = place.parent;
+  part.joint = place.joint;
   part.pose_body_part = place.pose_body_part;
   part.where = model.where;
   part.size = kind.size;
@@ -508,24 +521,47 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   part.returns = returns(model);
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
-  const double height = part.size.z();
+  const Eigen::Vector3d size = part.size;
+  const double height = size.z();
   draft.type.parts.push_back(std::move(part));
 
+  Place below = place;
+  below.parent = index;
   if (const engine::DeviceKind* device_kind = registry_.device(kind.device)) {
-    auto device =
-        model.type == "ranger" ? kinds_.ranger(model, holds->sensors) : kinds_.device(model, *device_kind);
+    auto device = model.type == "ranger"    ? kinds_.ranger(model, holds->sensors)
+                  : model.type == "gripper" ? kinds_.gripper(model, *device_kind, size)
+                                            : kinds_.device(model, *device_kind);
     if (device) {
       device->name = place.name;
       device->part = index;
+      device->joint = place.joint;
       device->pose_body_sensor = pose_body_frame;
-      draft.type.devices.push_back(std::move(*device));
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
+      if (model.type == "actuator")  // it moves itself, and what stands on it
+        draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+      if (draft.type.parts[index].solids.empty() && !is_without_body(model))
+        engine::add_device_body(draft.type, d, *device_kind);
     }
   }
+  const engine::DeviceKind* wheels = registry_.device("wheels");
+  if (model.type == "position" && !is_root && wheels)
+    if (auto device = kinds_.wheels(model, *wheels)) {
+      device->name = place.name;
+      device->part = index;
+      device->joint = place.joint;
+      device->pose_body_sensor = place.pose_body_part;
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
+      draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+    }
   power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
-  Place below = place;
-  below.parent = index;
   add_children(model, below, height, holds->children, draft);
+}
+
+/// Whether it says that it has no body at all, not even that of its kind.
+bool StageWorld::is_without_body(const StageModel& model) {
+  const StageProperty* property = model.find(document_, "noblocks");
+  return property && values_.flag(*property).value_or(false);
 }
 
 /// How the model shows itself to the sensors of others.
@@ -558,15 +594,11 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   const bool is_root = part == 0;
   const bool is_position = model.type == "position";
   if (is_position && is_root) draft.type.drive = kinds_.drive(model);
-  if (is_position && !is_root)
-    values_.warning_once(
-        model.where,
-        "a position model inside another model does not drive on its own yet; it is carried along");
   const StageProperty* ctrl = model.find(document_, "ctrl");
   if (!ctrl) return;
   for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    if (kind != nullptr && kind->needs_drive && !(is_root && is_position)) {
+    if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" needs a position model to drive; this "
                                 "one is a {}{}",
@@ -594,6 +626,7 @@ void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine:
     type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
                             .kind = std::string(name),
                             .part = controller.part,
+                            .joint = type.parts[controller.part].joint,
                             .params = device->params.defaults(),
                             .period_s = controller.period_s,
                             .where = controller.where});
@@ -610,8 +643,10 @@ void StageWorld::add_children(const StageModel& model, const Place& place, doubl
     return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
   };
   for (const auto& [child, layer] : children) {
-    Place child_place{
-        .parent = place.parent, .pose_body_part = place.pose_body_part, .has_own_name = place.has_own_name};
+    Place child_place{.parent = place.parent,
+                      .joint = place.joint,
+                      .pose_body_part = place.pose_body_part,
+                      .has_own_name = place.has_own_name};
     child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
     if (const StageProperty* property = child.find(document_, "name"))
       if (const auto given = values_.name(*property)) {

@@ -72,7 +72,9 @@ constexpr Effect k_effects[] = {
     {"model", "ranger_return", "eye() model( pose [2 0 0 0] @ )", "ranger_return -1"},
     {"model", "fiducial_return", "model( @ )", "fiducial_return 7", loaded},
     {"model", "fiducial_key", "model( @ )", "fiducial_key 7", loaded},
-    {"model", "gripper_return", "model( @ )", "gripper_return 1", loaded},
+    {"model", "gripper_return",
+     "gripper( alwayson 1 autosnatch 1 ) model( size [0.1 0.1 0.1] pose [0.04 0 0 0] @ )",
+     "gripper_return 1"},
     {"model", "blob_return", "model( @ )", "blob_return 0", loaded},
     {"model", "ctrl", "position( @ )", "ctrl \"script line\""},
     {"model", "alwayson", "position( ranger( sensor() @ ) )", "alwayson 1"},
@@ -210,6 +212,19 @@ constexpr Effect k_effects[] = {
     {"camera", "fov", "camera( pose [0 0 0.3 0] alwayson 1 @ ) model( pose [2 0 0 0] )", "fov [30 20]"},
     {"camera", "pantilt", "camera( pose [0 0 0.3 0] alwayson 1 @ ) model( pose [2 0 0 0] )",
      "pantilt [30 0]"},
+
+    {"gripper", "paddle_state", "eye() gripper( pose [1 0 0 180] size [0.5 0.5 1] @ )",
+     "paddle_state [\"closed\" \"down\"]"},
+    {"gripper", "autosnatch",
+     "gripper( alwayson 1 @ ) model( size [0.1 0.1 0.1] pose [0.04 0 0 0] gripper_return 1 )",
+     "autosnatch 1"},
+
+    {"actuator", "type", "actuator( start_position 0.5 @ )", "type \"rotational\""},
+    {"actuator", "axis", "actuator( start_position 0.5 @ )", "axis [0 1 0]"},
+    {"actuator", "min_position", "actuator( start_position 0 @ )", "min_position 0.1"},
+    {"actuator", "max_position", "actuator( start_position 1 @ )", "max_position 0.7"},
+    {"actuator", "max_speed", "actuator( @ ctrl \"operate :go_to:1@0\" )", "max_speed 0.1"},
+    {"actuator", "start_position", "actuator( @ )", "start_position 0.5"},
 };
 
 class StageEffects : public test::ScratchTest {

@@ -122,7 +122,8 @@ class Comparison {
     same(where, b.where);
   }
   void same(const engine::PartSpec& a, const engine::PartSpec& b) {
-    const auto& [name, alias, kind, parent, pose, size, solids, returns, floor_plan, color, where] = a;
+    const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, color, where] = a;
+    EXPECT_EQ(joint, b.joint);
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(alias, b.alias);
     EXPECT_EQ(kind, b.kind);
@@ -135,6 +136,12 @@ class Comparison {
     EXPECT_EQ(color, b.color);
     same(where, b.where);
   }
+  void same(const engine::JointSpec& a, const engine::JointSpec& b) {
+    const auto& [name, parent, pose] = a;
+    EXPECT_EQ(name, b.name);
+    EXPECT_EQ(parent, b.parent);
+    same(pose, b.pose_body_joint);
+  }
   void same(const engine::DriveSpec& a, const engine::DriveSpec& b) {
     const auto& [kind, params, period_s, where] = a;
     EXPECT_EQ(kind, b.kind);
@@ -143,7 +150,9 @@ class Comparison {
     same(where, b.where);
   }
   void same(const engine::DeviceSpec& a, const engine::DeviceSpec& b) {
-    const auto& [name, kind, part, params, pose, period_s, active, where] = a;
+    const auto& [name, kind, part, joint, moves, params, pose, period_s, active, where] = a;
+    EXPECT_EQ(joint, b.joint);
+    EXPECT_EQ(moves, b.moves);
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(kind, b.kind);
     EXPECT_EQ(params, b.params);
@@ -162,7 +171,9 @@ class Comparison {
     same(where, b.where);
   }
   void same(const engine::TypeSpec& a, const engine::TypeSpec& b) {
-    const auto& [name, parts, drive, sensors, controllers] = a;
+    const auto& [name, parts, joints, drive, sensors, controllers] = a;
+    ASSERT_EQ(joints.size(), b.joints.size());
+    for (std::size_t i = 0; i < joints.size(); ++i) same(joints[i], b.joints[i]);
     EXPECT_EQ(name, b.name);
     ASSERT_EQ(parts.size(), b.parts.size());
     for (std::size_t i = 0; i < parts.size(); ++i) same(parts[i], b.parts[i]);

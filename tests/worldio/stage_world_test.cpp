@@ -166,12 +166,12 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
                           "polygon[k].points"));
 }
 
-TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("\n\n\n\nactuator( max_speed 2 )\n");
+TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
+  ASSERT_EQ(test_registry().device("actuator"), nullptr);
+  load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: not supported yet: what an actuator does; it is only a body "
-                          "here",
-                          "w.world:5: warning: not supported yet: max_speed of an actuator"));
+              ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
+                          "only a body here (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -404,21 +404,6 @@ TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: the image white.png has no solid pixel; solid is what is darker "
                           "than half"));
-}
-
-TEST_F(StageWorld, TheGripperIsABaseAndTwoPaddles) {
-  const auto spec =
-      load("gripper( size [2 4 1] paddle_size [0.5 0.25 0.5] )\ngripper( paddle_size [1 2 3] )");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("not supported yet: what a gripper does"),
-                          "w.world:2: error: \"paddle_size\" needs fractions of the gripper's size, between "
-                          "0 and 1, y below 0.5"));
-  const auto& solids = type_of(spec, 1).parts[0].solids;
-  ASSERT_THAT(solids, SizeIs(3));
-  expect_box(bounds(solids[0].contours[0]), -1, 0, -2, 2);
-  expect_box(bounds(solids[1].contours[0]), 0, 1, 1, 2);
-  expect_box(bounds(solids[2].contours[0]), 0, 1, -2, -1);
-  EXPECT_EQ(solids[1].z, (ZInterval{0, 0.5}));
 }
 
 TEST_F(StageWorld, ZeroAndNegativeSizesAreErrors) {
@@ -752,13 +737,29 @@ TEST_F(StageWorld, RefusesWrongDrives) {
                   "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
 }
 
-TEST_F(StageWorld, APositionInsideAModelIsCarried) {
-  const auto spec = load("model( position() )\nposition( position() )");
+TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
+  const auto spec = load(
+      "model( position() )\n"
+      "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
+      "  localization \"odom\" model() ) )");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: a position model inside another model does not drive on its "
-                          "own yet; it is carried along (and 1 more)"));
+              ElementsAre("w.world:3: warning: \"localization\" of a position inside another model has "
+                          "no effect: it knows its true pose"));
   EXPECT_FALSE(type_of(spec, 1).drive);
-  EXPECT_TRUE(type_of(spec, 2).drive);
+  ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
+  const engine::TypeSpec& type = type_of(spec, 2);
+  EXPECT_TRUE(type.drive);
+  ASSERT_THAT(type.devices, SizeIs(1));
+  const engine::DeviceSpec& wheels = type.devices[0];
+  EXPECT_EQ(wheels.kind, "wheels");
+  EXPECT_EQ(wheels.name, "position:0");
+  EXPECT_EQ(wheels.part, 1u);
+  const engine::FieldTable& table = test_registry().device("wheels")->params;
+  EXPECT_EQ(engine::get(table, wheels.params, "drive").text(), "omni");
+  EXPECT_EQ(engine::get(table, wheels.params, "velocity_max_x").number(), 2);
+  EXPECT_NEAR(type.joints[0].pose_body_joint.x, 1, 1e-12);
+  EXPECT_EQ(type.parts[1].joint, 0);
+  EXPECT_EQ(type.parts[2].joint, 0) << "what stands on it goes with it";
 }
 
 // Controllers.

@@ -1,0 +1,541 @@
+#include "engine/links.hpp"
+
+#include "engine/world.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace troupe::engine {
+namespace {
+
+using partition::ObstacleShape;
+using partition::PlacedShape;
+
+constexpr std::size_t k_batch = 64;  // trees a task
+
+const ObstacleShape k_no_shape;
+
+Pose between(const Pose& from, const Pose& to, double t) {
+  return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
+          from.heading + t * (to.heading - from.heading)};
+}
+
+bool is_finite(const Pose& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
+}
+
+/// How much a shape of a tree has to hold: what is not picked up by what is carried itself.
+struct Room {
+  std::size_t pieces = 0;
+  std::size_t corners = 0;
+
+  void add(const ObstacleShape& shape, std::size_t times) {
+    pieces += times * shape.pieces.size();
+    for (const ConvexPrism& piece : shape.pieces) corners = std::max(corners, piece.outline.size());
+  }
+};
+
+/// Of the types that can be picked up the one with most pieces; null: there is none.
+const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
+  const BodyType* most = nullptr;
+  for (const BodyType& type : types)
+    if (!type.grip.empty() && (!most || type.obstacle.pieces.size() > most->obstacle.pieces.size()))
+      most = &type;
+  return most;
+}
+
+/// Where a joint at q takes points of the body at rest, when its parent takes them to `parent`.
+Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
+  if (q == Pose{}) return parent;
+  return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
+}
+
+}  // namespace
+
+/// A part of a tree that is to be drawn.
+struct World::Limb {
+  Row row;
+  Mount place;         // of the row's frame in the root's
+  bool moves = false;  // with some joint below
+};
+
+void World::build_links() {
+  Links& links = links_;
+  const bool any = std::ranges::any_of(types_, [](const BodyType& t) { return t.is_composite(); });
+  if (!any) return;
+  links.joint_begins.resize(rows());
+  links.composite_of.assign(rows(), Links::k_none);
+  for (auto* list : {&links.roots, &links.first_cargo, &links.next_cargo})
+    list->assign(rows(), Links::k_none);
+  std::size_t joints = 0;
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    const BodyType& t = type(Row(r));
+    links.joint_begins[r] = static_cast<std::uint32_t>(joints);
+    joints += t.joints.size();
+    links.rounds = std::max(links.rounds, t.joint_devices.size());
+    if (!t.is_composite()) continue;
+    links.composite_of[r] = static_cast<std::uint32_t>(links.composites.size());
+    links.composites.push_back(r);
+  }
+  links.joints.resize(joints);
+  links.shapes.resize(links.composites.size());
+  links.moved.resize(links.composites.size());
+  links.on_the_way.resize(links.composites.size());
+  links.samples.resize(links.composites.size());
+  links.refused.resize(links.composites.size());
+
+  // So that the first grip of a run takes no memory; nor a later one, unless of what carries something.
+  constexpr std::size_t k_most_pieces = 64;  // beyond that room is made when it is needed
+  const BodyType* cargo = most_intricate_cargo(types_);
+  for (std::size_t c = 0; c < links.composites.size(); ++c) {
+    const BodyType& t = type(Row(links.composites[c]));
+    Room room;
+    room.add(t.obstacle, 1);
+    const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
+    if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
+    for (auto* buffers : {&links.shapes, &links.moved, &links.on_the_way})
+      (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+  }
+}
+
+std::span<Links::Joint> World::joints(Row row) {
+  return {links_.joints.data() + links_.joint_begins[row.index()], type(row).joints.size()};
+}
+std::span<const Links::Joint> World::joints(Row row) const {
+  return {links_.joints.data() + links_.joint_begins[row.index()], type(row).joints.size()};
+}
+Pose& World::joint_state(Row row, std::size_t joint) {
+  return tables_[type(row).joints[joint].table].as<Pose>(slot(row));
+}
+const Pose& World::joint_state(Row row, std::size_t joint) const {
+  return tables_[type(row).joints[joint].table].as<Pose>(slot(row));
+}
+
+Mount World::mount(Row row, std::int32_t joint) const {
+  const Pose& pose = poses()[row.index()];
+  const Mount body(transform(row), pose.z, pose.heading);
+  return joint == k_rigid ? body : compose(body, joints(row)[static_cast<std::size_t>(joint)].now);
+}
+
+std::optional<BodyId> World::carrier(Row row) const {
+  if (!carrier_table_) return {};
+  const std::uint32_t id = tables_[*carrier_table_].as<Carried>(row.index()).carrier;
+  if (id == 0) return {};
+  return BodyId(id - 1);
+}
+
+/// Whether what the tables say of joints and carriers makes trees.
+bool World::links_hold() const {
+  for (const std::uint32_t r : links_.composites)
+    for (std::size_t j = 0; j < type(Row(r)).joints.size(); ++j)
+      if (!is_finite(joint_state(Row(r), j))) return false;
+  if (!carrier_table_) return true;
+  const auto carrier_row = [this](std::uint32_t r) {
+    const std::uint32_t id = tables_[*carrier_table_].as<Carried>(r).carrier;
+    return id == 0 || id > body_rows_.size() ? Row() : body_rows_[id - 1];
+  };
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    const Carried& link = tables_[*carrier_table_].as<Carried>(r);
+    if (link.carrier == 0) continue;
+    const Row by = carrier_row(r);
+    if (!by.valid() || !type(by).carries || link.joint > type(by).joints.size() || !is_finite(link.pose))
+      return false;
+  }
+  // Whoever goes up from carrier to carrier arrives, or has been everywhere: two steps against one.
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    Row slow(r);
+    for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
+      fast = carrier_row(fast.value);
+      if (fast.valid()) fast = carrier_row(fast.value);
+      if (fast.valid() && fast == slow) return false;
+    }
+  }
+  return true;
+}
+
+void World::derive_links() {
+  Links& links = links_;
+  if (!links.any()) return;
+  links.carried = 0;
+  links.asked = false;
+  std::ranges::fill(links.first_cargo, Links::k_none);
+  for (std::uint32_t r = 0; r < rows(); ++r) links.roots[r] = r;
+  for (const std::uint32_t r : links.composites) {
+    for (Links::Joint& joint : joints(Row(r))) joint.state = Links::Goal::none;
+    move_to_joints(Row(r));
+  }
+  for (std::uint32_t r = 0; carrier_table_ && r < rows(); ++r) {
+    const std::uint32_t id = tables_[*carrier_table_].as<Carried>(r).carrier;
+    if (id != 0) hang(r, body_rows_[id - 1].value);
+  }
+  for (std::uint32_t r = 0; r < rows(); ++r) {
+    std::uint32_t root = r;
+    while (const auto by = carrier(Row(root))) root = body_rows_[by->index()].value;
+    links.roots[r] = root;
+  }
+  for (std::uint32_t r = 0; r < rows(); ++r) reshape(r);
+}
+
+/// Works out where the joints of a row are.
+void World::move_to_joints(Row row) {
+  const std::span<Links::Joint> all = joints(row);
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const BodyType::Joint& joint = type(row).joints[j];
+    const Mount parent = joint.parent == k_rigid ? Mount() : all[static_cast<std::size_t>(joint.parent)].now;
+    all[j].now = moved_by(joint, parent, joint_state(row, j));
+  }
+}
+
+/// By id, so that sums over what is carried do not tell in which order it was picked up.
+void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
+  std::uint32_t* at = &links_.first_cargo[carrier];
+  while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
+  links_.next_cargo[cargo] = *at;
+  *at = cargo;
+  ++links_.carried;
+}
+
+void World::unhang(std::uint32_t cargo, std::uint32_t carrier) {
+  std::uint32_t* at = &links_.first_cargo[carrier];
+  while (*at != cargo) at = &links_.next_cargo[*at];
+  *at = links_.next_cargo[cargo];
+  --links_.carried;
+}
+
+void World::set_root(std::uint32_t row, std::uint32_t root) {
+  links_.roots[row] = root;
+  for (std::uint32_t c = links_.first_cargo[row]; c != Links::k_none; c = links_.next_cargo[c])
+    set_root(c, root);
+}
+
+/// Adds the obstacles of a body and of all that it carries. `then`: only what moves in this round, and where
+/// it would go.
+void World::add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const {
+  const BodyType& t = type(limb.row);
+  const std::span<const Links::Joint> all = joints(limb.row);
+  thinnest = t.obstacle.empty() ? thinnest : std::min(thinnest, t.obstacle.thinnest);
+  for (std::size_t p = 0; p < t.obstacle.pieces.size(); ++p) {
+    const std::int32_t j = t.obstacle_joints.empty() ? k_rigid : t.obstacle_joints[p];
+    if (j == k_rigid) {
+      if (!then || limb.moves) out.add(t.obstacle.pieces[p], limb.place);
+      continue;
+    }
+    const Links::Joint& joint = all[static_cast<std::size_t>(j)];
+    if (!then || limb.moves || joint.moves)
+      out.add(t.obstacle.pieces[p], compose(limb.place, then ? joint.then : joint.now));
+  }
+  for (std::uint32_t c = links_.first_cargo[limb.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
+    const Carried& link = tables_[*carrier_table_].as<Carried>(c);
+    Limb cargo{Row(c), limb.place, limb.moves};
+    if (link.joint > 0) {
+      const Links::Joint& joint = all[link.joint - 1];
+      cargo.place = compose(cargo.place, then ? joint.then : joint.now);
+      cargo.moves = cargo.moves || joint.moves;
+    }
+    cargo.place = compose(cargo.place, Mount(link.pose));
+    add_limb(cargo, then, out, thinnest);
+  }
+}
+
+/// What conflicts and queries know of a row's body.
+void World::reshape(std::uint32_t row) {
+  const BodyType& t = type(Row(row));
+  const std::uint32_t c = links_.composite_of[row];
+  const ObstacleShape* shape = &t.obstacle;
+  if (links_.roots[row] != row) {
+    shape = &k_no_shape;
+  } else if (c != Links::k_none) {
+    double thinnest = std::numeric_limits<double>::infinity();
+    links_.shapes[c].begin();
+    add_limb({Row(row), Mount()}, false, links_.shapes[c], thinnest);
+    links_.shapes[c].finish(thinnest);
+    shape = &links_.shapes[c].shape();
+  }
+  row_shapes_[row] = shape;
+  double shift = 0;
+  if (c != Links::k_none)
+    for (const Links::Joint& joint : joints(Row(row)))
+      shift = std::max(shift, joint.now.transform.position.norm());
+  // No point of the body is farther from its origin: joints turn points about the origin, then shift them.
+  row_radii_[row] = std::max(t.radius + shift, shape->radius);
+}
+
+/// Outlines of a row with joints.
+void World::put_outlines(Row row, const BodyType& type, const Transform& transform) {
+  Vec2* out = outlines_.data() + outline_begins_[row.index()];
+  const std::span<const Links::Joint> all = joints(row);
+  const auto put = [&](const RayOutline& outline) {
+    Transform at = transform;
+    if (outline.joint != k_rigid)
+      at = compose(Mount(transform, 0, 0), all[static_cast<std::size_t>(outline.joint)].now).transform;
+    for (std::uint32_t v = 0; v < outline.count; ++v) *out++ = at * type.outline_vertices[outline.first + v];
+  };
+  for (const RayOutline& outline : type.outlines) put(outline);
+  for (const RayOutline& outline : type.hidden_outlines) put(outline);
+}
+
+// ---- joints settle
+
+template <class Work>
+void World::for_roots(Work&& work) {
+  const std::size_t count = links_.composites.size();
+  parallel_.for_each((count + k_batch - 1) / k_batch, [&](std::size_t b) {
+    for (std::size_t c = b * k_batch; c < std::min(count, (b + 1) * k_batch); ++c)
+      if (const std::uint32_t r = links_.composites[c]; links_.roots[r] == r) work(c, r);
+  });
+}
+
+/// Joints of one device of every body settle in one round: those that others stand on come before these. What
+/// moves of a tree must be free of the static scene, and of every other tree where that one is now, both with
+/// its joints as they are and as they would be: so it does not matter who of two is asked first, and nobody
+/// overlaps whichever of them may move.
+void World::settle_joints() {
+  Links& links = links_;
+  if (!links.asked.load(std::memory_order_relaxed)) return;
+  double reach = conflicts_.longest();  // the index still has all where they were
+  for (std::size_t round = 0; round < links.rounds; ++round) {
+    std::atomic<std::uint64_t> longest = 0;  // bits of a number that is not negative, ordered as it is
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      const auto bits = std::bit_cast<std::uint64_t>(ask_joints(c, Row(r), round));
+      std::uint64_t known = longest.load(std::memory_order_relaxed);
+      while (known < bits && !longest.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
+      }
+    });
+    if (longest == 0) continue;
+    reach += std::bit_cast<double>(longest.load()) + partition::k_rounding_m;
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      if (links.samples[c] > 0) links.refused[c] = refuses_joints(c, Row(r), round, reach);
+    });
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      if (links.samples[c] > 0) answer_joints(Row(r), round, links.refused[c] != 0);
+    });
+  }
+}
+
+/// Works out where the joints of a body, and of all it carries, would be a part t of the way on; returns how
+/// far that moves any point, at most, from where it is, m. 0: none is asked to move in this round.
+double World::aim_joints(const Limb& limb, std::size_t round, double t, double radius) {
+  const BodyType& type = this->type(limb.row);
+  const std::span<Links::Joint> all = joints(limb.row);
+  std::size_t first = 0;
+  std::size_t last = 0;
+  if (round < type.joint_devices.size()) {
+    const BodyType::Device& device = type.devices[type.joint_devices[round]];
+    first = static_cast<std::size_t>(device.moves);
+    last = first + device.kind->joints.size();
+  }
+  double way = 0;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const BodyType::Joint& joint = type.joints[j];
+    const Links::Joint* parent =
+        joint.parent == k_rigid ? nullptr : &all[static_cast<std::size_t>(joint.parent)];
+    Pose q = joint_state(limb.row, j);
+    const bool is_asked = first <= j && j < last && all[j].state == Links::Goal::asked;
+    all[j].moves = is_asked || (parent && parent->moves);
+    if (is_asked) {
+      const Pose& to = all[j].goal;
+      const Mount axis = compose(compose(limb.place, parent ? parent->then : Mount()), joint.at_rest);
+      way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
+             std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
+      q = t < 1 ? between(q, to, t) : to;
+    }
+    all[j].then = moved_by(joint, parent ? parent->then : Mount(), q);
+  }
+  for (std::uint32_t c = links_.first_cargo[limb.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
+    const Carried& link = tables_[*carrier_table_].as<Carried>(c);
+    Mount place = limb.place;
+    if (link.joint > 0) place = compose(place, all[link.joint - 1].now);
+    way += aim_joints({Row(c), compose(place, Mount(link.pose))}, round, t, radius + way);
+  }
+  return way;
+}
+
+/// Makes the shape of what moves, where it would go.
+double World::ask_joints(std::size_t c, Row root, std::size_t round) {
+  links_.samples[c] = 0;
+  links_.refused[c] = 0;
+  const double way = aim_joints({root, Mount()}, round, 1, row_shapes_[root.index()]->radius);
+  if (way == 0) return 0;
+  double thinnest = std::numeric_limits<double>::infinity();
+  ShapeBuffer& moved = links_.moved[c];
+  moved.begin();
+  add_limb({root, Mount()}, true, moved, thinnest);
+  moved.finish(thinnest);
+  // As motions of bodies are tested: see Conflicts.
+  constexpr double k_most = 1e6;
+  const double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
+  links_.samples[c] = std::max(1u, static_cast<std::uint32_t>(samples));
+  return way;
+}
+
+bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double reach) {
+  ShapeBuffer& on_the_way = links_.on_the_way[c];
+  const Transform& at = transform(root);
+  const double z = poses()[root.index()].z;
+  const double radius = row_shapes_[root.index()]->radius;
+  const std::uint32_t n = links_.samples[c];
+  const PlacedShape before(*row_shapes_[root.index()], at, z);
+  for (std::uint32_t k = 1; k <= n; ++k) {
+    const ShapeBuffer* moved = &links_.moved[c];
+    if (k < n) {
+      double thinnest = std::numeric_limits<double>::infinity();
+      aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
+      on_the_way.begin();
+      add_limb({root, Mount()}, true, on_the_way, thinnest);
+      on_the_way.finish(thinnest);
+      moved = &on_the_way;
+    }
+    if (moved->shape().empty()) return false;
+    const PlacedShape after(moved->shape(), at, z);
+    if (scene_.has_obstacles() &&
+        scene_.crossed(after, [&](std::uint32_t solid) { return scene_.overlaps_solid(solid, before); }) >= 0)
+      return true;
+    if (others_refuse(root, before, after, reach)) return true;
+  }
+  return false;
+}
+
+/// Whether some other tree is in the way of what moves of this one, and was not before.
+bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
+  const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
+    const Transform& at = transform(other);
+    if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, shape.radius)) return false;
+    const PlacedShape theirs(shape, at, poses()[other.index()].z);
+    return body(root) < body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
+  };
+  bool refuses = false;
+  // Runs of cells, because the index still has the rows where they were.
+  index_.for_each_run(
+      Box::around(after.position(), after.shape().radius + reach),
+      [&](std::span<const partition::BodyCircle> run) {
+        for (const partition::BodyCircle& circle : run) {
+          if (refuses) return;
+          const Row other(links_.roots[circle.row]);
+          const ObstacleShape& shape = *row_shapes_[other.index()];
+          if (other == root || shape.empty()) continue;
+          const std::uint32_t c = links_.composite_of[other.index()];
+          const bool moves = c != Links::k_none && links_.samples[c] > 0;
+          refuses = (meets(other, after, shape) || (moves && meets(other, after, links_.moved[c].shape()))) &&
+                    !meets(other, before, shape);
+        }
+      });
+  return refuses;
+}
+
+/// Tells the joints of this round what became of them.
+void World::answer_joints(Row row, std::size_t round, bool refused) {
+  const BodyType& type = this->type(row);
+  if (round < type.joint_devices.size()) {
+    const BodyType::Device& device = type.devices[type.joint_devices[round]];
+    const std::span<Links::Joint> all = joints(row);
+    for (std::size_t n = 0; n < device.kind->joints.size(); ++n) {
+      const std::size_t j = static_cast<std::size_t>(device.moves) + n;
+      if (all[j].state != Links::Goal::asked) continue;
+      all[j].state = refused ? Links::Goal::refused : Links::Goal::moved;
+      if (!refused) joint_state(row, j) = all[j].goal;
+    }
+  }
+  if (!refused) {
+    move_to_joints(row);
+    // Of what is carried: see carry().
+    if (links_.roots[row.index()] == row.value) put(row, type, transform(row));
+  }
+  for (std::uint32_t c = links_.first_cargo[row.index()]; c != Links::k_none; c = links_.next_cargo[c])
+    answer_joints(Row(c), round, refused);
+  if (!refused) reshape(row.value);
+}
+
+// ---- cargo
+
+/// What is carried goes where its carrier goes.
+void World::carry() {
+  if (links_.carried == 0) return;
+  for_roots([&](std::size_t, std::uint32_t r) { carry_cargo_of(Row(r)); });
+}
+
+void World::carry_cargo_of(Row carrier) {
+  for (std::uint32_t c = links_.first_cargo[carrier.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
+    const Carried& link = tables_[*carrier_table_].as<Carried>(c);
+    const Mount hook = mount(carrier, static_cast<std::int32_t>(link.joint) - 1);
+    const Pose pose = compose(hook, Mount(link.pose)).pose();
+    as<Pose>(k_pose)[c] = pose;
+    put(Row(c), type(Row(c)), Transform(pose));
+    carry_cargo_of(Row(c));
+  }
+}
+
+bool World::attach(Row cargo, Row carrier, std::int32_t joint) {
+  if (!type(carrier).carries || this->carrier(cargo) || links_.roots[carrier.index()] == cargo.value)
+    return false;
+  const Mount hook = mount(carrier, joint);
+  Carried& link = tables_[*carrier_table_].as<Carried>(cargo.index());
+  link.carrier = body(carrier).value + 1;
+  link.joint = static_cast<std::uint32_t>(joint + 1);
+  link.pose = compose(inverse(hook), mount(cargo, k_rigid)).pose();
+  hang(cargo.value, carrier.value);
+  set_root(cargo.value, links_.roots[carrier.index()]);
+  reshape(cargo.value);
+  reshape(links_.roots[carrier.index()]);
+  return true;
+}
+
+void World::release(Row cargo) {
+  const std::optional<BodyId> by = carrier(cargo);
+  if (!by) return;
+  const Row carrier = row(*by);
+  tables_[*carrier_table_].as<Carried>(cargo.index()) = {};
+  unhang(cargo.value, carrier.value);
+  set_root(cargo.value, cargo.value);
+  reshape(cargo.value);
+  reshape(links_.roots[carrier.index()]);
+}
+
+void World::redraw_ray_grid() {
+  std::size_t o = 0;
+  for (std::uint32_t r = 0; !links_.lifts.empty() && r < rows(); ++r)
+    for (const RayOutline& outline : type(Row(r)).outlines)
+      if (outline.count > 0) links_.lifts[o++] = lift(Row(r), outline.joint);
+  partition::RayGrid::Linked linked{.lifts = links_.lifts, .groups = {}};
+  if (links_.carried > 0) linked.groups = links_.roots;
+  ray_grid_->redraw(outlines_, poses(), parallel_, linked);
+}
+
+// ---- what devices see of it
+
+Mount DeviceBatch::mount(std::size_t i) const {
+  return world.mount(rows[i], world.type(rows[i]).devices[device].joint);
+}
+
+namespace {
+std::size_t joint_index(const DeviceBatch& batch, std::size_t i, std::size_t n) {
+  return static_cast<std::size_t>(batch.world.type(batch.rows[i]).devices[batch.device].moves) + n;
+}
+}  // namespace
+
+const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
+  return world.joint_state(rows[i], joint_index(*this, i, n));
+}
+void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
+  if (!is_finite(to))
+    throw StepError(fmt::format("tick {}: a joint of \"{}\" was asked to move to what is not a finite number",
+                                world.tick(), world.spec().name(body(i))));
+  Links::Joint& joint = links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)];
+  joint.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
+  joint.state = Links::Goal::asked;
+  if (!links.asked.load(std::memory_order_relaxed)) links.asked.store(true, std::memory_order_relaxed);
+}
+bool DeviceBatch::asked_joint(std::size_t i, std::size_t n) const {
+  return links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)].state !=
+         Links::Goal::none;
+}
+bool DeviceBatch::moved_joint(std::size_t i, std::size_t n) const {
+  return links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)].state ==
+         Links::Goal::moved;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/mount.hpp"
+#include "engine/shape_buffer.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+namespace troupe::engine {
+
+/// A row of the component `carrier`: all zero where nobody carries the body.
+struct Carried {
+  std::uint32_t carrier = 0;  ///< its id + 1
+  std::uint32_t joint = 0;    ///< of the carrier's type, from which the body hangs: its index + 1; 0: none
+  Pose pose;                  ///< of the body, in the carrier's frame as that joint moves it
+};
+
+/// What hangs together: the joints of bodies, and the *trees* of bodies that carry one another, each under
+/// its root, the one that nobody carries. All of it is derived from the components `joint/...` and `carrier`;
+/// the lists are empty where no type of the world has joints or picks up others.
+///
+/// A body whose shape changes, because it has joints or may carry, is *composite*. The shape of a root is
+/// that of its tree, in its own frame; that of a carried body is empty.
+struct Links {
+  static constexpr std::uint32_t k_none = ~0u;
+  enum class Goal : std::uint8_t { none, asked, moved, refused };  // of this tick
+
+  struct Joint {
+    Mount now;   // takes a point of the body at rest to where it is, in the body's frame
+    Mount then;  // where it would be: while joints settle
+    Pose goal;   // relative to rest
+    Goal state = Goal::none;
+    bool moves = false;  // with the joints of this round
+  };
+
+  std::vector<std::uint32_t> joint_begins;  // a row each: its first in `joints`
+  std::vector<Joint> joints;
+  std::atomic<bool> asked = false;  // some joint, in this tick
+  std::size_t rounds = 0;           // the most devices with joints that one body has
+
+  std::vector<std::uint32_t> composites;    // rows
+  std::vector<std::uint32_t> composite_of;  // a row each: index into the following, or none
+  std::vector<ShapeBuffer> shapes;
+  std::vector<ShapeBuffer> moved;       // of this round: what of the tree moves, where it would go
+  std::vector<ShapeBuffer> on_the_way;  // the same, while the way there is tested
+  std::vector<std::uint32_t> samples;   // of this round: poses at which that is tested; 0: nothing moves
+  std::vector<std::uint8_t> refused;
+
+  // A row each.
+  std::vector<std::uint32_t> roots;
+  std::vector<std::uint32_t> first_cargo;
+  std::vector<std::uint32_t> next_cargo;
+  std::size_t carried = 0;
+
+  std::vector<double> lifts;  // of each outline that the grid ray engine draws
+
+  bool any() const { return !composites.empty(); }
+};
+
+}  // namespace troupe::engine

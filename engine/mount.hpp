@@ -1,0 +1,47 @@
+#pragma once
+
+#include "base/pose.hpp"
+
+namespace troupe::engine {
+
+/// A frame within another, its rotation worked out: what a Pose says, for chains of frames.
+struct Mount {
+  Transform transform;
+  double z = 0;        ///< m
+  double heading = 0;  ///< rad; not wrapped
+
+  Mount() = default;
+  Mount(const Transform& at, double height, double turned) : transform(at), z(height), heading(turned) {}
+  explicit Mount(const Pose& pose) : Mount(Transform(pose), pose.z, pose.heading) {}
+
+  Pose pose() const {
+    return {transform.position.x() + 0.0, transform.position.y() + 0.0, z + 0.0, wrap_angle(heading) + 0.0};
+  }
+};
+
+/// mount_a_c from mount_a_b and mount_b_c. With one of them at rest it is the other, bit for bit.
+inline Mount compose(const Mount& a, const Mount& b) {
+  const Rotation& r = a.transform.rotation;
+  const Rotation& s = b.transform.rotation;
+  Rotation both;
+  both.cos = r.cos * s.cos - r.sin * s.sin;
+  both.sin = r.sin * s.cos + r.cos * s.sin;
+  return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
+}
+
+/// pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. Of a body at rest the same bits as by its
+/// pose and transform.
+inline Pose compose(const Mount& a, const Pose& b) {
+  const Vec2 p = a.transform * b.position();
+  return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};
+}
+
+/// mount_b_a from mount_a_b.
+inline Mount inverse(const Mount& mount) {
+  Rotation back;
+  back.cos = mount.transform.rotation.cos;
+  back.sin = -mount.transform.rotation.sin;
+  return {Transform(-(back * mount.transform.position), back), -mount.z, -mount.heading};
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,154 @@
+#include "models/actuator.hpp"
+
+#include "engine/world.hpp"
+#include "tests/support/devices.hpp"
+
+#include <gtest/gtest.h>
+
+namespace troupe::models {
+namespace {
+
+using engine::World;
+using test::box;
+using test::order;
+using test::SceneBuilder;
+
+constexpr double k_near = 1e-9;  // m: rounding
+
+void step(World& world, std::size_t ticks) {
+  for (std::size_t t = 0; t < ticks; ++t) world.step();
+}
+
+const ActuatorState& state(const World& world, BodyId body) {
+  return test::state_of<ActuatorState>(world, body, 0);
+}
+
+/// A post with a slide in front of it, 0.2 m long from x = 0.2 on.
+TypeId slide(SceneBuilder& scene, std::vector<engine::Record> orders,
+             std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
+  const TypeId type = scene.type("post", {box(0.2, 0.2, 0.5)});
+  test::add_arm(scene[type], "slide", {0.3, 0, 0, 0}, {box(0.2, 0.1, 0.2)}, values);
+  if (!orders.empty()) scene[type].controllers.push_back(test::operate(std::move(orders)));
+  return type;
+}
+
+TEST(Actuator, GoesToAPositionAtItsSpeedAndStops) {
+  SceneBuilder scene;
+  const BodyId body =
+      scene.body("p", slide(scene, {order(0.1, "slide", "go_to", 0.75)}, {{"max_speed", 0.5}}));
+  World world = scene.world();
+  step(world, 2);
+  EXPECT_NEAR(state(world, body).position, 0.05, k_near);
+  EXPECT_NEAR(state(world, body).velocity, 0.5, k_near);
+  step(world, 20);
+  EXPECT_NEAR(state(world, body).position, 0.75, k_near);
+  EXPECT_EQ(state(world, body).velocity, 0);
+  EXPECT_EQ(state(world, body).stalled, 0);
+  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.2 + 0.75, k_near);
+}
+
+TEST(Actuator, ASpeedEndsAtTheLimits) {
+  SceneBuilder scene;
+  const BodyId body = scene.body("p", slide(scene, {order(0.1, "slide", "speed", -3)},
+                                            {{"min_position", -0.25}, {"start_position", 0.5}}));
+  World world = scene.world();
+  EXPECT_EQ(state(world, body).position, 0.5);
+  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.7, k_near) << "as it starts";
+  step(world, 20);
+  EXPECT_EQ(state(world, body).position, -0.25);
+}
+
+TEST(Actuator, StopsAtWhatIsInItsWay) {
+  SceneBuilder scene;
+  const BodyId body = scene.body("p", slide(scene, {order(0.1, "slide", "speed", 1)}, {}));
+  scene.wall(0.72, -1, 0.73, 1);
+  World world = scene.world();
+  step(world, 20);
+  EXPECT_NEAR(state(world, body).position, 0.3, k_near) << "the next step would reach 0.8 m";
+  EXPECT_EQ(state(world, body).stalled, 1);
+}
+
+TEST(Actuator, ThinWallsAreNotPassed) {
+  SceneBuilder scene;
+  const BodyId body = scene.body(
+      "p", slide(scene, {order(0.1, "slide", "speed", 100)}, {{"max_speed", 100.0}, {"max_position", 50.0}}));
+  scene.wall(3, -1, 3.01, 1);
+  World world = scene.world();
+  step(world, 20);
+  EXPECT_EQ(state(world, body).position, 0) << "10 m a tick would pass it";
+  EXPECT_EQ(state(world, body).stalled, 1);
+}
+
+/// A turntable: what stands on it turns about the actuator's origin, sensors too.
+TEST(Actuator, TurnsWhatStandsOnIt) {
+  SceneBuilder scene;
+  const TypeId type = scene.type("mast", {box(0.2, 0.2, 0.5)});
+  test::add_arm(scene[type], "pan", {0, 0, 0.5, 0}, {box(0.1, 0.1, 0.1)},
+                {{"type", "rotational"}, {"max_position", 10.0}, {"max_speed", 10.0}});
+  scene[type].controllers.push_back(test::operate({order(0.1, "pan", "go_to", k_pi / 2)}));
+  engine::DeviceSpec eye = test::ranger("eye", {{.pose = {0.1, 0, 0.05, 0}}});
+  eye.joint = scene[type].devices[0].moves;
+  eye.pose_body_sensor = {0, 0, 0.5, 0};
+  scene[type].devices.push_back(eye);
+  const BodyId body = scene.body("m", type, {1, 0, 0, 0});
+  scene.wall(3, -2, 3.1, 2);
+  scene.wall(0.5, 1, 1.5, 1.1);
+  for (const auto ranging : {engine::RangingEngine::exact, engine::RangingEngine::grid}) {
+    scene.spec.ranging = ranging;
+    World world = scene.world();
+    const auto range = [&] {
+      const Row row = world.row(body);
+      return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+    };
+    step(world, 1);
+    EXPECT_NEAR(range(), 1.9, 0.03);
+    step(world, 5);
+    EXPECT_NEAR(state(world, body).position, k_pi / 2, k_near);
+    EXPECT_NEAR(range(), 0.9, 0.03) << "it looks along y now";
+  }
+}
+
+/// A lift raises what stands on it: rays below it pass.
+TEST(Actuator, RaisesWhatStandsOnIt) {
+  SceneBuilder scene;
+  const TypeId gate = scene.type("gate", {box(0.1, 0.1, 0.1)});
+  scene[gate].parts[0].solids.clear();
+  test::add_arm(scene[gate], "lift", {0, 0, 0, 0}, {box(0.1, 1, 0.5)},
+                {{"axis", std::vector<double>{0, 0, 2}}, {"max_position", 0.6}});
+  scene[gate].controllers.push_back(test::operate({order(0.5, "lift", "go_to", 0.6)}));
+  const TypeId mover = scene.robot("mover", {box(0.2, 0.2, 0.4)});
+  scene[mover].devices.push_back(test::ranger("eye", {{.pose = {0, 0, 0.2, 0}}}));
+  scene[mover].controllers.push_back(test::drive_legs({test::leg(20, 0.5)}));
+  scene.body("g", gate, {1, 0, 0, 0});
+  const BodyId robot = scene.body("r", mover);
+  World world = scene.world();
+  step(world, 1);
+  EXPECT_NEAR(world.percepts(world.type(world.row(robot)).devices[0]).cell<float>(0, 0)[0], 0.95, 1e-4);
+  step(world, 39);
+  EXPECT_GT(world.pose(robot).x, 1.5) << "the gate opened in time";
+  World closed = [&] {
+    scene[gate].controllers.clear();
+    return scene.world();
+  }();
+  step(closed, 40);
+  EXPECT_LT(closed.pose(robot).x, 0.86);
+  EXPECT_TRUE(closed.stalled(closed.row(robot)));
+}
+
+TEST(Actuator, OneOnAnotherMovesWithIt) {
+  SceneBuilder scene;
+  const TypeId type = slide(scene, {}, {});
+  const std::size_t second = test::add_arm(scene[type], "second", {0.5, 0, 0, 0}, {box(0.2, 0.1, 0.2)}, {});
+  engine::TypeSpec& spec = scene[type];
+  spec.devices[second].joint = spec.devices[0].moves;
+  spec.joints[static_cast<std::size_t>(spec.devices[second].moves)].parent = spec.devices[0].moves;
+  spec.controllers.push_back(
+      test::operate({order(0.1, "slide", "go_to", 0.2), order(0.1, "second", "go_to", 0.3)}));
+  const BodyId body = scene.body("p", type);
+  World world = scene.world();
+  step(world, 10);
+  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.4 + 0.2 + 0.3, k_near);
+}
+
+}  // namespace
+}  // namespace troupe::models
