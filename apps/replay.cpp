@@ -64,7 +64,9 @@ std::string ordinal(std::size_t n) {
   return fmt::format("{}{}", n, ending);
 }
 
-std::string number_of(std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+std::string number_of(std::size_t n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
 
 /// Bytes of a recording that a page of so many has room for: behind base64 there are 4 for 3.
 std::size_t room(double max_mb) {
@@ -112,7 +114,8 @@ ExitCode replay(const ReplayOptions& options) {
   const fs::path page =
       options.page.empty() ? fs::path(options.recording).replace_extension(".html") : options.page;
   const std::size_t mark = k_replay_page.find(k_mark);
-  if (mark == k_replay_page.npos) throw std::runtime_error("this program was built with a page without a place");
+  if (mark == k_replay_page.npos)
+    throw std::runtime_error("this program was built with a page without a place");
   try {
     check_outputs({Input{options.recording, "the recording"}}, {page});
   } catch (const OutputError& error) {

@@ -24,8 +24,8 @@ struct ReplayOptions {
 /// Adds `replay` to the program; parsing fills `options`, which must outlive `app`.
 CLI::App* add_replay_command(CLI::App& app, ReplayOptions& options);
 
-/// `troupe replay RECORDING -o FILE.html`: writes a page that plays the recording in a browser, by itself. Throws
-/// InputError for a recording that has not what it takes.
+/// `troupe replay RECORDING -o FILE.html`: writes a page that plays the recording in a browser, by itself.
+/// Throws InputError for a recording that has not what it takes.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 1e6;           // m: ten times as far as worlds reach
+constexpr double k_reach = 1e6;                // m: ten times as far as worlds reach
 constexpr std::size_t k_most_beams = 1 << 20;  // of a fan: ten times what a world may say
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {

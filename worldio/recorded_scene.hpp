@@ -20,7 +20,7 @@ struct RecordedScene {
     double fov_rad = 0;
     std::size_t beams = 1;
   };
-  struct Eye {  ///< a ranger
+  struct Eye {         ///< a ranger
     std::string name;  ///< as a step of /sensors/<type>/<sensor>
     std::vector<Fan> fans;
   };

@@ -159,7 +159,8 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
   const std::string name(path);
   if (!group.has(name) || group.has_group(name)) return all;
   std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
-  if (has.size() != all.size()) group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
+  if (has.size() != all.size())
+    group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
   return has;
 }
 

@@ -20,8 +20,8 @@
 namespace troupe::worldio {
 namespace {
 
-// A block is long, so that its first frame, which nothing predicts, counts for little; and short, so that a browser
-// unpacks it between two pictures.
+// A block is long, so that its first frame, which nothing predicts, counts for little; and short, so that a
+// browser unpacks it between two pictures.
 constexpr std::size_t k_block_poses = 2000000;
 constexpr std::size_t k_block_values = 16000000;  // of the widest array
 constexpr std::size_t k_least_block = 4;
@@ -129,7 +129,8 @@ std::string little_endian(std::uint32_t number) {
 
 /// The length of the header, the header, and the blocks.
 std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
-                   std::span<const std::size_t> frames, const ReplayBlocks& blocks, const std::string& streams) {
+                   std::span<const std::size_t> frames, const ReplayBlocks& blocks,
+                   const std::string& streams) {
   const std::string header = deflated(replay_header(recording, plan, frames, blocks));
   return little_endian(static_cast<std::uint32_t>(header.size())) + header + streams;
 }

@@ -15,7 +15,7 @@ struct ReplayOptions {
 
 /// A recording as a page plays it: rounded, compressed, and thinned where it would be too large.
 struct ReplayData {
-  std::string bytes;        ///< docs/replay.md
+  std::string bytes;  ///< docs/replay.md
   std::size_t robots = 0;
   std::size_t recorded = 0;  ///< frames of the recording
   std::size_t frames = 0;    ///< of these in the page
@@ -23,8 +23,8 @@ struct ReplayData {
   double every_s = 0;        ///< from frame to frame
 };
 
-/// Throws InputError for a recording without what a page needs, for fields that it does not hold, and where not
-/// even two frames fit; Hdf5Error for what cannot be read.
+/// Throws InputError for a recording without what a page needs, for fields that it does not hold, and where
+/// not even two frames fit; Hdf5Error for what cannot be read.
 ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& options);
 
 }  // namespace troupe::worldio

@@ -35,7 +35,8 @@ Json shape_json(const engine::FrameShape& shape) {
   for (const Ring& ring : shape.solid.contours) json["walls"].push_back(corners_json(ring));
   json["tops"] = Json::array();
   try {
-    for (const ConvexPrism& piece : convex_pieces(shape.solid)) json["tops"].push_back(corners_json(piece.outline));
+    for (const ConvexPrism& piece : convex_pieces(shape.solid))
+      json["tops"].push_back(corners_json(piece.outline));
   } catch (const std::length_error&) {
     // Contours that cross too often to be cut up are drawn without tops.
   }
@@ -72,9 +73,8 @@ Json fixed_json(const RecordingReader& recording, const RecordedScene& scene) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const RecordedScene::Body& body = scene.bodies[b];
     if (moves[b] != 0 || scene.types[body.type].look.shapes.empty()) continue;
-    fixed.push_back({{"type", body.type},
-                     {"pose", pose_json(body.pose_world_body)},
-                     {"color", color_text(body.color)}});
+    fixed.push_back(
+        {{"type", body.type}, {"pose", pose_json(body.pose_world_body)}, {"color", color_text(body.color)}});
   }
   return fixed;
 }
@@ -94,10 +94,7 @@ Json robots_json(const RecordingReader& recording, const ReplayPlan& plan) {
     names.push_back(body.name);
     colors.push_back(color_text(body.color));
   }
-  return {{"types", types},
-          {"id", std::move(ids)},
-          {"name", std::move(names)},
-          {"color", std::move(colors)}};
+  return {{"types", types}, {"id", std::move(ids)}, {"name", std::move(names)}, {"color", std::move(colors)}};
 }
 
 Json field_json(const ReplayField& field) {

@@ -10,8 +10,8 @@
 namespace troupe::worldio {
 
 inline constexpr int k_replay_format = 1;
-inline constexpr double k_replay_step_m = 0.001;   ///< of positions
-inline constexpr int k_replay_turn = 2048;         ///< steps of a whole turn: 0.18 degrees
+inline constexpr double k_replay_step_m = 0.001;    ///< of positions
+inline constexpr int k_replay_turn = 2048;          ///< steps of a whole turn: 0.18 degrees
 inline constexpr double k_replay_shape_m = 0.0001;  ///< of outlines
 
 /// Frames of a page that are compressed together, and the bytes of each of its streams: poses, then fields.

@@ -49,7 +49,8 @@ bool chooses(std::string_view name, const Array& array) {
          name == component.substr(0, component.find('/'));
 }
 
-std::vector<const Array*> chosen_arrays(const RecordingReader& recording, std::span<const std::string> names) {
+std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
+                                        std::span<const std::string> names) {
   for (const std::string& name : names) {
     if (std::ranges::any_of(recording.arrays(), [&](const Array& array) { return chooses(name, array); }) ||
         name == "all")

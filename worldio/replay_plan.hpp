@@ -52,9 +52,10 @@ class FrameReader {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads every frame once, for what the numbers span. `fields`: components ("stall"), fields ("ranges") or both
-/// ("stall/stalled"); empty: all that was recorded. Throws InputError: no poses, no frame, a field that was not
-/// recorded; and Hdf5Error.
+/// Reads every frame once, for what the numbers span. `fields`: components ("stall"), fields ("ranges") or
+/// both
+/// ("stall/stalled"); empty: all that was recorded. Throws InputError: no poses, no frame, a field that was
+/// not recorded; and Hdf5Error.
 ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields);
 
 }  // namespace troupe::worldio

@@ -6,8 +6,8 @@
 
 namespace troupe::worldio {
 
-/// Writes the pieces, one after another, to another name beside `file`, and renames that when it is whole: who
-/// looks at `file` sees what was there before, or all of it. Throws std::system_error, and leaves nothing
+/// Writes the pieces, one after another, to another name beside `file`, and renames that when it is whole:
+/// who looks at `file` sees what was there before, or all of it. Throws std::system_error, and leaves nothing
 /// behind then.
 void write_whole_file(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 

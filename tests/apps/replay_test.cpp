@@ -25,8 +25,8 @@ class ReplayPage : public ProgramTest {
     record("run.h5", "pose,stall");
   }
   void record(const std::string& file, const std::string& fields) {
-    const Outcome outcome = troupe(
-        {"run", "room.world", "--quiet", "--for", "3", "--record", file, "--record-fields", fields});
+    const Outcome outcome =
+        troupe({"run", "room.world", "--quiet", "--for", "3", "--record", file, "--record-fields", fields});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
   }
   /// An error in one line that leaves no file behind.
@@ -79,10 +79,12 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(error_of({"room.world"}), StartsWith("room.world: error: "));
   EXPECT_THAT(error_of({"run.h5", "-o", "none/swarm.html"}),
               HasSubstr("none/swarm.html: error: cannot be written: there is no folder none"));
-  EXPECT_THAT(error_of({"run.h5", "-o", "run.h5"}), HasSubstr("run.h5: error: cannot be written: it is the recording"));
+  EXPECT_THAT(error_of({"run.h5", "-o", "run.h5"}),
+              HasSubstr("run.h5: error: cannot be written: it is the recording"));
   EXPECT_THAT(error_of({"run.h5", "-o", "."}), HasSubstr("it is a folder"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "stal"}),
-              HasSubstr("run.h5: error: unknown field \"stal\"; known: pose/heading, pose/x, pose/y, pose/z, stall/stalled;"));
+              HasSubstr("run.h5: error: unknown field \"stal\"; known: pose/heading, pose/x, pose/y, pose/z, "
+                        "stall/stalled;"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "pose,,stall"}), HasSubstr("is not a list of names"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0"}), HasSubstr("is not a size in megabytes"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0.01"}), HasSubstr("not even two frames of 12 robots fit"));

@@ -15,9 +15,9 @@
 namespace troupe::worldio {
 namespace {
 
-using ::testing::HasSubstr;
 using test::Unpacked;
 using test::unpacked;
+using ::testing::HasSubstr;
 
 // Two types, in an order that is not that of the page; a wall; a sensor of one of them; a part with a colour.
 constexpr const char* k_world = R"({
@@ -44,12 +44,14 @@ class Replay : public troupe::test::ScratchTest {
     if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
   }
   /// Runs the world for some seconds and records it.
-  std::filesystem::path record(double seconds, const RecordingOptions& options = {}, const char* world = k_world) {
+  std::filesystem::path record(double seconds, const RecordingOptions& options = {},
+                               const char* world = k_world) {
     Simulation simulation(write("w.json", world));
     RecordingOptions all = options;
     all.replace = true;
     for (const std::string& name : simulation.robot_names())
-      if (name == "c0") simulation.find(name).set_speed(0.1, 1);  // it has no controller: it goes round and round
+      if (name == "c0")
+        simulation.find(name).set_speed(0.1, 1);  // it has no controller: it goes round and round
     Recording recording(folder_ / "run.h5", simulation, all);
     while (simulation.time_s() < seconds - 1e-9) {
       simulation.step();
@@ -131,7 +133,8 @@ TEST_F(Replay, PosesAreThoseOfTheRunToAMillimetre) {
     for (std::size_t row = 0; row < 3; ++row) {
       ASSERT_NEAR(page.x[frame][row], recorded<double>(recording, "pose", "x", frame, rows[row]), 0.000501);
       ASSERT_NEAR(page.y[frame][row], recorded<double>(recording, "pose", "y", frame, rows[row]), 0.000501);
-      const double off = page.heading[frame][row] - recorded<double>(recording, "pose", "heading", frame, rows[row]);
+      const double off =
+          page.heading[frame][row] - recorded<double>(recording, "pose", "heading", frame, rows[row]);
       ASSERT_NEAR(std::remainder(off, 2 * k_pi), 0, 2 * k_pi / 4096 + 1e-9);
     }
   ASSERT_EQ(page.header.at("fixed").size(), 1u);
@@ -185,7 +188,8 @@ TEST_F(Replay, FieldsAreOfThoseThatHaveThem) {
   EXPECT_GE(seen, 3u);
 
   EXPECT_TRUE(unpacked(replay_data(recording, {.fields = {"pose"}}).bytes).fields.empty());
-  EXPECT_EQ(unpacked(replay_data(recording, {.fields = {"stall/stalled", "ranges"}}).bytes).fields.size(), 2u);
+  EXPECT_EQ(unpacked(replay_data(recording, {.fields = {"stall/stalled", "ranges"}}).bytes).fields.size(),
+            2u);
 }
 
 TEST_F(Replay, FramesAreLeftOutUntilTheyFit) {
@@ -203,7 +207,8 @@ TEST_F(Replay, FramesAreLeftOutUntilTheyFit) {
   EXPECT_NEAR(times[1], 0.1 * static_cast<double>(small.stride), 1e-9);
   EXPECT_NEAR(times.back(), 60, 1e-9) << "the end is always there";
   EXPECT_NEAR(page.x[1][1], recorded<double>(recording, "pose", "x", small.stride, 0), 0.000501);
-  EXPECT_THAT(error_of(recording.file(), {.most_bytes = 100}), HasSubstr("not even two frames of 3 robots fit"));
+  EXPECT_THAT(error_of(recording.file(), {.most_bytes = 100}),
+              HasSubstr("not even two frames of 3 robots fit"));
 }
 
 TEST_F(Replay, TheSameRecordingGivesTheSameBytes) {
@@ -293,15 +298,18 @@ TEST_F(Replay, WhoIsNotThereIsAbsent) {
 
 TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
   ByHand{.with_scene = false}.write(folder_ / "old.h5");
-  EXPECT_THAT(error_of(folder_ / "old.h5"),
-              HasSubstr("old.h5: error: does not say where walls stand and what colours robots have (/scene)"));
+  EXPECT_THAT(
+      error_of(folder_ / "old.h5"),
+      HasSubstr("old.h5: error: does not say where walls stand and what colours robots have (/scene)"));
 }
 
 TEST_F(Replay, RefusesADamagedScene) {
   const std::filesystem::path file = folder_ / "hand.h5";
-  for (const char* world : {"{", "[]", R"({"title": "t"})", R"({"title": 1, "words": ["", "a"], "types": []})"}) {
+  for (const char* world :
+       {"{", "[]", R"({"title": "t"})", R"({"title": 1, "words": ["", "a"], "types": []})"}) {
     ByHand{.world = world}.write(file);
-    EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world is not what a recording holds: the file is damaged"))
+    EXPECT_THAT(error_of(file),
+                HasSubstr("hand.h5: error: /world is not what a recording holds: the file is damaged"))
         << world;
   }
   ByHand{.type = 1}.write(file);
