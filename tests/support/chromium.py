@@ -105,7 +105,7 @@ class Page:
             if not url.startswith(("file:", "data:", "blob:", "about:")):
                 self.problems.append(f"asked for {url}")
 
-    def call(self, method, timeout=120, **params):
+    def call(self, method, timeout=240, **params):
         self.number += 1
         number = self.number
         message = {"id": number, "method": method, "params": params}
@@ -132,7 +132,7 @@ class Page:
             raise RuntimeError(details.get("exception", {}).get("description") or details["text"])
         return answer["result"].get("value")
 
-    def wait(self, condition, seconds=60):
+    def wait(self, condition, seconds=240):
         """Until an expression is true."""
         until = time.monotonic() + seconds
         while not self.run(condition):
