@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -104,6 +106,7 @@ class WorldReader {
   std::optional<Walls> read_walls(JsonObject& object);
   void read_types(JsonObject& object);
   void read_model(const JsonCursor& at);
+  void read_mark(JsonObject& object, engine::BodySpec& body);
   void read_population(const JsonCursor& at);
   PlacementRule read_rule(const JsonCursor& at);
   void read_heading(JsonObject& object, PlacementRule& rule);
@@ -303,6 +306,23 @@ void WorldReader::read_types(JsonObject& object) {
   type_colors_.resize(spec_.types.size());
 }
 
+/// A number of its own for fiducial finders, of a body whose type is marked.
+void WorldReader::read_mark(JsonObject& object, engine::BodySpec& body) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const JsonNode* node = object.find("fiducial_return");
+  const engine::Value value = read_field(object, {.name = "fiducial_return",
+                                                  .type = engine::FieldType::integer,
+                                                  .min = Limits::min(),
+                                                  .max = Limits::max()});
+  if (!node || !value.given()) return;
+  body.fiducial = static_cast<std::int32_t>(value.integer());
+  const JsonCursor at(object.at(), "fiducial_return", *node);
+  if (body.fiducial == 0)
+    at.error("must not be 0: leave it out, and its type has none either");
+  else if (spec_.types[body.type.index()].parts.front().returns.fiducial == 0)
+    at.error("needs a type with a \"fiducial_return\", which says that its robots are marked");
+}
+
 void WorldReader::read_model(const JsonCursor& at) {
   JsonObject object(at);
   Model model;
@@ -315,6 +335,7 @@ void WorldReader::read_model(const JsonCursor& at) {
   model.body.color = color_of(model.body.type);
   if (const JsonNode* node = object.find("color"))
     model.body.color = read_color(JsonCursor(at, "color", *node)).value_or(model.body.color);
+  read_mark(object, model.body);
   object.finish();
   models_.push_back(std::move(model));
 }

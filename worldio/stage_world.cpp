@@ -133,9 +133,15 @@ class Structure {
 };
 
 /// What tells one body from another of its type.
-constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba"};
-enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba };
+constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
+enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
+
+// What the type of marked robots says: that they are. With which number is a matter of each.
+constexpr std::int32_t k_marked = 1;
+
+/// Whether a number is 0, by its characters.
+bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
 class StageWorld {
  public:
@@ -216,6 +222,7 @@ class StageWorld {
   bool is_without_body(const StageModel& model);
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
+  std::optional<std::int64_t> mark(const StageProperty& property);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                      TypeSpec& type);
@@ -322,6 +329,11 @@ void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string&
   add(document_.word(entity));
   for (const StageProperty& property : document_.properties(entity)) {
     const std::string_view name = document_.key(property);
+    if (is_root && name == k_own_keys[k_fiducial] && property.count > 0) {
+      add(name);
+      add(is_zero(document_.value(property, 0).text) ? "0" : "marked");
+      continue;
+    }
     if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
     if (is_without_effect(name)) continue;
     add(name);
@@ -360,6 +372,9 @@ void StageWorld::add_body(const StageEntity& entity) {
   if (own[k_pose])
     if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
   body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
+  if (own[k_fiducial])
+    if (const auto number = mark(*own[k_fiducial]); number && *number != k_marked)
+      body.fiducial = static_cast<std::int32_t>(*number);
   if (!prototype.usable) return;
 
   if (body.name != generated) spec_->aliases.push_back({generated, id});
@@ -526,6 +541,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
                                      "m; give it one, or noblocks 1",
                                      part.size.x(), part.size.y(), part.size.z()));
   part.returns = returns(model);
+  if (is_root && part.returns.fiducial != 0) part.returns.fiducial = k_marked;  // and add_body() its number
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
   const Eigen::Vector3d size = part.size;
@@ -582,21 +598,24 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   };
   const auto flag = [this](const StageProperty& property) { return values_.flag(property); };
   const auto number = [this](const StageProperty& property) { return values_.number(property); };
-  const auto mark = [this](const StageProperty& property) -> std::optional<std::int64_t> {
-    using Limits = std::numeric_limits<std::int32_t>;
-    const auto given = values_.integer(property);
-    if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
-    values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
-                                                       values_.key(property), *given));
-    return {};
-  };
   read("obstacle_return", returns.obstacle, flag);
   read("ranger_return", returns.ranger, number);
-  read("fiducial_return", returns.fiducial, mark);
-  read("fiducial_key", returns.fiducial_key, mark);
+  const auto mark_of = [this](const StageProperty& property) { return mark(property); };
+  read("fiducial_return", returns.fiducial, mark_of);
+  read("fiducial_key", returns.fiducial_key, mark_of);
   read("gripper_return", returns.gripper, flag);
   read("blob_return", returns.blob, flag);
   return returns;
+}
+
+/// A number for fiducial finders.
+std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const auto given = values_.integer(property);
+  if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
+  values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
+                                                     values_.key(property), *given));
+  return {};
 }
 
 void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {

@@ -36,7 +36,7 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
       " fiducial( range_min 20 apply_range_min 1 range_max 400 range_max_id 150 fov 90 ignore_zloc 1 "
       "fiducial_key 7 ) )");
   const engine::TypeSpec& type = type_of(spec, 1);
-  EXPECT_EQ(type.parts[0].returns.fiducial, 3);
+  EXPECT_EQ(fiducial_of(spec, BodyId(1), 0), 3);
   EXPECT_EQ(type.parts[0].returns.fiducial_key, 2);
   ASSERT_EQ(type.devices.size(), 1u);
   const engine::DeviceSpec& finder = type.devices[0];
