@@ -318,7 +318,7 @@ void WorldReader::read_mark(JsonObject& object, engine::BodySpec& body) {
   body.fiducial = static_cast<std::int32_t>(value.integer());
   const JsonCursor at(object.at(), "fiducial_return", *node);
   if (body.fiducial == 0)
-    at.error("must not be 0: leave it out, and its type has none either");
+    at.error("must not be 0: only a type without one is not marked");
   else if (spec_.types[body.type.index()].parts.front().returns.fiducial == 0)
     at.error("needs a type with a \"fiducial_return\", which says that its robots are marked");
 }
