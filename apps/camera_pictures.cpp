@@ -117,18 +117,18 @@ void CameraPictures::observe(const Simulation& simulation) {
     worldio::write_png(folder_ / (name + "-color.png"),
                        worldio::Image{camera.width, camera.height, {color.begin(), color.end()}}, text);
     text.emplace_back("unit", "mm along the axis of view; 0: nothing is seen");
-    worldio::write_png(
-        folder_ / (name + "-depth.png"),
-        depth_image(camera, state.cell<float>(camera.slot, sensors::k_camera_depth)), text);
+    worldio::write_png(folder_ / (name + "-depth.png"),
+                       depth_image(camera, state.cell<float>(camera.slot, sensors::k_camera_depth)), text);
   }
 }
 
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
-  throw InputError(fmt::format(
-      "{}: error: --camera-png: no camera of this world runs; a .world's needs \"alwayson 1\", or a controller "
-      "that reads it",
-      world.string()));
+  throw InputError(
+      fmt::format("{}: error: --camera-png: no camera of this world runs; a .world's needs \"alwayson 1\", "
+                  "or a controller "
+                  "that reads it",
+                  world.string()));
 }
 
 }  // namespace troupe::apps

@@ -10,7 +10,8 @@ namespace troupe::apps {
 
 /// What cameras see, as pictures in a folder: for each camera and time one PNG of its colours and one of its
 /// depths, `r0.eye-000012.300s-color.png` and `-depth.png` (docs/sensing.md). Their bytes depend on the
-/// readings alone. Every camera that runs has its picture taken, from the first tick on in which it has looked.
+/// readings alone. Every camera that runs has its picture taken, from the first tick on in which it has
+/// looked.
 class CameraPictures : public Observer {
  public:
   /// Makes the folder where it is not there. Throws OutputError where it cannot.

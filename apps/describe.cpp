@@ -129,20 +129,22 @@ std::string properties_text(std::string_view heading, std::string_view type) {
   std::string text;
   for (const worldio::StageRow& row : worldio::stage_rows()) {
     using enum worldio::StageSupport;
-    const bool later = row.support == unsupported;
-    if (row.type != type || (row.support != honoured && row.support != fixed && !later)) continue;
-    std::string line = fmt::format("  {:<22}  {}{}", row.name, later ? "not supported yet. " : "", row.note);
+    if (row.type != type || (row.support != honoured && row.support != fixed)) continue;
+    std::string line = fmt::format("  {:<22}  {}", row.name, row.note);
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";
   }
   return text.empty() ? text : fmt::format("{}\n{}\n", heading, text);
 }
 
-std::string model_text(const engine::ModelKind& kind) {
-  std::string text =
-      fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name, kind.text,
-                  kind.size.x(), kind.size.y(), kind.size.z(),
-                  kind.has_default_body ? "a box unless it has blocks or a bitmap" : "without a body");
+std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
+  const engine::DeviceKind* device = registry.device(kind.device);
+  std::string text = fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name,
+                                 kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
+                                 kind.has_default_body ? "a box unless it has blocks or a bitmap"
+                                 : device && device->body != nullptr
+                                     ? "with a body of its own unless it has blocks or a bitmap"
+                                     : "without a body");
   if (kind.name != "model") text += properties_text("its properties in a Stage world", kind.name);
   if (kind.name == "ranger") text += properties_text("of each sensor( ) in it", "sensor");
   return text + properties_text("properties of every model", "model") +
@@ -207,7 +209,7 @@ std::string list_kinds(const Registry& registry) {
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
   std::string text;
-  if (const auto* kind = registry.model(name)) text += model_text(*kind);
+  if (const auto* kind = registry.model(name)) text += model_text(registry, *kind);
   if (const auto* kind = registry.device(name))
     text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);

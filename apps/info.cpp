@@ -98,7 +98,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
   if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_recording(file);
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
-  if (start.starts_with(k_events_header)) return summary_of_events(file);
+  if (start.starts_with(k_events_mark)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
   if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
   const std::size_t first = start.find_first_not_of(" \t\r\n");

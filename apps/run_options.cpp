@@ -150,13 +150,16 @@ void add_table_options(CLI::App& run, RunOptions& options) {
 }
 
 void add_camera_options(CLI::App& app, RunOptions& options) {
-  CLI::Option* folder = add_value(
-      app, "--camera-png", "DIR", "Write what cameras see into a folder: colours and depths, two PNGs each time",
-      [&options](const std::string& text) {
-        if (text.empty() || text.starts_with('-')) refuse("--camera-png", text, "the name of a folder");
-        options.camera_folder = text;
-        if (!options.camera_folder.has_filename()) options.camera_folder = options.camera_folder.parent_path();
-      });
+  CLI::Option* folder =
+      add_value(app, "--camera-png", "DIR",
+                "Write what cameras see into a folder: colours and depths, two PNGs each time",
+                [&options](const std::string& text) {
+                  if (text.empty() || text.starts_with('-'))
+                    refuse("--camera-png", text, "the name of a folder");
+                  options.camera_folder = text;
+                  if (!options.camera_folder.has_filename())
+                    options.camera_folder = options.camera_folder.parent_path();
+                });
   add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
             [&options](const std::string& text) {
               const std::optional<double> seconds = finite(text);

@@ -86,6 +86,10 @@ void EventsTable::observe(const Simulation& simulation) {
     csv_.add(world.tick()).add(world.time_s()).add(engine::event_name(event.type));
     csv_.add(world.spec().name(event.body)).add(std::uint64_t{event.body.value});
     csv_.add(pose.x).add(pose.y).add(pose.heading);
+    if (event.other.valid())
+      csv_.add(world.spec().name(event.other)).add(std::uint64_t{event.other.value});
+    else
+      csv_.add(std::string_view()).add(std::string_view());
     csv_.end_line();
   }
   csv_.flush(world.tick());

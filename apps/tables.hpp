@@ -32,8 +32,9 @@ class MeasuresTable : public Observer {
   CsvFile csv_;
 };
 
-/// `--events`: a line an event, `tick,time_s,event,robot,id,x_m,y_m,heading_rad`, in the order of ticks and
-/// ids; the pose is the robot's at the end of the tick.
+/// `--events`: a line an event, `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the order
+/// of ticks and ids; the pose is the robot's at the end of the tick. The last two are empty where the event
+/// has no other.
 class EventsTable : public Observer {
  public:
   /// Begins with the state that the simulation is in. Where it goes on from a checkpoint, a table that is
@@ -49,6 +50,8 @@ class EventsTable : public Observer {
 
 /// The first columns of the tables, by which `troupe info` knows them.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
-inline constexpr std::string_view k_events_header = "tick,time_s,event,robot,id,x_m,y_m,heading_rad";
+inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
+inline constexpr std::string_view k_events_header =
+    "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
 }  // namespace troupe::apps

@@ -110,6 +110,16 @@ void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnos
   if (type.drive) type.drive->supply = supplies.front();
 }
 
+/// The device that controllers of a part drive with: that of the part itself, or else of the nearest one
+/// below.
+std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
+  for (;; part = spec.parts[part].parent) {
+    for (std::size_t d = 0; d < type.devices.size(); ++d)
+      if (type.devices[d].kind->drives && type.devices[d].part == part) return d;
+    if (part == 0) return {};
+  }
+}
+
 }  // namespace
 
 double BodyType::row_bytes() const {
@@ -129,7 +139,8 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
                                             std::string& fault) {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
-    if (is_below(spec, type.devices[s].part, controller.part)) shown.push_back(s);
+    if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
+      shown.push_back(s);
   std::vector<DeviceInfo> infos;
   std::vector<bool> claimed_shown;
   for (const std::size_t s : shown) {
@@ -163,6 +174,9 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   for (std::size_t j = 0; j < spec.joints.size(); ++j)
     if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
       diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
+  for (const PartSpec& part : spec.parts)
+    if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
+      diagnostics.error(part.where, "a part stands on a joint that its type does not have");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
@@ -233,8 +247,15 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                             stream,
                             {}});
     type.carries = type.carries || kind->carries;
+    type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
+  constexpr double k_most_reach = 1000;  // m: the circle about a body lies in every cell that it touches
+  if (!(type.joint_reach <= k_most_reach))
+    diagnostics.error(
+        spec.parts.front().where,
+        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
+                    spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);
@@ -245,7 +266,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
       continue;
     }
-    if (kind->needs_drive && !type.drive) {
+    const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
+    if (kind->needs_drive && !type.drive && !drive) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
       continue;
@@ -268,7 +290,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                                  : type.drive              ? type.drive->period
                                                            : period_ticks(controller.period_s, tick_s);
     type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.devices), period,
-                                stream_id(kind->name, std::to_string(c)), std::nullopt});
+                                stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
   }
   return type;
 }

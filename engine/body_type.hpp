@@ -19,8 +19,8 @@ struct RayOutline {
   std::uint32_t count = 0;
   ZInterval z;  ///< body frame
   float ranger_return = 1;
-  std::uint32_t part = 0;   ///< that it is of
-  std::uint32_t solid = 0;  ///< of the type: contours of one number are one even-odd region
+  std::uint32_t part = 0;        ///< that it is of
+  std::uint32_t solid = 0;       ///< of the type: contours of one number are one even-odd region
   std::int32_t joint = k_rigid;  ///< of the type, that it moves with
 };
 
@@ -30,11 +30,12 @@ struct BodyType {
   partition::ObstacleShape obstacle;          ///< with every joint at rest
   std::vector<std::int32_t> obstacle_joints;  ///< of its pieces; empty where the type has no joints
   partition::ObstacleShape grip;              ///< what grippers feel; empty where they cannot take it
-  std::vector<Vec2> outline_vertices;       ///< body frame
-  std::vector<RayOutline> outlines;         ///< that rangers see; their vertices come first
-  std::vector<RayOutline> hidden_outlines;  ///< that rangers do not: fiducial finders and others do
+  std::vector<Vec2> outline_vertices;         ///< body frame
+  std::vector<RayOutline> outlines;           ///< that rangers see; their vertices come first
+  std::vector<RayOutline> hidden_outlines;    ///< that rangers do not: fiducial finders and others do
   /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.
-  double radius = 0;
+  double radius = 0;                   ///< with every joint at rest
+  double joint_reach = 0;              ///< by how much joints are known to widen it, m
   std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
 
   struct Joint {
@@ -82,6 +83,7 @@ struct BodyType {
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
+    std::optional<std::size_t> drive;  ///< that it commands: index into `devices`; none: the body's
   };
   std::vector<Controller> controllers;
 

@@ -236,6 +236,8 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
   static const Localization k_as_noted;
   batch.commands = commands_;
+  batch.drive_commands = {};
+  batch.drive_state = nullptr;
   batch.estimates = {&k_as_noted, estimates_, {}};
   for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     commands_[taken.rows[i].index()] = taken.commands_before[i];

@@ -8,11 +8,13 @@ namespace troupe::engine {
 
 std::span<const EventKind> event_kinds() {
   using enum EventType;
-  static constexpr std::array<EventKind, 4> kinds{{
+  static constexpr std::array<EventKind, 6> kinds{{
       {stall_ends, "stall_ends", "the robot moved, or was not asked to, after its motions had been refused"},
       {held_ends, "held_ends", "the robot moved, or was not asked to, after it had been held at the bounds"},
       {stall_begins, "stall_begins", "the robot's motion was refused: something stood in its way"},
       {held_begins, "held_begins", "the robot's motion would have left the world: it was held at the bounds"},
+      {release, "release", "the body let go of another, which it had carried"},
+      {grip, "grip", "the body took hold of another, and carries it from now on"},
   }};
   return kinds;
 }
@@ -26,10 +28,16 @@ EventWatch::Stall EventWatch::stall_of(const World& world, Row row) {
   return world.held(row) ? k_held : k_refused;
 }
 
+BodyId EventWatch::carrier_of(const World& world, Row row) { return world.carrier(row).value_or(BodyId()); }
+
 void EventWatch::remember(const World& world) {
   tick_ = world.tick();
   stalls_.resize(world.rows());
-  for (std::size_t r = 0; r < world.rows(); ++r) stalls_[r] = stall_of(world, Row(r));
+  carriers_.resize(world.rows());
+  for (std::size_t r = 0; r < world.rows(); ++r) {
+    stalls_[r] = stall_of(world, Row(r));
+    carriers_[r] = carrier_of(world, Row(r));
+  }
 }
 
 std::span<const Event> EventWatch::see(const World& world) {
@@ -40,16 +48,22 @@ std::span<const Event> EventWatch::see(const World& world) {
   }
   tick_ = world.tick();
   for (std::size_t r = 0; r < world.rows(); ++r) {
-    const Stall now = stall_of(world, Row(r));
-    if (now == stalls_[r]) continue;
     const BodyId body = world.body(Row(r));
-    if (stalls_[r] != k_free)
-      events_.push_back({stalls_[r] == k_held ? EventType::held_ends : EventType::stall_ends, body});
-    if (now != k_free)
-      events_.push_back({now == k_held ? EventType::held_begins : EventType::stall_begins, body});
-    stalls_[r] = now;
+    if (const Stall now = stall_of(world, Row(r)); now != stalls_[r]) {
+      if (stalls_[r] != k_free)
+        events_.push_back({stalls_[r] == k_held ? EventType::held_ends : EventType::stall_ends, body, {}});
+      if (now != k_free)
+        events_.push_back({now == k_held ? EventType::held_begins : EventType::stall_begins, body, {}});
+      stalls_[r] = now;
+    }
+    if (const BodyId now = carrier_of(world, Row(r)); now != carriers_[r]) {
+      if (carriers_[r].valid()) events_.push_back({EventType::release, carriers_[r], body});
+      if (now.valid()) events_.push_back({EventType::grip, now, body});
+      carriers_[r] = now;
+    }
   }
-  std::ranges::sort(events_, {}, [](const Event& event) { return std::tuple(event.body, event.type); });
+  std::ranges::sort(events_, {},
+                    [](const Event& event) { return std::tuple(event.body, event.type, event.other); });
   return events_;
 }
 

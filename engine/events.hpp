@@ -9,8 +9,8 @@
 
 namespace troupe::engine {
 
-/// What may happen to a robot.
-enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins };
+/// What may happen to a robot, and what it may do to others.
+enum class EventType : std::uint8_t { stall_ends, held_ends, stall_begins, held_begins, release, grip };
 
 struct EventKind {
   EventType type;
@@ -24,6 +24,7 @@ std::string_view event_name(EventType type);
 struct Event {
   EventType type;
   BodyId body;
+  BodyId other;  ///< what it let go of, or took hold of; not valid of the rest
 };
 
 /// Finds what happened in a tick from two states that follow one another: it remembers nothing that is not in
@@ -33,17 +34,20 @@ class EventWatch {
   /// Begins with the state that the world is in.
   explicit EventWatch(const World& world);
 
-  /// The events of the tick that has just ended, by id. To be called after every step; of a tick that does
-  /// not follow the last one (after a reset) nothing is told. Valid until the next call.
+  /// The events of the tick that has just ended, by id, type and the other's id. To be called after every
+  /// step; of a tick that does not follow the last one (after a reset) nothing is told. Valid until the next
+  /// call.
   std::span<const Event> see(const World& world);
 
  private:
   enum Stall : std::uint8_t { k_free, k_refused, k_held };
   static Stall stall_of(const World& world, Row row);
+  static BodyId carrier_of(const World& world, Row row);
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
-  std::vector<Stall> stalls_;  // a row each
+  std::vector<Stall> stalls_;     // a row each
+  std::vector<BodyId> carriers_;  // a row each; not valid: nobody carries it
   std::vector<Event> events_;
 };
 

@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace troupe::engine {
 namespace {
@@ -14,6 +15,14 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 }
 
 }  // namespace
+
+std::vector<StateField> command_fields() {
+  return {{"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
+          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
+          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
+          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
+           offsetof(Command, mode), true}};
+}
 
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
 const DeviceKind* Registry::device(std::string_view name) const { return find(devices, name); }

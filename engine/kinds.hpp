@@ -88,6 +88,10 @@ struct DeviceKind {
   std::vector<std::string_view> joints;
   /// Whether it can pick up other bodies.
   bool carries = false;
+  /// Whether it is a drive: what controllers of its part, and of those that stand on that, ask of theirs.
+  /// Its commands are a Command (command_fields), and its state begins with the pose that it believes to
+  /// have.
+  bool drives = false;
   /// The body that it brings along, in its own frame, its joints at rest. Null: none.
   struct Fixture {
     Solid solid;
@@ -105,6 +109,8 @@ struct DeviceKind {
     std::size_t beams = 0;             ///< rays cast each time it runs
     std::size_t most_effects = 0;      ///< that a row may emit in a tick
     double watts = 0;                  ///< drawn from its supply while it runs
+    std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
+    double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
@@ -117,8 +123,6 @@ struct DeviceKind {
   std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Sets the state of a row at tick 0, all bytes of which are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
-  /// Where its joints are at tick 0, which stand at rest unless this says otherwise.
-  void (*start_joints)(const std::any& data, std::span<Pose> joints) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
   /// Returns the rays it cast. Null: it senses nothing.
   std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
@@ -159,6 +163,9 @@ struct Command {
   double turn = 0;
   ControlMode mode = ControlMode::velocity;
 };
+
+/// Its members, for tables.
+std::vector<StateField> command_fields();
 
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
@@ -276,12 +283,21 @@ struct DecideBatch {
   std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
   std::size_t devices = 0;
   Rows memories;
+  /// Of the drive that the controller's part has for itself; none: it commands the body's, as above.
+  Rows drive_commands = {};
+  const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  Command& command(std::size_t i) const { return commands[rows[i].index()]; }
-  Pose estimate(std::size_t i) const { return estimates.of(rows[i], slots[rows[i].index()]); }
+  Command& command(std::size_t i) const {
+    if (drive_commands.first == nullptr) return commands[rows[i].index()];
+    return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
+  }
+  Pose estimate(std::size_t i) const {
+    if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
+    return estimates.of(rows[i], slots[rows[i].index()]);
+  }
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }

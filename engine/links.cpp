@@ -3,6 +3,8 @@
 #include "engine/world.hpp"
 #include "partition/placed_shape.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -25,6 +27,26 @@ Pose between(const Pose& from, const Pose& to, double t) {
 
 bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
+}
+
+/// How much a shape of a tree has to hold: what is not picked up by what is carried itself.
+struct Room {
+  std::size_t pieces = 0;
+  std::size_t corners = 0;
+
+  void add(const ObstacleShape& shape, std::size_t times) {
+    pieces += times * shape.pieces.size();
+    for (const ConvexPrism& piece : shape.pieces) corners = std::max(corners, piece.outline.size());
+  }
+};
+
+/// Of the types that can be picked up the one with most pieces; null: there is none.
+const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
+  const BodyType* most = nullptr;
+  for (const BodyType& type : types)
+    if (!type.grip.empty() && (!most || type.obstacle.pieces.size() > most->obstacle.pieces.size()))
+      most = &type;
+  return most;
 }
 
 /// Where a joint at q takes points of the body at rest, when its parent takes them to `parent`.
@@ -63,8 +85,22 @@ void World::build_links() {
   links.joints.resize(joints);
   links.shapes.resize(links.composites.size());
   links.moved.resize(links.composites.size());
+  links.on_the_way.resize(links.composites.size());
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
+
+  // So that the first grip of a run takes no memory; nor a later one, unless of what carries something.
+  constexpr std::size_t k_most_pieces = 64;  // beyond that room is made when it is needed
+  const BodyType* cargo = most_intricate_cargo(types_);
+  for (std::size_t c = 0; c < links.composites.size(); ++c) {
+    const BodyType& t = type(Row(links.composites[c]));
+    Room room;
+    room.add(t.obstacle, 1);
+    const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
+    if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
+    for (auto* buffers : {&links.shapes, &links.moved, &links.on_the_way})
+      (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+  }
 }
 
 std::span<Links::Joint> World::joints(Row row) {
@@ -155,9 +191,12 @@ void World::move_to_joints(Row row) {
   }
 }
 
+/// By id, so that sums over what is carried do not tell in which order it was picked up.
 void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
-  links_.next_cargo[cargo] = links_.first_cargo[carrier];
-  links_.first_cargo[carrier] = cargo;
+  std::uint32_t* at = &links_.first_cargo[carrier];
+  while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
+  links_.next_cargo[cargo] = *at;
+  *at = cargo;
   ++links_.carried;
 }
 
@@ -335,7 +374,7 @@ double World::ask_joints(std::size_t c, Row root, std::size_t round) {
 }
 
 bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double reach) {
-  thread_local ShapeBuffer part_of_the_way;
+  ShapeBuffer& on_the_way = links_.on_the_way[c];
   const Transform& at = transform(root);
   const double z = poses()[root.index()].z;
   const double radius = row_shapes_[root.index()]->radius;
@@ -346,10 +385,10 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
     if (k < n) {
       double thinnest = std::numeric_limits<double>::infinity();
       aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
-      part_of_the_way.begin();
-      add_limb({root, Mount()}, true, part_of_the_way, thinnest);
-      part_of_the_way.finish(thinnest);
-      moved = &part_of_the_way;
+      on_the_way.begin();
+      add_limb({root, Mount()}, true, on_the_way, thinnest);
+      on_the_way.finish(thinnest);
+      moved = &on_the_way;
     }
     if (moved->shape().empty()) return false;
     const PlacedShape after(moved->shape(), at, z);
@@ -482,6 +521,9 @@ const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
   return world.joint_state(rows[i], joint_index(*this, i, n));
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
+  if (!is_finite(to))
+    throw StepError(fmt::format("tick {}: a joint of \"{}\" was asked to move to what is not a finite number",
+                                world.tick(), world.spec().name(body(i))));
   Links::Joint& joint = links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)];
   joint.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
   joint.state = Links::Goal::asked;

@@ -43,8 +43,9 @@ struct Links {
   std::vector<std::uint32_t> composites;    // rows
   std::vector<std::uint32_t> composite_of;  // a row each: index into the following, or none
   std::vector<ShapeBuffer> shapes;
-  std::vector<ShapeBuffer> moved;      // of this round: what of the tree moves, where it would go
-  std::vector<std::uint32_t> samples;  // of this round: poses at which that is tested; 0: nothing moves
+  std::vector<ShapeBuffer> moved;       // of this round: what of the tree moves, where it would go
+  std::vector<ShapeBuffer> on_the_way;  // the same, while the way there is tested
+  std::vector<std::uint32_t> samples;   // of this round: poses at which that is tested; 0: nothing moves
   std::vector<std::uint8_t> refused;
 
   // A row each.

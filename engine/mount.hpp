@@ -29,6 +29,13 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
+/// pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. Of a body at rest the same bits as by its
+/// pose and transform.
+inline Pose compose(const Mount& a, const Pose& b) {
+  const Vec2 p = a.transform * b.position();
+  return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};
+}
+
 /// mount_b_a from mount_a_b.
 inline Mount inverse(const Mount& mount) {
   Rotation back;

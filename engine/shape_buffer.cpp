@@ -5,6 +5,12 @@
 
 namespace troupe::engine {
 
+void ShapeBuffer::reserve(std::size_t pieces, std::size_t corners) {
+  shape_.pieces.reserve(pieces);
+  spare_.reserve(pieces);
+  while (spare_.size() < pieces) spare_.emplace_back().reserve(corners);
+}
+
 void ShapeBuffer::begin() { used_ = 0; }
 
 void ShapeBuffer::add(const ConvexPrism& piece, const Mount& mount) {

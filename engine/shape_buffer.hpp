@@ -9,11 +9,14 @@
 namespace troupe::engine {
 
 /// An obstacle shape that is made again and again, of pieces that stand somewhere. What memory it once took
-/// it keeps: it allocates when it has more pieces, or one with more corners, than ever before.
+/// it keeps: it allocates when it has more pieces, or one with more corners, than ever before, or than there
+/// is room for.
 class ShapeBuffer {
  public:
   const partition::ObstacleShape& shape() const { return shape_; }
 
+  /// Makes room for so many pieces of up to so many corners.
+  void reserve(std::size_t pieces, std::size_t corners);
   void begin();
   /// Adds a piece of another body; `mount` places that body's frame in the shape's.
   void add(const ConvexPrism& piece, const Mount& mount);

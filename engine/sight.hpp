@@ -58,9 +58,9 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
     const BodyType& type = world.type(row);
     for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
       for (const RayOutline& outline : *outlines)
-        visit(OutlineChain{vertices.subspan(outline.first, outline.count), true, outline.z.shifted(base),
-                           world.body(row), outline.part, outline.solid, outline.first,
-                           outline.ranger_return});
+        visit(OutlineChain{vertices.subspan(outline.first, outline.count), true,
+                           outline.z.shifted(base + world.lift(row, outline.joint)), world.body(row),
+                           outline.part, outline.solid, outline.first, outline.ranger_return});
   });
 }
 

@@ -229,6 +229,11 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
         chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
   }
   if (controller.table) batch.memories = rows_of(*controller.table);
+  if (controller.drive) {
+    const BodyType::Device& drive = type.devices[*controller.drive];
+    batch.drive_commands = rows_of(*drive.command_table);
+    batch.drive_state = &percepts(drive);
+  }
   if (on_decide_)
     on_decide_(type, controller, batch);
   else

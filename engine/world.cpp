@@ -35,9 +35,10 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
-    sum += reach > 0 ? 1.001 * (reach + type.radius) : 16 * type.radius;
-    widths += 2 * type.radius;
-    width = std::max(width, 2 * type.radius);
+    const double radius = type.radius + type.joint_reach;
+    sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
+    widths += 2 * radius;
+    width = std::max(width, 2 * radius);
     ++count;
   }
   // As wide as most bodies, and never so small that one lies in more than some hundred cells.
@@ -208,15 +209,8 @@ void World::build_tables() {
                                                {"y", Element::f64, 1, "m/s", "left"},
                                                {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
-  tables_.emplace_back(
-      "command", HashGroup::velocity, Layout::rows,
-      std::vector<StateField>{
-          {"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
-          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true}},
-      row_bodies_, sizeof(Command));
+  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), row_bodies_,
+                       sizeof(Command));
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
@@ -317,9 +311,8 @@ void World::start() {
 void World::start_joints(const BodyType& type) {
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
-    if (!device.kind->start_joints || device.table == 0) continue;
-    std::vector<Pose> joints(device.kind->joints.size());
-    device.kind->start_joints(device.prepared.data, joints);
+    if (device.table == 0) continue;
+    const std::vector<Pose>& joints = device.prepared.joints;
     for (std::size_t n = 0; n < joints.size(); ++n) {
       StateTable& table = tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table];
       for (std::size_t i = 0; i < table.rows(); ++i) table.as<Pose>(i) = joints[n];

@@ -131,6 +131,8 @@ class World {
   /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
   /// the joint moves. What the type says of parts and devices on that joint is said in this frame.
   Mount mount(Row row, std::int32_t joint) const;
+  /// No surface of the row's body is farther from its origin, with its joints as they are, m.
+  double radius(Row row) const { return row_radii_[row.index()]; }
   /// By how much that joint has raised what stands on it, m.
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid
@@ -188,6 +190,8 @@ class World {
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_supplied(row, device.supply);
   }
+  /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
+  StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
   /// The state of a device, to be changed by effects (DeviceKind::apply) and between steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
   /// Vertices of a row's outlines in the world's frame, in the order of its type's.

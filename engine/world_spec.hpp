@@ -47,10 +47,10 @@ struct JointSpec {
 
 /// One model of a type's tree.
 struct PartSpec {
-  std::string name;          ///< below the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;         ///< its generated name, where the world gave it another; else empty
-  std::string kind;          ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;  ///< index of the part it stands on; the root's own is 0
+  std::string name;              ///< below the body's name: "ranger:0"; empty for the root (part 0)
+  std::string alias;             ///< its generated name, where the world gave it another; else empty
+  std::string kind;              ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;      ///< index of the part it stands on; the root's own is 0
   std::int32_t joint = k_rigid;  ///< index of the joint that it moves with
   Pose pose_body_part;
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; what GetGeom gives in Stage
@@ -68,9 +68,9 @@ struct DeviceSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it stands on
   std::int32_t moves = k_rigid;  ///< index of the first of the joints that it moves (DeviceKind::joints)
   Record params;                 ///< by the kind's field table
-  Pose pose_body_sensor;   ///< frame in which the kind's parameters are given
-  double period_s = 0;     ///< 0: every tick
-  bool active = true;      ///< runs without a subscriber
+  Pose pose_body_sensor;         ///< frame in which the kind's parameters are given
+  double period_s = 0;           ///< 0: every tick
+  bool active = true;            ///< runs without a subscriber
   Where where;
 };
 

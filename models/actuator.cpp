@@ -25,6 +25,10 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
+  /// How far it moves anything to the side, m.
+  double reach() const {
+    return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
+  }
   /// m/s or rad/s, for the tick that follows.
   double speed(const ActuatorCommand& command, double position, double period_s) const {
     double wanted = command.goal;
@@ -104,18 +108,18 @@ DeviceKind actuator_kind() {
   }};
   kind.joints = {"joint"};
   kind.prepare = [](const Record& params, const Pose&) {
-    return DeviceKind::Prepared{.data = read(params),
+    const Actuator actuator = read(params);
+    return DeviceKind::Prepared{.data = actuator,
                                 .percepts = engine::memory_fields<ActuatorState>(),
                                 .percept_bytes = sizeof(ActuatorState),
                                 .commands = engine::memory_fields<ActuatorCommand>(),
-                                .command_bytes = sizeof(ActuatorCommand)};
+                                .command_bytes = sizeof(ActuatorCommand),
+                                .watts = 2,  // as in Stage
+                                .joints = {actuator.at(actuator.start)},
+                                .joint_reach_m = actuator.reach()};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;
-  };
-  kind.start_joints = [](const std::any& data, std::span<Pose> joints) {
-    const Actuator& actuator = *std::any_cast<Actuator>(&data);
-    joints[0] = actuator.at(actuator.start);
   };
   kind.act = act;
   kind.settled = settled;

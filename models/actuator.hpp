@@ -28,8 +28,8 @@ struct ActuatorState {
 ///             max_speed (m/s or rad/s), start_position
 /// state       ActuatorState; commands: ActuatorCommand
 /// moves       velocity mode: at the speed asked for, at most max_speed, and to a stop at the limits;
-/// position
-///             mode: towards the goal, kept within the limits, at max_speed, arriving in time
+///             position mode: towards the goal, kept within the limits, at max_speed, arriving in time
+/// draws       2 W from its supply while it runs
 /// edges       an axis of no length is the x axis; whoever would be overlapped stops it where it is, for this
 ///             tick: it is stalled
 engine::DeviceKind actuator_kind();

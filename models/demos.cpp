@@ -41,6 +41,7 @@ void add_children(const Record& params, std::uint64_t seed, const engine::Regist
     PartSpec child{.name = parent.name.empty() ? last : fmt::format("{}.{}", parent.name, last),
                    .kind = "model",
                    .parent = part,
+                   .joint = parent.joint,
                    .size = {k_child_m, k_child_m, k_child_m},
                    .returns = parent.returns,
                    .where = parent.where};

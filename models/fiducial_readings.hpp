@@ -10,8 +10,9 @@
 
 namespace troupe::models {
 
-/// What a fiducial finder reads, for controllers. Models and sensors do not know one another, so the fields are
-/// found once by their names, which are those of recordings too; sensors/fiducial.hpp says what is in them.
+/// What a fiducial finder reads, for controllers. Models and sensors do not know one another, so the fields
+/// are found once by their names, which are those of recordings too; sensors/fiducial.hpp says what is in
+/// them.
 class FiducialReadings {
  public:
   FiducialReadings() = default;

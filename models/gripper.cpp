@@ -192,6 +192,17 @@ double towards(double position, double end, double step) {
   return position < end ? position + step : position - step;
 }
 
+/// Ends what has come to its end.
+void finish(GripperState& state) {
+  using S = GripperState;
+  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
+    state.paddles = S::closed;
+  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
+    state.paddles = S::is_open;
+  if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
+  if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
+}
+
 void act(const DeviceBatch& batch) {
   using S = GripperState;
   const Gripper& gripper = *std::any_cast<Gripper>(&batch.data);
@@ -224,21 +235,13 @@ void act(const DeviceBatch& batch) {
       lift = towards(lift, state.lift == S::rising ? 1 : 0, step);
     state.asked_paddle = paddle;
     state.asked_lift = lift;
-    if (paddle == state.paddle_position && lift == state.lift_position) continue;
+    if (paddle == state.paddle_position && lift == state.lift_position) {
+      finish(state);
+      continue;
+    }
     batch.move_joint(i, k_left, gripper.left(paddle, lift));
     batch.move_joint(i, k_right, gripper.right(paddle, lift));
   }
-}
-
-/// Ends what has come to its end.
-void finish(GripperState& state) {
-  using S = GripperState;
-  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
-    state.paddles = S::closed;
-  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
-    state.paddles = S::is_open;
-  if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
-  if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
 }
 
 void settled(const DeviceBatch& batch) {
@@ -259,11 +262,12 @@ void settled(const DeviceBatch& batch) {
 void apply(World& world, const std::any& data, const engine::Effect& effect) {
   const Gripper& gripper = *std::any_cast<Gripper>(&data);
   const Row row = world.row(effect.source);
-  const Row target = world.row(effect.target);
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may say anything
+  const Row target = is_body ? world.row(effect.target) : Row();
   const engine::BodyType::Device& device = world.type(row).devices[effect.device];
   auto& state = world.state(device).as<GripperState>(world.slot(row));
   if (effect.verb == k_release) {
-    world.release(target);
+    if (target.valid() && world.carrier(target) == effect.source) world.release(target);
     state.held = 0;
     finish(state);
     return;
@@ -331,7 +335,10 @@ DeviceKind gripper_kind() {
                                 .commands = engine::memory_fields<GripperCommand>(),
                                 .command_bytes = sizeof(GripperCommand),
                                 .reach_m = gripper.size.head<2>().norm(),
-                                .most_effects = 1};
+                                .most_effects = 1,
+                                .joints = {gripper.left(gripper.starts_closed, gripper.starts_up),
+                                           gripper.right(gripper.starts_closed, gripper.starts_up)},
+                                .joint_reach_m = gripper.travel()};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     const Gripper& gripper = *std::any_cast<Gripper>(&data);
@@ -340,11 +347,6 @@ DeviceKind gripper_kind() {
     s.lift = gripper.starts_up ? GripperState::is_up : GripperState::is_down;
     s.paddle_position = s.asked_paddle = gripper.starts_closed;
     s.lift_position = s.asked_lift = gripper.starts_up;
-  };
-  kind.start_joints = [](const std::any& data, std::span<Pose> joints) {
-    const Gripper& gripper = *std::any_cast<Gripper>(&data);
-    joints[k_left] = gripper.left(gripper.starts_closed, gripper.starts_up);
-    joints[k_right] = gripper.right(gripper.starts_closed, gripper.starts_up);
   };
   kind.act = act;
   kind.settled = settled;

@@ -107,8 +107,8 @@ class PathLength : public OfRobots {
   }
   static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
-  std::vector<double> lengths_;  // beside robots(), as are
-  std::vector<Vec2> places_;     // in the state that was seen last
+  std::vector<double> lengths_;                         // beside robots(), as are
+  std::vector<Vec2> places_;                            // in the state that was seen last
   std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when somebody is placed
   std::uint64_t tick_;                                  // that was seen last
 };
@@ -169,7 +169,8 @@ engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
       "path_length", Unit::meters, "how far robots have gone, in the mean",
       "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
-      "between their origins before and after the tick. Where a program puts a robot between two ticks it has "
+      "between their origins before and after the tick. Where a program puts a robot between two ticks it "
+      "has "
       "not gone.");
 }
 

@@ -9,6 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
 
 namespace troupe::models {
 namespace {
@@ -38,19 +41,80 @@ const FieldTable& order_fields() {
   return table;
 }
 
-struct Operate {
-  struct Step {
-    double at_s;
-    std::string device;
-    Order order;
-    double value;
-    std::size_t chosen = 0;  // position of the device among those of the controller
+struct Step {
+  double at_s;
+  std::string device;
+  Order order;
+  double value;
+  std::size_t chosen = 0;  // position of the device among those of the controller
+};
+
+bool takes_value(Order order) { return order >= Order::go_to; }
+
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= 1e6)) return {};
+  return number;
+}
+
+/// What stands before the first separator, which goes with it.
+std::string_view take_first(char separator, std::string_view& rest) {
+  const std::size_t end = std::min(rest.size(), rest.find(separator));
+  const std::string_view word = rest.substr(0, end);
+  rest.remove_prefix(std::min(rest.size(), end + 1));
+  return word;
+}
+/// What stands behind the last colon, which goes with it; all where there is none.
+std::string_view take_last(std::string_view& rest) {
+  const std::size_t colon = rest.rfind(':');
+  const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
+  rest = colon == rest.npos ? std::string_view() : rest.substr(0, colon);
+  return word;
+}
+
+/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS, where the device's name may hold
+/// colons; what is wrong with it in `fault`.
+std::optional<Step> read_step(std::string_view entry, std::string& fault) {
+  std::string_view time = entry;
+  std::string_view device = take_first('@', time);
+  const std::optional<double> at_s = number_of(time);
+  const bool has_colon = device.find(':') != device.npos;
+  std::string_view name = take_last(device);
+  std::string_view number;
+  const auto is_order = [](std::string_view word) {
+    return std::ranges::find(k_orders, word) != k_orders.end();
   };
+  if (!is_order(name) && number_of(name)) {
+    number = name;
+    name = take_last(device);
+  }
+  const std::optional<double> value = number_of(number);
+  if (!at_s || *at_s < 0 || !has_colon) {
+    fault = fmt::format(
+        "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry);
+  } else if (!is_order(name)) {
+    fault = fmt::format("has a plan with an {}", unknown_name("order", name, k_orders));
+  } else {
+    const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
+    if (takes_value(order) == value.has_value())
+      return Step{*at_s, std::string(device), order, value.value_or(0)};
+    fault = fmt::format("has a plan with \"{}\": that order {}", entry,
+                        takes_value(order) ? "needs a number" : "takes no number");
+  }
+  return {};
+}
+
+struct Operate {
   std::vector<Step> steps;
+  std::string fault_of_plan;
 
   static Operate make(const Record& p) {
     Operate operate;
-    for (const Record& r : p[0].records())
+    for (std::string_view plan = p[0].text(); !plan.empty() && operate.fault_of_plan.empty();)
+      if (const auto step = read_step(take_first(',', plan), operate.fault_of_plan))
+        operate.steps.push_back(*step);
+    for (const Record& r : p[1].records())
       operate.steps.push_back(
           {r[0].number(), r[1].text(),
            static_cast<Order>(std::ranges::find(k_orders, r[2].text()) - k_orders.begin()), r[3].number()});
@@ -60,6 +124,8 @@ struct Operate {
 
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>&,
                                   std::string& fault) {
+    fault = fault_of_plan;
+    if (!fault.empty()) return {};
     std::vector<std::size_t> chosen;
     for (Step& step : steps) {
       const auto device = std::ranges::find(devices, step.device, &engine::DeviceInfo::name);
@@ -69,8 +135,7 @@ struct Operate {
         fault = fmt::format("has an order for {}", unknown_name("device", step.device, names));
         return {};
       }
-      const bool is_gripping = step.order < Order::go_to;
-      const std::string_view wanted = is_gripping ? "gripper" : "actuator";
+      const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted) {
         fault = fmt::format("has an order \"{}\" for \"{}\", which is no {}",
                             k_orders[static_cast<std::size_t>(step.order)], step.device, wanted);
@@ -110,6 +175,11 @@ struct Operate {
 
 engine::ControllerKind operate_controller() {
   static const FieldTable fields{{
+      {.name = "plan",
+       .type = FieldType::text,
+       .fallback = std::string(),
+       .text =
+           "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need"},
       {.name = "orders",
        .type = FieldType::records,
        .fallback = std::vector<Record>{},

@@ -58,7 +58,7 @@ void add_touched(const World& world, const PlacedShape& giver, Row other, Takers
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
     const Contact* contact = as_contact(type.devices[d]);
     if (!contact || !(contact->take > 0) || !type.devices[d].supply || contact->shape.empty()) continue;
-    const PlacedShape shape(contact->shape, world.transform(other), 0);
+    const PlacedShape shape(contact->shape, world.mount(other, type.devices[d].joint).transform, 0);
     if (partition::come_within(giver, shape, k_contact_m)) takers.add({world.body(other), d});
   }
 }
@@ -71,11 +71,12 @@ void act(const DeviceBatch& batch) {
   const World& world = batch.world;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Row row = batch.rows[i];
-    const PlacedShape shape(contact.shape, world.transform(row), 0);
+    const Transform at = batch.mount(i).transform;
+    const PlacedShape shape(contact.shape, at, 0);
     Takers takers;
     world.index().for_each_near(Box::around(shape.position(), contact.shape.radius + k_contact_m),
                                 [&](const partition::BodyCircle& circle) {
-                                  if (const Row other(circle.row); other != row)
+                                  if (const Row other(circle.row); !world.same_tree(other, row))
                                     add_touched(world, shape, other, takers);
                                 });
     batch.state.as<PowerContactState>(batch.slot(i)).touched =

@@ -93,8 +93,8 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-void find_blobs(const World& world, const Finder& finder, Row own, Writer& writer) {
-  const Transform& body = world.transform(own);
+/// `body`: the frame that the finder's pose is given in.
+void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
   for (std::size_t ray = 0; ray < finder.width; ++ray) {
@@ -122,7 +122,7 @@ std::uint64_t sense(const DeviceBatch& batch) {
   const Finder& finder = *std::any_cast<Finder>(&batch.data);
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Writer writer(finder, batch.state, batch.slot(i));
-    find_blobs(batch.world, finder, batch.rows[i], writer);
+    find_blobs(batch.world, finder, batch.rows[i], batch.mount(i).transform, writer);
     writer.finish();
   }
   return batch.rows.size() * finder.width;

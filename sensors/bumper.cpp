@@ -68,7 +68,7 @@ std::uint64_t sense(const DeviceBatch& batch) {
   const Bumper& bumper = *std::any_cast<Bumper>(&batch.data);
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Row row = batch.rows[i];
-    const Transform& transform = batch.world.transform(row);
+    const Transform transform = batch.mount(i).transform;
     const auto hits = batch.state.cell<std::uint8_t>(batch.slot(i), k_bumper_hit);
     const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_body);
     for (std::size_t k = 0; k < bumper.strips.size(); ++k) {

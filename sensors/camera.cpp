@@ -70,13 +70,14 @@ struct Crossing {
 /// Draws what one camera after another sees. A thread keeps one, so that a warm step allocates nothing.
 class Painter {
  public:
-  void paint(const World& world, const Lens& lens, Row own, engine::StateTable& state, std::size_t slot) {
+  /// `mount`: the frame that the lens's pose is given in.
+  void paint(const World& world, const Lens& lens, Row own, const engine::Mount& mount,
+             engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;
     world_ = &world;
-    const Transform& body = world.transform(own);
-    origin_ = body * lens.pose_body_camera.position();
-    height_ = world.poses()[own.index()].z + lens.pose_body_camera.z;
-    forward_ = body.rotation * (Rotation(lens.pose_body_camera.heading) * Vec2::UnitX());
+    origin_ = mount.transform * lens.pose_body_camera.position();
+    height_ = mount.z + lens.pose_body_camera.z;
+    forward_ = mount.transform.rotation * (Rotation(lens.pose_body_camera.heading) * Vec2::UnitX());
     color_ = state.cell<std::uint8_t>(slot, k_camera_color);
     depth_ = state.cell<float>(slot, k_camera_depth);
     gather(own);
@@ -257,7 +258,7 @@ std::uint64_t sense(const DeviceBatch& batch) {
   const Lens& lens = *std::any_cast<Lens>(&batch.data);
   thread_local const auto painter = std::make_unique<Painter>();
   for (std::size_t i = 0; i < batch.rows.size(); ++i)
-    painter->paint(batch.world, lens, batch.rows[i], batch.state, batch.slot(i));
+    painter->paint(batch.world, lens, batch.rows[i], batch.mount(i), batch.state, batch.slot(i));
   return batch.rows.size() * lens.width * lens.height;
 }
 

@@ -43,12 +43,14 @@ struct Target {
 /// Finds targets for one robot after another. A thread keeps one, so that a warm step allocates nothing.
 class Search {
  public:
-  /// The targets in sight of a row, the nearest first. Counts the rays it casts.
-  std::span<const Target> look(const World& world, const Finder& finder, Row own) {
+  /// The targets in sight of a row, whose finder stands on `mount`, the nearest first. Counts the rays it
+  /// casts.
+  std::span<const Target> look(const World& world, const Finder& finder, Row own,
+                               const engine::Mount& mount) {
     world_ = &world;
     finder_ = &finder;
     own_ = own;
-    sensor_ = compose(world.poses()[own.index()], world.transform(own), finder.pose_body_sensor);
+    sensor_ = compose(mount, finder.pose_body_sensor);
     found_.clear();
     found_.reserve(std::min<std::size_t>(world.rows(), 1024));  // a crowd of that size grows it at once
     const Box box = Box::around(sensor_.position(), finder.range_max);
@@ -59,11 +61,11 @@ class Search {
       const Row row(circle.row);
       const engine::BodyType& type = world.type(row);
       if (type.targets.empty() || world.same_tree(row, own)) return;
-      for (const std::uint32_t part : type.targets)
-        consider(world.body(row), part,
-                 compose(world.poses()[row.index()], world.transform(row),
-                         part_spec(world.body(row), part).pose_body_part),
-                 2 * type.radius);
+      for (const std::uint32_t part : type.targets) {
+        const PartSpec& spec = part_spec(world.body(row), part);
+        consider(world.body(row), part, compose(world.mount(row, spec.joint), spec.pose_body_part),
+                 2 * world.radius(row));
+      }
     });
     std::ranges::sort(found_, {}, [](const Target& t) { return std::tuple(t.range, t.body, t.part); });
     return found_;
@@ -146,7 +148,8 @@ std::uint64_t sense(const DeviceBatch& batch) {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i)
-    write(*search, finder, search->look(batch.world, finder, batch.rows[i]), batch.state, batch.slot(i));
+    write(*search, finder, search->look(batch.world, finder, batch.rows[i], batch.mount(i)), batch.state,
+          batch.slot(i));
   return search->rays() - rays_before;
 }
 

@@ -41,14 +41,13 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
   return (a + std::clamp(foot, from, to) * along).norm();
 }
 
-void look_in_cones(const engine::World& world, Row own, const TransducerExtras& extras,
-                   std::span<float> ranges, std::span<float> intensities) {
-  const Pose& body = world.poses()[own.index()];
-  const Vec2 tip = world.transform(own) * extras.origin;
-  const double z = body.z + extras.z;
+void look_in_cones(const engine::World& world, Row own, const engine::Mount& mount,
+                   const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities) {
+  const Vec2 tip = mount.transform * extras.origin;
+  const double z = mount.z + extras.z;
   const double half_width = extras.beam_width / 2;
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const double heading = body.heading + extras.headings[i];
+    const double heading = mount.heading + extras.headings[i];
     const Vec2 right = Rotation(heading - half_width) * Vec2::UnitX();
     const Vec2 left = Rotation(heading + half_width) * Vec2::UnitX();
     double nearest = ranges[i];

@@ -14,7 +14,8 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 
 /// Beams that are as wide as a sonar's: each reading becomes the distance to the nearest surface point
 /// anywhere within its beam, which is never farther than what its middle met. Exact: no rays are sampled.
-void look_in_cones(const engine::World& world, Row own, const TransducerExtras& extras,
-                   std::span<float> ranges, std::span<float> intensities);
+/// mount: the frame in which the ranger's beams are given.
+void look_in_cones(const engine::World& world, Row own, const engine::Mount& mount,
+                   const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
 
 }  // namespace troupe::sensors

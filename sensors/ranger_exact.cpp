@@ -21,7 +21,7 @@ class Caster {
     const engine::World& world = batch.world;
     world_ = &world;
     joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
-    carrying_ = world.carried_count() > 0;
+    linked_ = std::ranges::any_of(world.types(), [](const auto& type) { return type.is_composite(); });
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
@@ -103,6 +103,15 @@ class Caster {
 
   /// Projects what lies from low to high away and may be met.
   void look(Surroundings::Band band, float low, float high) {
+    if (linked_)
+      look_at<true>(band, low, high);
+    else
+      look_at<false>(band, low, high);
+  }
+
+  /// k_linked: some bodies of the world have joints, or may carry others.
+  template <bool k_linked>
+  void look_at(Surroundings::Band band, float low, float high) {
     const auto& circles = surroundings_.circles();
     const std::size_t count =
         partition::may_meet(circles, band.begin, band.end, reference_, fan_, limits_now_, low, high, met_);
@@ -110,8 +119,8 @@ class Caster {
       const std::uint32_t row = met_.row[i];
       if (row >= Surroundings::k_fixed)
         add_fixed(row - Surroundings::k_fixed, met_.beams[i]);
-      else if (row != self_.value && !(carrying_ && world_->same_tree(Row(row), self_)))
-        add_body(Row(row), met_.beams[i]);
+      else if (row != self_.value && !(k_linked && world_->same_tree(Row(row), self_)))
+        add_body<k_linked>(Row(row), met_.beams[i]);
     }
     if (edges_.empty()) return;
     project();
@@ -127,13 +136,13 @@ class Caster {
     edges_.add(chain.front(), chain.data() + 1, chain.size() - 1, solid.ranger_return, met_by);
   }
 
+  template <bool k_linked>
   void add_body(Row body, partition::BeamSet met_by) {
     const std::span<const Vec2> vertices = world_->outline(body);
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
-      const double lifted =
-          outline.joint == engine::k_rigid ? base : base + world_->lift(body, outline.joint);
-      if (!outline.z.shifted(lifted).contains(z_)) continue;
+      const double height = k_linked ? base + world_->lift(body, outline.joint) : base;
+      if (!outline.z.shifted(height).contains(z_)) continue;
       const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
       const Vec2* before = &ring.back();
       for (std::size_t done = 0; done < ring.size();) {
@@ -162,7 +171,7 @@ class Caster {
   Random random_{0, 0, 0, 0};
   Row self_;
   std::int32_t joint_ = engine::k_rigid;
-  bool carrying_ = false;
+  bool linked_ = false;
   double z_ = 0;
   Vec2 reference_ = Vec2::Zero();  // world frame
   partition::Fan fan_;

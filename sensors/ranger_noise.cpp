@@ -55,7 +55,7 @@ void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     for (const TransducerExtras& extras : ranger.extras) {
       const std::span<float> own = ranges.subspan(extras.first, extras.count);
       if (extras.beam_width > 0)
-        look_in_cones(batch.world, batch.rows[i], extras, own,
+        look_in_cones(batch.world, batch.rows[i], batch.mount(i), extras, own,
                       ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
       if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
         add_noise(extras, random, own);

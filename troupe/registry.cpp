@@ -19,6 +19,7 @@
 #include "models/script.hpp"
 #include "models/wander.hpp"
 #include "models/waypoints.hpp"
+#include "models/wheels.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
@@ -33,7 +34,8 @@ engine::Registry make_registry() {
   registry.devices = {sensors::ranger_kind(),        sensors::fiducial_kind(),  sensors::blobfinder_kind(),
                       sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
                       models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
-                      models::flags_kind(),          models::actuator_kind(),   models::gripper_kind()};
+                      models::flags_kind(),          models::actuator_kind(),   models::gripper_kind(),
+                      models::wheels_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {
       models::expand_controller(),    models::wander_controller(),     models::script_controller(),

@@ -7,6 +7,7 @@
 #include "engine/world.hpp"
 #include "models/flags.hpp"
 #include "models/power.hpp"
+#include "models/wheels.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -135,12 +136,19 @@ struct Model::Place {
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
+  std::size_t slot() const { return world->slot(row()); }
+  /// The drive that a part has for itself; null where it has none.
+  const engine::BodyType::Device* wheels() const {
+    for (const engine::BodyType::Device& device : type().devices)
+      if (part > 0 && device.part == part && device.kind->drives) return &device;
+    return nullptr;
+  }
   /// A body has the sensors of all its parts, a part its own.
   std::vector<const engine::BodyType::Device*> sensors() const {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     std::vector<const engine::BodyType::Device*> own;
     for (const auto& sensor : type().devices)
-      if (part == 0 || sensor.name == parts[part].name) own.push_back(&sensor);
+      if (sensor.kind->is_sensor() && (part == 0 || sensor.name == parts[part].name)) own.push_back(&sensor);
     return own;
   }
   const engine::BodyType::Device& sensor(std::string_view wanted) const {
@@ -166,9 +174,12 @@ Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 const std::string& Model::name() const { return place_->name; }
 
 Pose Model::pose() const {
-  const engine::WorldSpec& spec = place_->world->spec();
+  const engine::World& world = *place_->world;
+  const engine::WorldSpec& spec = world.spec();
   const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
-  return compose(place_->world->pose(place_->body), part.pose_body_part);
+  if (part.joint != engine::k_rigid)
+    return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
+  return compose(world.pose(place_->body), part.pose_body_part);
 }
 
 Eigen::Vector3d Model::size() const {
@@ -177,6 +188,10 @@ Eigen::Vector3d Model::size() const {
 }
 
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
+  if (const auto* wheels = place_->wheels()) {
+    place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
+    return;
+  }
   if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
   place_->world->set_command(place_->row(), {x, y, turn, mode});
 }
@@ -194,13 +209,21 @@ void Model::go_to(double x, double y, double heading) {
 }
 
 Model::Speed Model::speed() const {
+  if (const auto* wheels = place_->wheels()) {
+    const auto& state = place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot());
+    return {state.forward, state.left, state.turn};
+  }
   const engine::Velocity v = place_->world->velocities()[place_->row().index()];
   return {v.x, v.y, v.turn};
 }
 
-bool Model::stalled() const { return place_->world->stalled(place_->row()); }
+bool Model::stalled() const {
+  if (const auto* wheels = place_->wheels())
+    return place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot()).stalled != 0;
+  return place_->world->stalled(place_->row());
+}
 
-Pose Model::estimate() const { return place_->world->estimate(place_->row()); }
+Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) { place_->world->set_estimate(place_->row(), pose); }
 
@@ -235,8 +258,8 @@ std::optional<Model::Energy> Model::energy() const {
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
     if (const auto* pack = device_on(place_->type(), part, "power_pack")) {
       const models::PowerPackState& state = pack_state(world, *pack, place_->row());
-      return Energy{state.stored,        state.capacity, state.dissipated,    state.received,
-                    state.given, state.infinite != 0,   state.charging != 0};
+      return Energy{state.stored, state.capacity,      state.dissipated,   state.received,
+                    state.given,  state.infinite != 0, state.charging != 0};
     }
     if (part == 0) return {};
   }

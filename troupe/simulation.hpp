@@ -90,7 +90,7 @@ class Simulation;
 class Model {
  public:
   const std::string& name() const;
-  /// Global pose, m and rad.
+  /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it.
   Pose pose() const;
   /// Extent as declared in the world, m.
   Eigen::Vector3d size() const;
@@ -123,9 +123,9 @@ class Model {
   /// Puts it elsewhere in the world's frame, between two steps. That is no motion: its odometry does not see
   /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
   /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
-  /// Throws std::invalid_argument for a pose that is not finite or outside the world's bounds, and
-  /// std::logic_error for a part of a model and for what never moves. To move many at once, see
-  /// Simulation::set_poses.
+  /// What it carries goes with it. Throws std::invalid_argument for a pose that is not finite or outside the
+  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model and for what
+  /// never moves. To move many at once, see Simulation::set_poses.
   void set_pose(const Pose& pose);
   /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
   bool is_free(const Pose& pose) const;
@@ -150,8 +150,8 @@ class Model {
     bool infinite = false;    ///< it never runs out; stored_j stays 0
     bool charging = false;    ///< it was given something in the last tick
   };
-  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs on
-  /// none.
+  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs
+  /// on none.
   std::optional<Energy> energy() const;
   /// How many flags it holds itself, not what stands on it; 0 where it cannot hold any.
   std::size_t flag_count() const;

@@ -143,6 +143,7 @@ bool put_on(engine::TypeSpec& type, const engine::Registry& registry, engine::De
     if (kind == nullptr || kind->joints.size() != 1) continue;
     known.push_back(other.name);
     if (other.name != on) continue;
+    device.part = other.part;
     device.joint = other.moves;
     device.pose_body_sensor = compose(other.pose_body_sensor, device.pose_body_sensor);
     return true;
@@ -232,6 +233,7 @@ void read_device(const JsonCursor& at, DeviceList list, const engine::Registry& 
   const bool has_part = !kind->joints.empty();
   if (has_part) {
     engine::PartSpec part = read_device_part(object, device, *kind);
+    part.parent = device.part;
     part.joint = kind->body ? device.joint : static_cast<std::int32_t>(type.joints.size());
     device.part = static_cast<std::uint32_t>(type.parts.size());
     type.parts.push_back(std::move(part));

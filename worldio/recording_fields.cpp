@@ -25,8 +25,10 @@ bool chooses(const std::string& name, const StateTable& table) {
   return name == "all" || name == component || name == component.substr(0, component.find('/'));
 }
 
-std::string frame_of(HashGroup group) {
-  switch (group) {
+std::string frame_of(const StateTable& table) {
+  if (table.component().starts_with("joint/")) return "joint";
+  if (table.component() == "carrier") return "carrier";
+  switch (table.group()) {
     case HashGroup::pose: return "world";
     case HashGroup::velocity: return "body";
     case HashGroup::sensor: return "sensor";
@@ -73,7 +75,7 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
                                std::vector<std::size_t> columns, std::size_t rows) {
   RecordedComponent component{.path = std::move(path),
                               .name = table.component(),
-                              .frame = frame_of(table.group()),
+                              .frame = frame_of(table),
                               .rows = rows,
                               .columns = std::move(columns)};
   for (const std::size_t column : component.columns) component.fields.push_back(table.fields()[column]);

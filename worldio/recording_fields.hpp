@@ -16,7 +16,8 @@ namespace troupe::worldio {
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
   std::string name;               ///< of the component, or of the sensor
-  std::string frame;              ///< that values are given in: "world", "body", "sensor"; empty: none
+  std::string frame;              ///< that values are given in: "world", "body", "sensor", "joint" (at rest),
+                                  ///< "carrier"; empty: none
   std::size_t rows = 0;
   bool everywhere = true;  ///< no row lacks it
   std::vector<engine::StateField> fields;

@@ -117,8 +117,8 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   return map;
 }
 
-/// Of a map that is wrong a key that maps do not have is an error too: warnings would not be shown, and it may
-/// be the misspelt one that is missing.
+/// Of a map that is wrong a key that maps do not have is an error too: warnings would not be shown, and it
+/// may be the misspelt one that is missing.
 void MapReader::check_keys(const YAML::Node& map) {
   const bool is_right = is_right_;
   for (const auto& entry : map) {

@@ -25,7 +25,8 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
 std::filesystem::path tidied(const std::filesystem::path& path) {
   std::filesystem::path normal = path.lexically_normal();
   std::error_code fault;
-  const bool is_other = std::filesystem::exists(path, fault) && !std::filesystem::equivalent(path, normal, fault);
+  const bool is_other =
+      std::filesystem::exists(path, fault) && !std::filesystem::equivalent(path, normal, fault);
   return is_other ? path : normal;
 }
 

@@ -418,6 +418,32 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
   return spec;
 }
 
+std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
+                                                     const engine::DeviceKind& kind) {
+  const auto drive = this->drive(model);
+  if (!drive) return {};
+  const engine::FieldTable& given = registry_.drive(drive->kind)->params;
+  engine::DeviceSpec spec{
+      .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
+  set(kind.params, spec.params, "drive", drive->kind);
+  for (std::size_t f = 0; f < given.fields.size(); ++f)
+    if (const int at = kind.params.find(given.fields[f].name); at >= 0)
+      spec.params[static_cast<std::size_t>(at)] = drive->params[f];
+  for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
+    if (const StageProperty* property = model.find(document_, key))
+      values_.warning_once(
+          values_.where(*property),
+          fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
+                      "true pose",
+                      key));
+  if (const StageProperty* property = model.find(document_, "localization");
+      property && values_.text(*property).value_or("gps") != "gps")
+    values_.warning_once(values_.where(*property),
+                         "\"localization\" of a position inside another model has no effect: it knows its "
+                         "true pose");
+  return spec;
+}
+
 std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
   const double quarter_turn = radians(90);
   std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};  // Stage's, m and rad

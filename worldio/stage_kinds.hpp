@@ -28,6 +28,9 @@ class StageKinds {
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
   std::optional<engine::DriveSpec> drive(const StageModel& model);
+  /// Of a position inside another model, which has a drive of its own; empty, with errors, where its
+  /// properties are wrong.
+  std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
   /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
   /// parameter=value.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);

@@ -46,8 +46,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(model->where, fmt::format("not supported yet: what {} does; it is only a body here",
-                                                   with_article(model->type)));
+    values_.warning_once(model->where,
+                         fmt::format("this program does not have what {} does; it is only a body here",
+                                     with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
@@ -78,9 +79,6 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
       if (type != "window") add(window_only_, where, called(*row));
       break;
     case StageSupport::obsolete: add(obsolete_, where, called(*row)); break;
-    case StageSupport::unsupported:
-      values_.warning_once(where, fmt::format("not supported yet: {}", called(*row)));
-      break;
   }
 }
 
@@ -102,15 +100,15 @@ void StageLint::check_overruled(const StageModel& model) {
     if (const StageProperty* property = model.find(document_, key))
       values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: {}", key, why));
   };
-  const bool is_device = macros_.is_device(model.type);
+  const bool runs = macros_.is_device(model.type);
   const bool is_position = model.type == "position";
   const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
   if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is given too");
   const bool has_energy =
       model.find(document_, "watts") || model.find(document_, "give_watts") ||
       (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
-  if (is_model && !is_device && !has_energy) report("alwayson", "this model senses nothing");
-  if (is_model && !is_device && !is_position && !model.find(document_, "ctrl"))
+  if (is_model && !runs && !has_energy) report("alwayson", "this model senses nothing");
+  if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))
     report("update_interval", "this model neither senses nor drives");
   const std::vector<StageModel::Child> children = model.children(document_);
   const bool has_sensors = std::ranges::any_of(

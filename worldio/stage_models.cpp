@@ -43,7 +43,8 @@ void StageMacros::define(const StageItem& item) {
   const auto [first, is_new] =
       macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
   const Where before = document_.token(first->second.body->word).where();
-  const bool is_read_again = before.file == name.file && before.line == name.line;  // of a file included twice
+  const bool is_read_again =
+      before.file == name.file && before.line == name.line;  // of a file included twice
   if (!is_new && !is_read_again)
     values_.warning(name.where(), fmt::format("\"{}\" is defined already, at {}; the first definition holds",
                                               name.text, values_.place(before, name.where())));
@@ -91,23 +92,20 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   // The order of the hash table must not choose between two names that are equally near.
   std::ranges::sort(near);
   const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
-  values_.error(
-      model.where,
-      fmt::format("\"{}\" is no model type, nor a macro defined before{}; types: {}{}", model.type,
-                  is_dropped ? ": older versions of Stage had it, Stage 4.3 has not" : "",
-                  comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
+  values_.error(model.where,
+                fmt::format("\"{}\" is no model type, nor a macro defined before{}; types: {}{}", model.type,
+                            is_dropped ? ": older versions of Stage had it, Stage 4.3 has not" : "",
+                            comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
   return {};
-}
-
-bool StageMacros::is_only_a_body(std::string_view type) const {
-  const engine::ModelKind* kind = registry_.model(type);
-  return kind != nullptr && type != "model" && type != "position" &&
-         registry_.device(kind->device) == nullptr;
 }
 
 bool StageMacros::is_device(std::string_view type) const {
   const engine::ModelKind* kind = registry_.model(type);
   return kind != nullptr && registry_.device(kind->device) != nullptr;
+}
+
+bool StageMacros::is_only_a_body(std::string_view type) const {
+  return registry_.model(type) != nullptr && type != "model" && type != "position" && !is_device(type);
 }
 
 void StageMacros::report_unused() {

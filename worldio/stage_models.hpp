@@ -41,11 +41,10 @@ class StageMacros {
   /// Follows the chain of bases, and then the aliases of older files; empty, with an error, where it ends at
   /// no type or in a circle.
   std::optional<StageModel> resolve(const StageEntity& entity);
-  /// Whether models of this type load as bodies, but their own part is still missing: the device that they
-  /// are, or should be.
-  bool is_only_a_body(std::string_view type) const;
-  /// Whether models of this type are a device: a sensor, a gripper, a light, ...
+  /// Whether models of this type are a device: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;
+  /// Whether models of this type should be one, but the registry does not have it.
+  bool is_only_a_body(std::string_view type) const;
   /// Warns of macros of the world's own file that resolve() never came by, and of files with no macro that it
   /// did: a file that is included is there to be chosen from.
   void report_unused();

@@ -15,8 +15,8 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 
-/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W stand in
-/// Stage's manual, but not in its code.)
+/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W
+/// stand in Stage's manual, but not in its code.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
@@ -120,6 +120,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   DeviceSpec pack{.name = device_name(type, part, "power"),
                   .kind = "power_pack",
                   .part = part,
+                  .joint = type.parts[part].joint,
                   .params = kind->params.defaults(),
                   .where = model.where};
   set(kind->params, pack.params, "capacity", capacity);
@@ -144,6 +145,7 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
   DeviceSpec contact{.name = device_name(type, part, "contact"),
                      .kind = "power_contact",
                      .part = part,
+                     .joint = type.parts[part].joint,
                      .params = kind->params.defaults(),
                      .active = is_on(model),
                      .where = model.where};

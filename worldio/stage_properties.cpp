@@ -56,7 +56,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning",
      "StageWorld.ChildrenStackOnTheirParent"},
     {"model", "size", honoured,
-     "[x y z], above 0 where there is a body; of the older [x y] the height is the type's default, with a warning",
+     "[x y z], above 0 where there is a body; of the older [x y] the height is the type's default, with a "
+     "warning",
      "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
     {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it",
      "StageWorld.OriginMovesTheBodyButNotItsChildren"},
@@ -416,10 +417,9 @@ std::string_view status(StageSupport support) {
     case fixed: return "honoured, with a fix";
     case no_effect: return "accepted, no effect";
     case window_only: return "accepted, window only";
-    case obsolete: return "accepted, obsolete";
-    case unsupported: break;
+    case obsolete: break;
   }
-  return "not supported yet";
+  return "accepted, obsolete";
 }
 
 /// The rows of a property's name, in whatever entity.

@@ -14,7 +14,6 @@ enum class StageSupport {
   no_effect,    ///< accepted; the note says why it changes nothing
   window_only,  ///< accepted; it shapes Stage's window
   obsolete,     ///< accepted; Stage 4.3 ignores it too
-  unsupported,  ///< accepted with a warning
 };
 
 struct StageRow {

@@ -58,7 +58,8 @@ class StageValues {
 
   /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi]. At most 100 km away.
   std::optional<Pose> pose(const StageProperty& property);
-  /// [x y z], each 0 or above and at most 200 km, or the older [x y]. Whether 0 will do is the caller's matter.
+  /// [x y z], each 0 or above and at most 200 km, or the older [x y]. Whether 0 will do is the caller's
+  /// matter.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
   /// An X11 name; empty for "random" too. An unknown name is red, with a warning.
   std::optional<Color> color(const StageProperty& property);

@@ -536,10 +536,10 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   }
   check_extent(model, part);
   if (model.type == "bumper" && !find("size") && !part.solids.empty())
-    values_.warning_once(model.where,
-                         fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
-                                     "m; give it one, or noblocks 1",
-                                     part.size.x(), part.size.y(), part.size.z()));
+    values_.warning_once(
+        model.where, fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
+                                 "m; give it one, or noblocks 1",
+                                 part.size.x(), part.size.y(), part.size.z()));
   part.returns = returns(model);
   if (is_root && part.returns.fiducial != 0) part.returns.fiducial = k_marked;  // and add_body() its number
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
@@ -566,6 +566,16 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
         engine::add_device_body(draft.type, d, *device_kind);
     }
   }
+  const engine::DeviceKind* wheels = registry_.device("wheels");
+  if (model.type == "position" && !is_root && wheels)
+    if (auto device = kinds_.wheels(model, *wheels)) {
+      device->name = place.name;
+      device->part = index;
+      device->joint = place.joint;
+      device->pose_body_sensor = place.pose_body_part;
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
+      draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+    }
   power_.read(model, index, draft.type);
   add_behaviour(model, index, draft);
   add_children(model, below, height, holds->children, draft);
@@ -578,7 +588,8 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
   if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
-    values_.warning_once(where, "\"size\" gives this model no height: only what is at that very height meets it");
+    values_.warning_once(where,
+                         "\"size\" gives this model no height: only what is at that very height meets it");
   else if (part.size.minCoeff() == 0)
     values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
 }
@@ -622,15 +633,11 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   const bool is_root = part == 0;
   const bool is_position = model.type == "position";
   if (is_position && is_root) draft.type.drive = kinds_.drive(model);
-  if (is_position && !is_root)
-    values_.warning_once(
-        model.where,
-        "a position model inside another model does not drive on its own yet; it is carried along");
   const StageProperty* ctrl = model.find(document_, "ctrl");
   if (!ctrl) return;
   for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    if (kind != nullptr && kind->needs_drive && !(is_root && is_position)) {
+    if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" needs a position model to drive; this "
                                 "one is a {}{}",
@@ -658,6 +665,7 @@ void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine:
     type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
                             .kind = std::string(name),
                             .part = controller.part,
+                            .joint = type.parts[controller.part].joint,
                             .params = device->params.defaults(),
                             .period_s = controller.period_s,
                             .where = controller.where});

@@ -7,7 +7,9 @@ TICKS = 300
 QUICK_TICKS = 50
 WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
           World("crowd.json", weight=0.2, ranging="grid"), World("errands.json", weight=0.05, casts=False),
-          World("energy.json", weight=0.1), World("foraging.json", weight=0.1), World("lookout.json", weight=0.1))
+          World("energy.json", weight=0.1), World("foraging.json", weight=0.1),
+          World("gripper.json", weight=0.02, casts=False), World("gate.json", weight=0.01, casts=False),
+          World("magpies.json", weight=0.2), World("lookout.json", weight=0.1))
 
 
 def hold(world, proofs, ticks, folder, golden=None):

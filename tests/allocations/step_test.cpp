@@ -50,10 +50,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"crowd", "crowd.json", 100, 100},
                       // No floor plan says where they will go: the index makes room as they do.
                       Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
-                      Scene{"foraging", "foraging.json", 20, 800},
-                      Scene{"lookout", "lookout.json", 200, 100}, Scene{"blobs", "blobs.world", 10, 20},
-                      Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
-                      Scene{"fiducial", "fiducial.world", 10, 100}, Scene{"noise", "noise.world", 10, 50}),
+                      Scene{"foraging", "foraging.json", 20, 800}, Scene{"gripper", "gripper.json", 195, 200},
+                      Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200}, Scene{"lookout", "lookout.json", 200, 100},
+                      Scene{"blobs", "blobs.world", 10, 20}, Scene{"bumper", "bumper.world", 10, 50},
+                      Scene{"camera", "camera.world", 10, 50}, Scene{"fiducial", "fiducial.world", 10, 100},
+                      Scene{"noise", "noise.world", 10, 50}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

@@ -73,8 +73,7 @@ TEST_F(CameraPicturesOf, AreWhatTheCameraReads) {
   const Outcome outcome =
       troupe({"run", world_, "--for", "0.1", "--quiet", "--camera-png", "seen", "--camera-every", "0"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(pictures("seen"),
-              ElementsAre("r0.eye-000000.100s-color.png", "r0.eye-000000.100s-depth.png"));
+  EXPECT_THAT(pictures("seen"), ElementsAre("r0.eye-000000.100s-color.png", "r0.eye-000000.100s-depth.png"));
   const Pixels color = pixels("seen/r0.eye-000000.100s-color.png");
   EXPECT_EQ(color.width, 40);
   EXPECT_EQ(color.height, 30);
@@ -99,7 +98,8 @@ TEST_F(CameraPicturesOf, AreWhatTheCameraReads) {
 }
 
 TEST_F(CameraPicturesOf, EachSecondUnlessToldAndTheSameOnAnyThreads) {
-  ASSERT_EQ(troupe({"run", world_, "--for", "2.5", "--quiet", "--threads", "1", "--camera-png", "a/"}).code, 0);
+  ASSERT_EQ(troupe({"run", world_, "--for", "2.5", "--quiet", "--threads", "1", "--camera-png", "a/"}).code,
+            0);
   ASSERT_EQ(troupe({"run", world_, "--for", "2.5", "--quiet", "--threads", "3", "--tile-size", "0.7",
                     "--camera-png", "b"})
                 .code,
@@ -113,15 +113,17 @@ TEST_F(CameraPicturesOf, EachSecondUnlessToldAndTheSameOnAnyThreads) {
 }
 
 TEST_F(CameraPicturesOf, ChangeNoResult) {
-  ASSERT_EQ(troupe({"run", world_, "--for", "1", "--quiet", "--hash-log", "with.log", "--camera-png", "seen"}).code,
-            0);
+  ASSERT_EQ(
+      troupe({"run", world_, "--for", "1", "--quiet", "--hash-log", "with.log", "--camera-png", "seen"}).code,
+      0);
   ASSERT_EQ(troupe({"run", world_, "--for", "1", "--quiet", "--hash-log", "without.log"}).code, 0);
   EXPECT_EQ(read("with.log"), read("without.log"));
 }
 
 TEST_F(CameraPicturesOf, CamerasOfOneNameAndSlowOnes) {
   write("w.world",
-        "define bot position( size [0.2 0.2 0.2] camera( name \"eye\" alwayson 1 resolution [4 3] update_interval "
+        "define bot position( size [0.2 0.2 0.2] camera( name \"eye\" alwayson 1 resolution [4 3] "
+        "update_interval "
         "250 ) )\n"
         "bot( name \"a/b\" )\nbot( name \"a/b\" pose [1 0 0 0] )\n"
         "position( pose [3 0 0 0] camera( resolution [4 3] ) )\n");
@@ -147,7 +149,8 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
     EXPECT_THAT(files(), ElementsAre("blind.world", "file"));
   };
   refused({world_, "--camera-png", "file"}, "file: error: cannot be written: it is no folder");
-  refused({world_, "--camera-png", "none/seen"}, "none/seen: error: cannot be written: there is no folder none");
+  refused({world_, "--camera-png", "none/seen"},
+          "none/seen: error: cannot be written: there is no folder none");
   refused({"blind.world", "--camera-png", "seen"},
           "blind.world: error: --camera-png: no camera of this world runs");
   refused({world_, "blind.world", "--camera-png", "seen"}, "of several worlds each needs outputs of its own");

@@ -178,7 +178,8 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                "position( name \"b\" pose [2 0 0 0] friction 1\n  wheelbase 2 )\n"
                "position( name \"c\" pose [4 0 0 0] drive \"car\" wheelbase 2 )\n"
                "model( pose [6 0 0 0] color \"blue\"\n  color_rgba [0 1 0 1]\n  alwayson 1\n"
-               "  update_interval 200\n  scount 3 )\n"),
+               "  update_interval 200\n  scount 3 )\n"
+               "fiducial( pose [8 0 0 0] alwayson 1 update_interval 200 )\n"),
       ElementsAre("w.world:1: warning: paused: for Stage's window only",
                   "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
                   "w.world:3: warning: a position has no property \"blobs\"; it is ignored",

@@ -45,12 +45,13 @@ TEST_F(Conformance14, AWorldThatDoesNotLoadIsExitCode2) {
   const Outcome outcome = troupe({"run", "bad.world", "--for", "1"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, IsEmpty());
-  EXPECT_THAT(lines_of(outcome.err),
-              ::testing::ElementsAre(
-                  "parts.inc:3: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
-                  "quotes: foo \"bar\"",
-                  "bad.world:2: error: unexpected ','; the values of a tuple are separated by blanks: [1 2 3]",
-                  "bad.world:3: error: \"pose\" needs 4 values [x y z heading]; here is 1"));
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ::testing::ElementsAre(
+          "parts.inc:3: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
+          "quotes: foo \"bar\"",
+          "bad.world:2: error: unexpected ','; the values of a tuple are separated by blanks: [1 2 3]",
+          "bad.world:3: error: \"pose\" needs 4 values [x y z heading]; here is 1"));
 }
 
 INSTANTIATE_TEST_SUITE_P(

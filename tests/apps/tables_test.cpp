@@ -120,12 +120,12 @@ TEST_F(Tables, EventsAddUpToTheStallsThatAreMeasured) {
   run({"--for", "20", "--measures", "m.csv", "--measure", "stalls", "--measure-every", "0", "--events",
        "e.csv"});
   const std::vector<std::string> events = lines_of(read("e.csv"));
-  EXPECT_EQ(events[0], "tick,time_s,event,robot,id,x_m,y_m,heading_rad");
+  EXPECT_EQ(events[0], "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id");
   std::map<std::string, int> change;  // by tick
   int last_tick = 0;
   for (std::size_t i = 1; i < events.size(); ++i) {
     EXPECT_THAT(events[i], MatchesRegex("[0-9]+,[0-9.]+,(stall|held)_(begins|ends),position:[0-9]+,[0-9]+,"
-                                        "[-0-9.e]+,[-0-9.e]+,[-0-9.e]+"));
+                                        "[-0-9.e]+,[-0-9.e]+,[-0-9.e]+,,"));
     const std::vector<std::string> cells = cells_of(events[i]);
     change[cells[0]] += cells[2].ends_with("_begins") ? 1 : -1;
     EXPECT_GE(std::stoi(cells[0]), last_tick);

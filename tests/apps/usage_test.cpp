@@ -23,9 +23,11 @@ TEST_F(Usage, VersionIsOneLine) {
 TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   const Outcome outcome = troupe({"run", "--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* word : {"WORLD", "--for", "--rate", "--clock", "--threads", "--seed", "--robots", "--set",
-                           "--tile-size", "--hash-log", "--snapshot", "--size", "--profile",
-                           "--profile-ticks", "--camera-png", "--camera-every", "--json", "--quiet", "quit_time", "Exit codes", "Examples"})
+  for (const char* word :
+       {"WORLD",     "--for",           "--rate",       "--clock",        "--threads",  "--seed",
+        "--robots",  "--set",           "--tile-size",  "--hash-log",     "--snapshot", "--size",
+        "--profile", "--profile-ticks", "--camera-png", "--camera-every", "--json",     "--quiet",
+        "quit_time", "Exit codes",      "Examples"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }

@@ -1,6 +1,7 @@
 #include "engine/events.hpp"
 
 #include "tests/engine/conflict_crowds.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>
@@ -134,11 +135,38 @@ TEST(Events, AreTheChangesOfTheTableOfStallsByIdWhateverTheThreads) {
       run.insert(run.end(), expected.begin(), expected.end());
       before = now;
     }
-    for (const EventKind& kind : event_kinds())
-      EXPECT_THAT(run, ::testing::Contains(::testing::StartsWith(std::string(kind.name)))) << kind.name;
+    for (const EventType type :
+         {EventType::stall_ends, EventType::held_ends, EventType::stall_begins, EventType::held_begins}) {
+      const std::string name(event_name(type));
+      EXPECT_THAT(run, ::testing::Contains(::testing::StartsWith(name))) << name;
+    }
     runs.push_back(run);
   }
   EXPECT_EQ(runs[0], runs[1]);
+}
+
+TEST(Events, GripsAndReleasesAreThoseOfTheCarrier) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.4, 0.4, 0.3)});
+  test::add_device(scene[bot], "hand", "gripper", {0.3, 0, 0, 0});
+  scene[bot].controllers.push_back(
+      test::operate({test::order(0.1, "hand", "close"), test::order(2, "hand", "open")}));
+  const TypeId puck = scene.type("puck", {test::box(0.1, 0.1, 0.1)}, {.gripper = true});
+  scene.body("p", puck, {0.34, 0, 0, 0});
+  const BodyId robot = scene.body("r", bot);
+  World world = scene.world();
+  EventWatch watch(world);
+  std::vector<std::string> lines;
+  for (int t = 0; t < 40; ++t) {
+    world.step();
+    for (const Event& event : watch.see(world)) {
+      ASSERT_TRUE(event.other.valid());
+      EXPECT_EQ(event.body, robot);
+      lines.push_back(fmt::format("{} {} {}", event_name(event.type), world.spec().name(event.body),
+                                  world.spec().name(event.other)));
+    }
+  }
+  EXPECT_THAT(lines, ElementsAre("grip r p", "release r p"));
 }
 
 TEST(Events, AWatchMayBeginWithAnyTickAndTellsNothingOfAReset) {

@@ -5,6 +5,7 @@
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +94,7 @@ SceneBuilder machines(std::uint64_t seed) {
   scene.spec.seed = seed;
   for (std::uint32_t i = 0; i < 9; ++i) {
     Random random(seed, 7, i, 0);
-    const std::string name = "m" + std::to_string(i);
+    const std::string name = fmt::format("m{}", i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
     test::add_arm(
         scene[type], "arm", {0, 0, 0.3, 0}, {Solid{{test::rectangle(0, -0.03, 0.55, 0.03)}, {0, 0.1}}},
@@ -137,17 +138,59 @@ TEST(Links, NothingOverlapsWhateverMoves) {
   EXPECT_GT(moves, 2 * stalls) << "and still move";
 }
 
-TEST(Links, TheSameOnAnyThreadsAndTiles) {
-  std::vector<std::uint64_t> expected;
-  for (const WorldOptions& options : {WorldOptions{1, 0}, {2, 0}, {8, 0}, {2, 0.6}, {3, 4.7}}) {
-    World world = machines(3).world(options);
-    std::vector<std::uint64_t> hashes;
-    for (int t = 0; t < 40; ++t) {
+/// Robots that close on pucks, lift them and drive them into one another.
+SceneBuilder carriers(std::uint64_t seed) {
+  SceneBuilder scene;
+  scene.spec.seed = seed;
+  Random random(seed, 8, 0, 0);
+  const auto draw = [&](double most) { return random.uniform(-most, most); };
+  for (int i = 0; i < 9; ++i) {
+    const std::string name = fmt::format("c{}", i);
+    const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
+    test::add_device(scene[type], "hand", "gripper", {0.25, 0, 0, 0});
+    constexpr std::string_view k_orders[] = {"open", "close", "up", "down"};
+    std::vector<Record> orders{order(0.1, "hand", "close")};
+    for (int t = 1; t < 8; ++t)
+      orders.push_back(order(1.5 * t, "hand", std::string(k_orders[random.below(4)])));
+    scene[type].controllers.push_back(test::operate(std::move(orders)));
+    scene[type].controllers.push_back(test::drive_legs(
+        {test::leg(1, 0), test::leg(4, draw(0.4), draw(0.8)), test::leg(9, draw(0.4), draw(0.8))}));
+    const Pose at{0.9 * (i % 3), 0.9 * (i / 3), 0, draw(0.2)};
+    scene.body(name, type, at);
+    const double size = random.uniform(0.06, 0.18);
+    const TypeId puck = scene.type("puck of " + name, {box(size, 0.1, 0.1)}, {.gripper = true});
+    scene.body(fmt::format("p{}", i), puck, compose(at, {0.245 + size / 2, draw(0.03), 0, 0}));
+  }
+  return scene;
+}
+
+TEST(Links, NothingOverlapsWhateverIsCarried) {
+  std::size_t most_carried = 0;
+  for (std::uint64_t seed = 1; seed <= (test::k_slow_build ? 1u : 6u); ++seed) {
+    World world = carriers(seed).world();
+    ASSERT_LT(deepest(world), 1e-9) << "at the start";
+    for (int t = 0; t < (test::k_slow_build ? 40 : 110); ++t) {
       world.step();
-      hashes.push_back(world.hashes().state);
+      ASSERT_LT(deepest(world), 1e-9) << "seed " << seed << ", tick " << world.tick();
+      most_carried = std::max(most_carried, world.carried_count());
     }
-    if (expected.empty()) expected = hashes;
-    EXPECT_EQ(hashes, expected);
+  }
+  EXPECT_GE(most_carried, 4u);
+}
+
+TEST(Links, TheSameOnAnyThreadsAndTiles) {
+  for (const SceneBuilder& scene : {machines(3), carriers(2)}) {
+    std::vector<std::uint64_t> expected;
+    for (const WorldOptions& options : {WorldOptions{1, 0}, {2, 0}, {8, 0}, {2, 0.6}, {3, 4.7}}) {
+      World world = scene.world(options);
+      std::vector<std::uint64_t> hashes;
+      for (int t = 0; t < 40; ++t) {
+        world.step();
+        hashes.push_back(world.hashes().state);
+      }
+      if (expected.empty()) expected = hashes;
+      EXPECT_EQ(hashes, expected);
+    }
   }
 }
 
@@ -165,7 +208,7 @@ TEST(Links, CyclesAndTakenBodiesAreRefused) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.2, 0.2)});
   test::add_device(scene[type], "hand", "gripper", {0.2, 0, 0, 0});
-  for (int i = 0; i < 3; ++i) scene.body("r" + std::to_string(i), type, {2.0 * i, 0, 0, 0.5 * i});
+  for (int i = 0; i < 3; ++i) scene.body(fmt::format("r{}", i), type, {2.0 * i, 0, 0, 0.5 * i});
   const TypeId plain = scene.robot("plain", {box(0.2, 0.2)});
   scene.body("p", plain, {0, 3, 0, 0});
   World world = scene.world();

@@ -146,6 +146,67 @@ TEST(Gripper, OfTwoThatCloseOnOneTheLowestIdHasIt) {
   EXPECT_EQ(hand(world, other).held, 0u);
 }
 
+/// Four that close on one pillar: two from either side, one on the floor and one above it.
+struct Contested {
+  std::vector<BodyId> robots;  // the first and the third are on one side
+  BodyId pillar;
+
+  Contested(SceneBuilder& scene, TypeId robot, TypeId object, const Vec2& at, int turned) {
+    for (int i = 0; i < 4; ++i) {
+      const int place = (i + turned) % 4;
+      const Pose facing{at.x(), at.y(), place / 2 == 0 ? 0.0 : 0.35, place % 2 == 0 ? 0.0 : k_pi};
+      const Pose pose = compose(facing, {-0.46, 0, 0, 0});
+      robots.push_back(scene.body(name('r', scene), robot, pose));
+    }
+    pillar = scene.body(name('o', scene), object, {at.x(), at.y(), 0, 0});
+  }
+  static std::string name(char first, const SceneBuilder& scene) {
+    return std::string(1, first).append(std::to_string(scene.spec.bodies.size()));
+  }
+};
+
+TEST(Gripper, OfManyThatCloseOnOneTheLowestIdHasItAndTakesItAway) {
+  SceneBuilder scene;
+  const TypeId robot =
+      gripper_robot(scene, "robot", {order(0.1, "hand", "close")}, {leg(1.5, 0), leg(4, -0.4)});
+  const TypeId object = scene.type("pillar", {box(0.2, 0.2, 0.6)}, {.gripper = true});
+  std::vector<Contested> contests;
+  for (int i = 0; i < 4; ++i) contests.emplace_back(scene, robot, object, Vec2(4.0 * i, 0.3 * i), i);
+  std::vector<std::uint64_t> expected;
+  for (const engine::WorldOptions& options :
+       {engine::WorldOptions{1, 0}, {2, 0}, {8, 0}, {2, 0.7}, {3, 5.3}}) {
+    World world = scene.world(options);
+    std::vector<std::uint64_t> hashes;
+    for (int t = 0; t < 15; ++t) {
+      world.step();
+      hashes.push_back(world.hashes().state);
+    }
+    EXPECT_EQ(world.carried_count(), contests.size());
+    for (const Contested& contest : contests) {
+      EXPECT_EQ(world.carrier(world.row(contest.pillar)), contest.robots.front());
+      EXPECT_EQ(hand(world, contest.robots.front()).taken, 0);
+      for (std::size_t i = 1; i < 4; ++i) {
+        EXPECT_EQ(hand(world, contest.robots[i]).taken, 1);
+        EXPECT_EQ(hand(world, contest.robots[i]).held, 0u);
+      }
+    }
+    for (int t = 0; t < 45; ++t) {
+      world.step();
+      hashes.push_back(world.hashes().state);
+    }
+    for (const Contested& contest : contests) {  // 2.5 s backwards at 0.4 m/s
+      const Pose from = scene.spec.bodies[contest.robots.front().index()].pose_world_body;
+      const Pose to = compose(from, {0.46 - 1, 0, 0, 0});
+      EXPECT_NEAR(world.pose(contest.pillar).x, to.x, k_near);
+      EXPECT_NEAR(world.pose(contest.pillar).y, to.y, k_near);
+      for (const std::size_t across : {1u, 3u})
+        EXPECT_EQ(hand(world, contest.robots[across]).paddles, GripperState::closed) << "on nothing";
+    }
+    if (expected.empty()) expected = hashes;
+    EXPECT_EQ(hashes, expected);
+  }
+}
+
 /// A robot that holds a puck is held itself: all go where the last one goes.
 TEST(Gripper, ChainsMoveAsOne) {
   SceneBuilder scene;

@@ -1,5 +1,7 @@
 #include "models/power.hpp"
 
+#include "models/actuator.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -65,6 +67,22 @@ TEST(PowerPack, FeedsWhatRunsOnIt) {
   World world = scene.world();
   step(world, 10);
   EXPECT_NEAR(pack_of(world, robot).dissipated, 3 + 3 * 0.2, 1e-12);  // W, for a second
+}
+
+TEST(PowerPack, AnActuatorDrawsTwoWattsAndStandsWithoutThem) {
+  SceneBuilder scene;
+  const TypeId type = scene.type("gate", {box(0.4, 0.4)});
+  scene[type].devices = {pack({{"capacity", 100.0}, {"stored", 1.1}})};
+  test::add_device(scene[type], "arm", "actuator", {}, {{"max_speed", 0.1}});
+  scene[type].controllers = {test::operate({test::order(0, "arm", "go_to", 1)})};
+  const BodyId gate = scene.body("g", type);
+  World world = scene.world();
+  step(world, 5);
+  EXPECT_NEAR(pack_of(world, gate).dissipated, 2 * 0.5, 1e-12);
+  EXPECT_NEAR(state_of<ActuatorState>(world, gate, "actuator").position, 4 * 0.01, 1e-12);
+  step(world, 20);
+  EXPECT_EQ(pack_of(world, gate).stored, 0);
+  EXPECT_NEAR(state_of<ActuatorState>(world, gate, "actuator").position, 4 * 0.01, 1e-12);
 }
 
 TEST(PowerPack, TicksOfAnyLengthDrawTheSame) {

@@ -86,6 +86,7 @@ std::vector<Scene> scenes() {
           {"caveWithLasers", k_worlds / "cave-complex-laser.json", {}},
           {"crowd", k_worlds / "crowd.json", {}},
           {"crowdOnTheGrid", k_worlds / "crowd.json", by_grid},
+          {"magpies", k_worlds / "magpies.json", {}},
           {"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}},
           {"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}}};
 }

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 using ::testing::Each;
 using ::testing::FloatNear;
 
-constexpr double k_digits = 5e-7;   // of numbers that are given to six decimals
-constexpr float k_cells = 0.03f;    // m: a cell and a half of Stage's
+constexpr double k_digits = 5e-7;  // of numbers that are given to six decimals
+constexpr float k_cells = 0.03f;   // m: a cell and a half of Stage's
 
 class Vectors : public test::ScratchTest {
  protected:
@@ -47,8 +47,7 @@ class Vectors : public test::ScratchTest {
   static std::vector<T> read(const Simulation& simulation, std::size_t field, std::size_t device = 0) {
     const engine::World& world = simulation.world();
     const Row row = world.row(world.find("r"));
-    const auto cell =
-        world.percepts(world.type(row).devices[device]).cell<T>(world.slot(row), field);
+    const auto cell = world.percepts(world.type(row).devices[device]).cell<T>(world.slot(row), field);
     return {cell.begin(), cell.end()};
   }
 };
@@ -82,8 +81,7 @@ TEST_F(Conformance01, Kinematics) {
 }
 
 TEST_F(Conformance02, Odometry) {
-  Simulation simulation =
-      load("position( name \"r\" localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n");
+  Simulation simulation = load("position( name \"r\" localization \"odom\" odom_error [0.1 0.2 0 0.3] )\n");
   Model robot = simulation.find("r");
   robot.set_speed(0.5, 1);
   simulation.step();
@@ -173,13 +171,13 @@ constexpr std::string_view k_four_walls =
     "wall( pose [2.1 0 0 90] )\nwall( pose [-2.1 0 0 -90] )\n";
 
 TEST_F(Conformance08, RangesBetweenFourWalls) {
-  Simulation simulation = load(
-      std::string(k_four_walls) +
-      "define ahead sensor( range [0 5] )\n"
-      "position( name \"r\" size [0.2 0.2 0.2]\n"
-      "  ranger( alwayson 1 ahead() ahead( pose [0 0 0 180] ) ahead( pose [0 0 0 -90] ) "
-      "ahead( pose [0 0 0 90] ) )\n"
-      "  ranger( alwayson 1 ahead( fov 90 samples 5 ) ) )\n");
+  Simulation simulation =
+      load(std::string(k_four_walls) +
+           "define ahead sensor( range [0 5] )\n"
+           "position( name \"r\" size [0.2 0.2 0.2]\n"
+           "  ranger( alwayson 1 ahead() ahead( pose [0 0 0 180] ) ahead( pose [0 0 0 -90] ) "
+           "ahead( pose [0 0 0 90] ) )\n"
+           "  ranger( alwayson 1 ahead( fov 90 samples 5 ) ) )\n");
   simulation.step();
   // Stage reads 1.98 in the last: the wall that is turned falls into the next cell.
   EXPECT_THAT(simulation.find("r").ranges("ranger:0"), Each(FloatNear(2, 1e-6f)));
@@ -194,22 +192,28 @@ TEST_F(Conformance08, RangesBetweenFourWalls) {
 
 TEST_F(Conformance09, ReturnsOfRangers) {
   const auto reading = [this](std::string_view others) {
-    Simulation simulation = load(
-        std::string("position( name \"r\" size [0.2 0.2 0.2]\n"
-                    "  ranger( alwayson 1 intensity 1 sensor( pose [0 0 0.29 0] range [0 3.7] ) ) )\n")
-            .append(others));
+    Simulation simulation =
+        load(std::string("position( name \"r\" size [0.2 0.2 0.2]\n"
+                         "  ranger( alwayson 1 intensity 1 sensor( pose [0 0 0.29 0] range [0 3.7] ) ) )\n")
+                 .append(others));
     simulation.step();  // at a height of 0.2 + 0.29 + 0.01 m
     return std::pair(simulation.find("r").ranges()[0], simulation.find("r").intensities()[0]);
   };
-  EXPECT_EQ(reading(""), std::pair(3.7f, 0.0f));
-  const auto box = [](std::string_view properties) {
-    return std::string("model( size [0.5 0.5 1] pose [2 0 0 0] ").append(properties).append(" )\n");
+  const auto expect_hit = [&](std::string_view properties, float intensity) {
+    const auto [range, reported] =
+        reading(std::string("model( size [0.5 0.5 1] pose [2 0 0 0] ").append(properties).append(" )\n"));
+    EXPECT_NEAR(range, 1.75, 1e-6) << properties;
+    EXPECT_EQ(reported, intensity) << properties;
   };
-  EXPECT_EQ(reading(box("")), std::pair(1.75f, 1.0f));
-  EXPECT_EQ(reading(box("ranger_return 0.5")), std::pair(1.75f, 0.5f));
-  EXPECT_EQ(reading(box("ranger_return 0")), std::pair(1.75f, 0.0f));
-  EXPECT_EQ(reading(box("ranger_return -1")), std::pair(3.7f, 0.0f));
-  EXPECT_EQ(reading(box("size [0.5 0.5 0.4]")), std::pair(3.7f, 0.0f));
+  const auto expect_nothing = [&](std::string_view others) {
+    EXPECT_EQ(reading(others), std::pair(3.7f, 0.0f)) << others;  // exactly range.max
+  };
+  expect_nothing("");
+  expect_hit("", 1);
+  expect_hit("ranger_return 0.5", 0.5f);
+  expect_hit("ranger_return 0", 0);
+  expect_nothing("model( size [0.5 0.5 1] pose [2 0 0 0] ranger_return -1 )\n");
+  expect_nothing("model( size [0.5 0.5 0.4] pose [2 0 0 0] )\n");
 }
 
 /// Readings of 40 beams that look at a face 3.94 m ahead, or at nothing, over some ticks.

@@ -77,12 +77,8 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 
 std::vector<GoldenRun> runs() {
   if (test::k_slow_build)
-    return {{"hospital.json", 150, 10},
-            {"cave-complex-laser.json", 12, 10},
-            {"crowd.json", {}, 5},
-            {"hospital.json:grid", 150, 10},
-            {"crowd.json:grid", {}, 5},
-            {"lookout.json", 12, 5},
+    return {{"hospital.json", 150, 10},      {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5},
+            {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 5},          {"lookout.json", 12, 5},
             {"camera.world", {}, 5}};
   return {{"hospital.json", {}, 50},
           {"cave-complex-laser.json", {}, 50},
@@ -100,6 +96,10 @@ std::vector<GoldenRun> runs() {
           {"bumper.world", {}, 50},
           {"camera.world", {}, 50},
           {"fiducial.world", {}, 50},
+          {"gate.json", {}, 50},
+          {"gripper.json", {}, 50},
+          {"lift.world", {}, 50},
+          {"magpies.json", {}, 50},
           {"minimal.world", {}, 50},
           {"noise.world", {}, 50}};
 }
@@ -116,8 +116,10 @@ TEST(GoldenHashes, HoldEveryWorld) {
   for (const auto& entry : fs::directory_iterator(k_worlds)) {
     const std::string file = entry.path().filename().string();
     if (file == "campus.json") continue;  // a million robots: perf_paper's
-    if (file.ends_with(".world") || file.ends_with(".json"))
-      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; })) << file;
+    if (file.ends_with(".world") || file.ends_with(".json")) {
+      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; }))
+          << file;
+    }
   }
 }
 

@@ -99,13 +99,14 @@ TEST(EnergyScene, ModelsTellOfTheirPacksAndTheSimulationOfAll) {
 class EnergyOfModels : public test::ScratchTest {};
 
 TEST_F(EnergyOfModels, PartsRunOnThePackBelowThemAndFlagsAreTheirOwn) {
-  Simulation simulation(write("w.world",
-                              "model( name \"base\" joules 10 alwayson 1 watts 1 model( name \"top\" )\n"
-                              "  model( name \"box\" kjoules 2 model( name \"lid\" ) ) )\n"
-                              "model( name \"mains\" pose [2 0 0 0] joules -1 )\n"
-                              "model( name \"stone\" pose [4 0 0 0] )\n"
-                              "model( name \"source\" pose [6 0 0 0] ctrl \"source 3\" model( name \"sign\" ) )\n"),
-                        {.threads = 1});
+  Simulation simulation(
+      write("w.world",
+            "model( name \"base\" joules 10 alwayson 1 watts 1 model( name \"top\" )\n"
+            "  model( name \"box\" kjoules 2 model( name \"lid\" ) ) )\n"
+            "model( name \"mains\" pose [2 0 0 0] joules -1 )\n"
+            "model( name \"stone\" pose [4 0 0 0] )\n"
+            "model( name \"source\" pose [6 0 0 0] ctrl \"source 3\" model( name \"sign\" ) )\n"),
+      {.threads = 1});
   EXPECT_EQ(simulation.find("source").flag_count(), 0u);
   simulation.run_for(2);
   EXPECT_NEAR(simulation.find("base").energy()->stored_j, 8, 1e-12);

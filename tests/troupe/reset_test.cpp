@@ -32,13 +32,14 @@ struct Scene {
 };
 
 class ResetScene : public ::testing::TestWithParam<Scene> {};
-INSTANTIATE_TEST_SUITE_P(World, ResetScene,
-                         ::testing::Values(Scene{"crowd", "crowd.json"},
-                                           Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact,
-                                                 3},
-                                           Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
-                                           Scene{"caveWithLasers", "cave-complex-laser.json"}),
-                         [](const auto& scene) { return scene.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    World, ResetScene,
+    ::testing::Values(Scene{"crowd", "crowd.json"},
+                      Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact, 3},
+                      Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
+                      Scene{"caveWithLasers", "cave-complex-laser.json"}, Scene{"magpies", "magpies.json"},
+                      Scene{"magpiesOnTheGrid", "magpies.json", RangingEngine::grid, 2}),
+    [](const auto& scene) { return scene.param.name; });
 
 /// Every byte of every table, and what is derived from them.
 std::string bytes_of(const engine::World& world) {

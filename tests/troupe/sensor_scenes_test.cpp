@@ -117,7 +117,8 @@ TEST(SensorScenes, TheCameraSeesCratePlateAndGate) {
   constexpr int k_floor = 0xcccccc, k_sky = 0x87ceeb;
   const auto expect = [&](std::size_t column, std::size_t row, int color, double depth) {
     const std::size_t i = row * 40 + column;
-    EXPECT_EQ(colors[4 * i] << 16 | colors[4 * i + 1] << 8 | colors[4 * i + 2], color) << column << ", " << row;
+    EXPECT_EQ(colors[4 * i] << 16 | colors[4 * i + 1] << 8 | colors[4 * i + 2], color)
+        << column << ", " << row;
     EXPECT_EQ(colors[4 * i + 3], 255);
     EXPECT_NEAR(depths[i], depth, 1e-4) << column << ", " << row;
   };

@@ -223,7 +223,7 @@ constexpr Effect k_effects[] = {
     {"actuator", "axis", "actuator( start_position 0.5 @ )", "axis [0 1 0]"},
     {"actuator", "min_position", "actuator( start_position 0 @ )", "min_position 0.1"},
     {"actuator", "max_position", "actuator( start_position 1 @ )", "max_position 0.7"},
-    {"actuator", "max_speed", "actuator( @ )", "max_speed 0.1", loaded},
+    {"actuator", "max_speed", "actuator( @ ctrl \"operate :go_to:1@0\" )", "max_speed 0.1"},
     {"actuator", "start_position", "actuator( @ )", "start_position 0.5"},
 };
 

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <string>
 
 namespace troupe {
@@ -91,10 +92,13 @@ TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
 
 TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
   Simulation simulation = load(
-      "position( name \"r\" size [0.4 0.4 0.2]\n"
+      "position( name \"r\" size [0.4 0.4 0.2] ctrl \"operate arm:go_to:9@0.1,arm:go_to:-9@4\"\n"
       "  actuator( name \"arm\" size [0.1 0.1 0.1] alwayson 1 type \"linear\" axis [1 0 1]\n"
       "    min_position -1 max_position 2 max_speed 0.5 start_position 0.5\n"
-      "    model( name \"hand\" size [0.1 0.1 0.1] ) ) )\n");
+      "    model( name \"hand\" size [0.1 0.1 0.1] ) )\n"
+      "  actuator( name \"table\" type \"rotational\" size [0.05 0.05 0.05] pose [-0.1 0 0 0] start_position "
+      "0.7\n"
+      "    model( name \"top\" size [0.02 0.02 0.02] pose [0 0.01 0 0] ) ) )\n");
   const engine::World& world = simulation.world();
   const Row row = world.row(world.find("r"));
   const double along = 0.5 / sqrt(2.0);
@@ -105,6 +109,91 @@ TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
   EXPECT_NEAR(world.outline(row)[0].x(), -0.2, 1e-12);
   EXPECT_NEAR(world.outline(row)[8].x(), -0.05 + along, 1e-12);
   EXPECT_NEAR(world.lift(row, world.type(row).outlines[2].joint), along, 1e-12);
+  EXPECT_NEAR(simulation.find("r.arm.hand").pose().x, along, 1e-12);
+  EXPECT_NEAR(simulation.find("r.arm.hand").pose().z, 0.2 + 0.1 + along, 1e-12);
+  const Pose top = simulation.find("r.table.top").pose();
+  EXPECT_NEAR(top.heading, 0.7, 1e-12);
+  EXPECT_NEAR(top.x, -0.1 - 0.01 * std::sin(0.7), 1e-12);
+  EXPECT_NEAR(top.y, 0.01 * std::cos(0.7), 1e-12);
+
+  const auto position = [&] { return state<ActuatorState>(simulation, "r", "arm").position; };
+  step(simulation, 5);  // it is told in the first tick, and moves from the second on
+  EXPECT_NEAR(position(), 0.5 + 4 * 0.05, 1e-12);
+  step(simulation, 30);
+  EXPECT_EQ(position(), 2);
+  step(simulation, 70);
+  EXPECT_EQ(position(), -1);
+}
+
+// Both drive 0.05 m a tick from the second on, the rider to the left of its carrier. Its side may not pass
+// the wall's face, at y = 1.13 m: after 20 motions it stands at 1 m.
+TEST_F(StageGrip, APositionInsideAnotherDrivesInItsFrame) {
+  Simulation simulation = load(
+      "position( name \"carrier\" size [1 1 0.2] ctrl \"script line\"\n"
+      "  position( name \"rider\" size [0.2 0.2 0.2] pose [0 0 0 90] ctrl \"script line\"\n"
+      "    ranger( alwayson 1 sensor( range [0 8] fov 0 samples 1 ) ) ) )\n"
+      "model( name \"wall\" pose [0 1.23 0 0] size [20 0.2 1] )\n");
+  Model rider = simulation.find("carrier.rider");
+  step(simulation, 11);
+  EXPECT_NEAR(simulation.find("carrier").pose().x, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().x, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().y, 0.5, 1e-12);
+  EXPECT_NEAR(rider.pose().z, 0.2, 1e-12);
+  EXPECT_NEAR(rider.pose().heading, k_pi / 2, 1e-12);
+  EXPECT_NEAR(rider.speed().forward, 0.5, 1e-12);
+  EXPECT_FALSE(rider.stalled());
+  step(simulation, 29);
+  EXPECT_NEAR(rider.pose().x, 39 * 0.05, 1e-12);
+  EXPECT_NEAR(rider.pose().y, 1, 1e-9);
+  EXPECT_TRUE(rider.stalled());
+  EXPECT_FALSE(simulation.find("carrier").stalled()) << "the rider stands, its carrier goes on";
+  EXPECT_NEAR(simulation.find("carrier").ranges("rider.ranger:0")[0], 0.13, 1e-5);
+}
+
+TEST_F(StageGrip, APositionInsideAnotherObeysTheProgram) {
+  Simulation simulation = load(
+      "position( name \"c\" position( name \"r\" size [0.1 0.1 0.1] drive \"omni\" pose [0.1 0 0 0] ) )\n");
+  simulation.find("c.r").set_speed(0.2, -0.1, 0);
+  simulation.find("c").set_speed(0, 1);
+  step(simulation, 10);
+  const Pose expected = compose(simulation.find("c").pose(), {0.1 + 0.2, -0.1, 1, 0});
+  EXPECT_NEAR(expected.heading, 1, 1e-12);
+  EXPECT_NEAR(simulation.find("c.r").pose().x, expected.x, 1e-12);
+  EXPECT_NEAR(simulation.find("c.r").pose().y, expected.y, 1e-12);
+  simulation.find("c").set_speed(0, 0);
+  simulation.find("c.r").go_to(1, 1, 0);  // the world's frame, as what it knows
+  step(simulation, 120);
+  EXPECT_NEAR(simulation.find("c.r").pose().x, 1, 0.03);
+  EXPECT_NEAR(simulation.find("c.r").pose().y, 1, 0.03);
+}
+
+TEST_F(StageGrip, APlanIsOneWord) {
+  Simulation simulation = load(
+      "position( name \"r\" ctrl \"operate gripper:0:close@0.2,gripper:0:up@3,gripper:0:open@6\"\n"
+      "  gripper() )\n");
+  step(simulation, 60);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").paddles, GripperState::closed);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").lift, GripperState::is_up);
+  step(simulation, 30);
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").paddles, GripperState::is_open);
+  const auto fault_of = [&](const std::string& plan) -> std::string {
+    try {
+      load("position( ctrl \"operate " + plan + "\" gripper( name \"hand\" ) actuator( name \"arm\" ) )");
+    } catch (const InputError& fault) {
+      return fault.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(
+      fault_of("hand:close"),
+      HasSubstr("w.world:1: error: controller \"operate\" has a plan with \"hand:close\", which is not "
+                "DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS"));
+  EXPECT_THAT(fault_of("hand:clse@1"),
+              HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
+                        "go_to, open, speed, up (did you mean \"close\"?)"));
+  EXPECT_THAT(fault_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
+  EXPECT_THAT(fault_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
+  EXPECT_THAT(fault_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
 }
 
 }  // namespace

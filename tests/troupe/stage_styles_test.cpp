@@ -1,5 +1,6 @@
-// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our own.
-// They load with the warnings that belong to them and no others, run, and give the same bits on other threads.
+// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our
+// own. They load with the warnings that belong to them and no others, run, and give the same bits on other
+// threads.
 
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
@@ -26,10 +27,10 @@ const fs::path k_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styl
 
 struct Style {
   const char* file;
-  std::size_t bodies;   ///< the ground left out
-  std::size_t robots;   ///< of them those that have a drive
-  std::size_t devices;  ///< of the first robot
-  bool moves = false;   ///< it has controllers that drive
+  std::size_t bodies;                      ///< the ground left out
+  std::size_t robots;                      ///< of them those that have a drive
+  std::size_t devices;                     ///< of the first robot
+  bool moves = false;                      ///< it has controllers that drive
   std::vector<std::string> warnings = {};  ///< the beginnings of all, from the file's name on
 
   friend std::ostream& operator<<(std::ostream& out, const Style& style) { return out << style.file; }
@@ -72,22 +73,137 @@ TEST_P(StageStyles, LoadsWithItsWarningsAndRuns) {
 }
 
 std::vector<Style> styles() {
-  return {{"demo.world", 3, 2, 2, true},
-          {"follow.world", 2, 1, 2, true},
-          {"blocks.world", 3, 2, 2, true},
-          {"noise.world", 2, 1, 1},
-          {"disc.world", 2, 1, 1},
-          {"camera.world", 2, 1, 1},
-          {"everything.world", 11, 7, 5, true},
-          {"odometry.world", 3, 2, 5},
-          {"lab.world", 10, 1, 3, true},
-          {"charging.world", 10, 6, 6, true},
-          {"forage.world", 9, 4, 5, true},
-          {"forage2.world", 9, 3, 3, true},
-          {"flock.world", 17, 16, 2, true},
-          {"city.world", 4, 3, 2, true},
+  return {{"demo.world",
+           3,
+           2,
+           2,
+           true,
+           {"demo.world:10: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+            "demo.world:7: warning: accepted, but only Stage's window would use it: paused, window, "
+            "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
+          {"follow.world",
+           2,
+           1,
+           2,
+           true,
+           {"follow.world:8: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+          {"blocks.world",
+           3,
+           2,
+           2,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "inc/figure.inc:6: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"}},
+          {"noise.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"disc.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"camera.world",
+           2,
+           1,
+           1,
+           false,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"everything.world",
+           11,
+           7,
+           5,
+           true,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "everything.world:10: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+          {"odometry.world",
+           4,
+           3,
+           5,
+           false,
+           {"inc/carts.inc:149: warning: old syntax: \"origin\" takes [x y z heading]; three values are read "
+            "as [x y heading]",
+            "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+            "as [x y heading] (and 2 more)",
+            "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 0.02 m",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
+            "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
+            "horizfov of a camera, size3"}},
+          {"lab.world",
+           11,
+           1,
+           3,
+           true,
+           {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 1 m (and 1 more)",
+            "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
+            "y heading]",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor",
+            "inc/beacons.inc:2: warning: obsolete, ignored by Stage too: laser_return"}},
+          {"charging.world",
+           10,
+           6,
+           6,
+           true,
+           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline"}},
+          {"forage.world",
+           9,
+           4,
+           5,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"forage2.world",
+           9,
+           3,
+           3,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"flock.world",
+           17,
+           16,
+           2,
+           true,
+           {"flock.world:7: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
+          {"city.world",
+           4,
+           3,
+           2,
+           true,
+           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+            "gui_move, gui_outline, color_rgba of a sensor"}},
           {"units.world", 2, 1, 1, true},
-          {"old_swarm.world", 10, 10, 0}};
+          {"old_swarm.world",
+           10,
+           10,
+           0,
+           false,
+           {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+            "the height stays 1 m",
+            "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
+            "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+            "as [x y heading] (and 9 more)",
+            "old_swarm.world:3: warning: obsolete, ignored by Stage too: size, gui_interval, polygons, "
+            "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Styles, StageStyles, ::testing::ValuesIn(styles()), [](const auto& style) {
@@ -110,9 +226,10 @@ std::string refusal(const char* file) {
 
 TEST(StageStylesRefused, RadiosAndMapsOfOlderVersions) {
   const std::string text = refusal("wifi.world");
-  EXPECT_THAT(text, HasSubstr("wifi.world:7: error: \"map\" is no model type, nor a macro defined before"));
-  EXPECT_THAT(text, HasSubstr("wifi.world:5: error: \"wifi\" is no model type, nor a macro defined before: older "
-                              "versions of Stage had it, Stage 4.3 has not"));
+  EXPECT_THAT(text, HasSubstr("wifi.world:8: error: \"map\" is no model type, nor a macro defined before"));
+  EXPECT_THAT(text,
+              HasSubstr("wifi.world:9: error: \"wifi\" is no model type, nor a macro defined before: older "
+                        "versions of Stage had it, Stage 4.3 has not"));
 }
 
 TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {

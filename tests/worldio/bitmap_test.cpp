@@ -220,16 +220,16 @@ TEST(Conformance13, PolygonsAndVerticesOfSmallImages) {
   };
   for (const Small& small : {
            Small{{"#"}, 1, 4},
-           Small{{"##"}, 1, 5},                                      // (0 0) (1 0) (2 0) (2 1) (0 1)
-           Small{{"####"}, 1, 5},                                    // (0 0) (1 0) (4 0) (4 1) (0 1)
-           Small{{"#", "#", "#"}, 1, 5},                             // (0 0) (1 0) (1 3) (0 3) (0 1)
-           Small{{"##", "##"}, 1, 6},                                // and (0 1), which ends it
+           Small{{"##"}, 1, 5},           // (0 0) (1 0) (2 0) (2 1) (0 1)
+           Small{{"####"}, 1, 5},         // (0 0) (1 0) (4 0) (4 1) (0 1)
+           Small{{"#", "#", "#"}, 1, 5},  // (0 0) (1 0) (1 3) (0 3) (0 1)
+           Small{{"##", "##"}, 1, 6},     // and (0 1), which ends it
            Small{{"###", "###", "###"}, 1, 6},
-           Small{{"###", "#.#", "###"}, 2, 10},                      // a hole of one pixel has 4
+           Small{{"###", "#.#", "###"}, 2, 10},  // a hole of one pixel has 4
            Small{{"#####", "#...#", "#...#", "#...#", "#####"}, 2, 12},
            Small{{"#.", "##"}, 1, 7},
-           Small{{"#.", ".#"}, 2, 8},                                // left before right: they come apart
-           Small{{".#", "#."}, 1, 8},                                // up before down: they hang together
+           Small{{"#.", ".#"}, 2, 8},  // left before right: they come apart
+           Small{{".#", "#."}, 1, 8},  // up before down: they hang together
            Small{{"#.#", "...", "#.#"}, 4, 16},
        }) {
     const std::vector<Ring> rings = bitmap_contours(bitmap_of(small.rows));

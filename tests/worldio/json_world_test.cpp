@@ -730,7 +730,7 @@ TEST(JsonWorld, EveryWorldWeShipLoads) {
     Diagnostics diagnostics;
     const WorldSpec spec = load_world(entry.path(), make_registry(), {}, diagnostics);
     EXPECT_THAT(findings(diagnostics), IsEmpty());
-    EXPECT_GT(spec.bodies.size(), 15u) << entry.path();
+    EXPECT_GT(spec.bodies.size(), 5u) << entry.path();
     ++worlds;
   }
   EXPECT_GE(worlds, 6u);

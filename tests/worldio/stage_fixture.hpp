@@ -10,6 +10,7 @@
 #include "models/power.hpp"
 #include "models/script.hpp"
 #include "models/wander.hpp"
+#include "models/wheels.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
@@ -34,7 +35,7 @@ inline const engine::Registry& test_registry() {
     r.models = models::model_kinds();
     r.devices = {sensors::ranger_kind(),       sensors::fiducial_kind(), sensors::blobfinder_kind(),
                  sensors::bumper_kind(),       sensors::camera_kind(),   models::power_pack_kind(),
-                 models::power_contact_kind(), models::flags_kind()};
+                 models::power_contact_kind(), models::flags_kind(),     models::wheels_kind()};
     r.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
     r.controllers = {models::expand_controller(), models::wander_controller(), models::script_controller(),
                      models::source_controller()};

@@ -58,15 +58,17 @@ TEST_F(StageOtherWorlds, WhatAnotherIncludeHasReadAlreadyIsNoNews) {
   EXPECT_THAT(messages(), IsEmpty());
   write("other.inc", "\ndefine robot position( size [9 9 9] )\n");
   load("include \"robot.inc\"\ninclude \"other.inc\"\nrobot()");
-  EXPECT_THAT(messages(), ElementsAre("other.inc:2: warning: \"robot\" is defined already, at robot.inc:1; the "
-                                      "first definition holds"));
+  EXPECT_THAT(messages(),
+              ElementsAre("other.inc:2: warning: \"robot\" is defined already, at robot.inc:1; the "
+                          "first definition holds"));
 }
 
 // Names of macros and types.
 
 TEST_F(StageOtherWorlds, AMacroMayTakeTheNameOfAPiece) {
   const auto spec = load(
-      "define wedge model( size [1 1 1] block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1] ) )\n"
+      "define wedge model( size [1 1 1] block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1] "
+      ") )\n"
       "wedge()\n"
       "define block model( size [0.5 0.5 0.75] color \"red\" )\n"
       "block( pose [3 0 0 0] )\nmodel( block( pose [1 0 0 0] ) )\n");
@@ -85,9 +87,12 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
                                   "older versions of Stage had it, Stage 4.3 has not; types: actuator, "));
   EXPECT_THAT(found[1], HasSubstr("w.world:3: error: \"puck\" is no model type, nor a macro defined before: "
                                   "older versions of Stage had it"));
-  EXPECT_THAT(found[2], HasSubstr("w.world:4: error: \"map\" is no model type, nor a macro defined before; "));
+  EXPECT_THAT(found[2],
+              HasSubstr("w.world:4: error: \"map\" is no model type, nor a macro defined before; "));
   // As macros, which is how worlds for 4.3 have them, they are like any other.
-  load("define map model( color \"black\" boundary 1 )\ndefine puck model( size [0.1 0.1 0.2] )\nmap()\npuck()");
+  load(
+      "define map model( color \"black\" boundary 1 )\ndefine puck model( size [0.1 0.1 0.2] "
+      ")\nmap()\npuck()");
   EXPECT_THAT(messages(), IsEmpty());
 }
 
@@ -139,7 +144,8 @@ TEST_F(StageOtherWorlds, ARangerWithABodyOfBlocksAndASensorAboveIt) {
 TEST_F(StageOtherWorlds, SensorsOnSensorsOnGrippers) {
   const auto spec = load_all(
       "position( size [0.4 0.4 0.2]\n"
-      "  gripper( pose [0.3 0 -0.2 0] fiducial( size [0 0 0] ) camera( ranger( sensor() blobfinder() ) ) ) )\n");
+      "  gripper( pose [0.3 0 -0.2 0] fiducial( size [0 0 0] ) camera( ranger( sensor() blobfinder() ) ) ) "
+      ")\n");
   EXPECT_THAT(messages(), IsEmpty());
   std::vector<std::string> kinds;
   for (const engine::DeviceSpec& device : type_of(spec, 1).devices) kinds.push_back(device.kind);
@@ -147,17 +153,20 @@ TEST_F(StageOtherWorlds, SensorsOnSensorsOnGrippers) {
 }
 
 TEST_F(StageOtherWorlds, AnUnsizedBumperIsALargeBody) {
-  const auto spec = load("position( bumper( bcount 1 blength 0.1 ) )\nposition( bumper( bcount 1 blength 0.1 noblocks 1 ) )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                          "x 1 m; give it one, or noblocks 1"));
+  const auto spec = load(
+      "position( bumper( bcount 1 blength 0.1 ) )\nposition( bumper( bcount 1 blength 0.1 noblocks 1 ) )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
+                  "x 1 m; give it one, or noblocks 1"));
   EXPECT_THAT(type_of(spec, 1).parts[1].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[1].solids, IsEmpty());
 }
 
 TEST_F(StageOtherWorlds, ALaserIsARangerAndItsSensor) {
   const auto spec = load_all(
-      "position( laser( samples 9 noise [0.01 0 0] apply_range_min 1 intensity 1 alwayson 1 color \"blue\" ) )");
+      "position( laser( samples 9 noise [0.01 0 0] apply_range_min 1 intensity 1 alwayson 1 color \"blue\" ) "
+      ")");
   EXPECT_THAT(messages(), IsEmpty());
   const engine::DeviceSpec& laser = type_of(spec, 1).devices[0];
   const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;

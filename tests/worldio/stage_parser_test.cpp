@@ -192,8 +192,8 @@ TEST_F(Conformance14, CommentBeforeTheBody) {
 // What must be read.
 
 TEST_F(Conformance14, OverridesInAnInstance) {
-  const auto spec = load(
-      "define box model( name \"box\" size [1 2 3] )\nbox( name \"mine\" )\nbox( size [4 5 6] )\nbox()");
+  const auto spec =
+      load("define box model( name \"box\" size [1 2 3] )\nbox( name \"mine\" )\nbox( size [4 5 6] )\nbox()");
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "mine", "box", "box"));
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is taken already")));
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(1, 2, 3));

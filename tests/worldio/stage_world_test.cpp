@@ -167,12 +167,12 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
                           "polygon[k].points"));
 }
 
-TEST_F(StageWorld, ListsWhatIsNotSupportedOnce) {
-  load("\n\n\n\nactuator( max_speed 2 )\n");
+TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
+  ASSERT_EQ(test_registry().device("actuator"), nullptr);
+  load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: not supported yet: what an actuator does; it is only a body "
-                          "here",
-                          "w.world:5: warning: not supported yet: max_speed of an actuator"));
+              ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
+                          "only a body here (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -243,10 +243,11 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
 
 TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:3: warning: a bumper without \"bcount\" feels nothing",
-                          "w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                          "x 1 m; give it one, or noblocks 1"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
+                  "x 1 m; give it one, or noblocks 1",
+                  "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -412,7 +413,8 @@ TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
 
 TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
   load(
-      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size [1000000 "
+      "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size "
+      "[1000000 "
       "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
       "[1 1] z [0 1] ) )");
   EXPECT_THAT(messages(),
@@ -429,8 +431,9 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
       "  ranger( size [0 0 0] pose [0 0 0.1 0] sensor( size [0 0 0] ) model( size [0.1 0.1 0.1] ) )\n"
       "  fiducial( size [0 0 0] ) )\n"
       "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
-                                      "that very height meets it"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
+                          "that very height meets it"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
@@ -760,13 +763,29 @@ TEST_F(StageWorld, RefusesWrongDrives) {
                   "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
 }
 
-TEST_F(StageWorld, APositionInsideAModelIsCarried) {
-  const auto spec = load("model( position() )\nposition( position() )");
+TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
+  const auto spec = load(
+      "model( position() )\n"
+      "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
+      "  localization \"odom\" model() ) )");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: a position model inside another model does not drive on its "
-                          "own yet; it is carried along (and 1 more)"));
+              ElementsAre("w.world:3: warning: \"localization\" of a position inside another model has "
+                          "no effect: it knows its true pose"));
   EXPECT_FALSE(type_of(spec, 1).drive);
-  EXPECT_TRUE(type_of(spec, 2).drive);
+  ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
+  const engine::TypeSpec& type = type_of(spec, 2);
+  EXPECT_TRUE(type.drive);
+  ASSERT_THAT(type.devices, SizeIs(1));
+  const engine::DeviceSpec& wheels = type.devices[0];
+  EXPECT_EQ(wheels.kind, "wheels");
+  EXPECT_EQ(wheels.name, "position:0");
+  EXPECT_EQ(wheels.part, 1u);
+  const engine::FieldTable& table = test_registry().device("wheels")->params;
+  EXPECT_EQ(engine::get(table, wheels.params, "drive").text(), "omni");
+  EXPECT_EQ(engine::get(table, wheels.params, "velocity_max_x").number(), 2);
+  EXPECT_NEAR(type.joints[0].pose_body_joint.x, 1, 1e-12);
+  EXPECT_EQ(type.parts[1].joint, 0);
+  EXPECT_EQ(type.parts[2].joint, 0) << "what stands on it goes with it";
 }
 
 // Controllers.
