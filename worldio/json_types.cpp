@@ -299,9 +299,11 @@ JsonType read_type(const JsonCursor& at, const std::string& name, const engine::
   root.kind = type.spec.drive ? "position" : "model";
   type.spec.parts.push_back(std::move(root));
   std::vector<Riding> riding;
-  for (const auto& [key, list] :
-       {std::pair("sensors", DeviceList::sensors), {"devices", DeviceList::devices}})
+  const auto read_devices = [&](std::string_view key, DeviceList list) {
     each_of(key, [&](const JsonCursor& cursor) { read_device(cursor, list, registry, type.spec, riding); });
+  };
+  read_devices("sensors", DeviceList::sensors);
+  read_devices("devices", DeviceList::devices);
   for (const Riding& sensor : riding)
     put_on(type.spec, registry, type.spec.devices[sensor.device], sensor.on, sensor.at);
 

@@ -93,6 +93,7 @@ SceneBuilder machines(std::uint64_t seed) {
   SceneBuilder scene;
   scene.spec.seed = seed;
   for (std::uint32_t i = 0; i < 9; ++i) {
+    const std::uint32_t column = i / 3;
     Random random(seed, 7, i, 0);
     const std::string name = fmt::format("m{}", i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
@@ -110,7 +111,7 @@ SceneBuilder machines(std::uint64_t seed) {
     scene[type].controllers.push_back(test::operate(orders));
     scene[type].controllers.push_back(test::drive_legs(
         {test::leg(2, random.uniform(-0.5, 0.5), 1), test::leg(9, random.uniform(-0.5, 0.5), -0.7)}));
-    scene.body(name, type, {0.9 * (i % 3), 0.9 * (i / 3), 0, random.uniform(-0.2, 0.2)});
+    scene.body(name, type, {0.9 * (i % 3), 0.9 * column, 0, random.uniform(-0.2, 0.2)});
   }
   scene.wall(-0.8, -0.8, 2.6, -0.7);
   scene.wall(2.5, -0.7, 2.6, 2.6);
@@ -145,6 +146,7 @@ SceneBuilder carriers(std::uint64_t seed) {
   Random random(seed, 8, 0, 0);
   const auto draw = [&](double most) { return random.uniform(-most, most); };
   for (int i = 0; i < 9; ++i) {
+    const int column = i / 3;
     const std::string name = fmt::format("c{}", i);
     const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.3)});
     test::add_device(scene[type], "hand", "gripper", {0.25, 0, 0, 0});
@@ -155,7 +157,7 @@ SceneBuilder carriers(std::uint64_t seed) {
     scene[type].controllers.push_back(test::operate(std::move(orders)));
     scene[type].controllers.push_back(test::drive_legs(
         {test::leg(1, 0), test::leg(4, draw(0.4), draw(0.8)), test::leg(9, draw(0.4), draw(0.8))}));
-    const Pose at{0.9 * (i % 3), 0.9 * (i / 3), 0, draw(0.2)};
+    const Pose at{0.9 * (i % 3), 0.9 * column, 0, draw(0.2)};
     scene.body(name, type, at);
     const double size = random.uniform(0.06, 0.18);
     const TypeId puck = scene.type("puck of " + name, {box(size, 0.1, 0.1)}, {.gripper = true});

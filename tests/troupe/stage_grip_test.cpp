@@ -12,7 +12,6 @@
 namespace troupe {
 namespace {
 
-using models::ActuatorCommand;
 using models::ActuatorState;
 using models::GripperState;
 using ::testing::HasSubstr;
