@@ -3,6 +3,7 @@
 #include "base/math.hpp"
 #include "engine/controller.hpp"
 #include "engine/world_spec.hpp"
+#include "models/device_choice.hpp"
 #include "models/evasion.hpp"
 #include "models/gripper.hpp"
 #include "models/power.hpp"
@@ -110,34 +111,17 @@ struct Collector {
 
 std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                            std::string& fault) {
-  std::vector<std::size_t> chosen;
-  const auto take = [&](auto&& fits) {
-    for (std::size_t d = 0; d < devices.size(); ++d) {
-      if (claimed[d] || !fits(devices[d])) continue;
-      claimed[d] = true;
-      chosen.push_back(d);
-      return true;
-    }
-    return false;
-  };
-  const auto of_kind = [](std::string_view kind) {
-    return [kind](const DeviceInfo& device) { return device.kind == kind; };
-  };
-  const bool has_scanner = take([this](const DeviceInfo& device) {
-    const auto& layout = device.prepared;
-    if (layout.transducers.empty()) return false;
-    samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
-    return samples >= k_least_samples;
-  });
-  if (!has_scanner)
+  DeviceChoice choice(devices, claimed);
+  samples = choice.take_scanner(k_least_samples);
+  if (samples == 0)
     fault = "needs a ranger whose first transducer has more than 8 samples";
-  else if (!take(of_kind("fiducial")))
+  else if (!choice.take_kind("fiducial"))
     fault = "needs a fiducial finder";
-  else if (!take(of_kind("gripper")))
+  else if (!choice.take_kind("gripper"))
     fault = "needs a gripper";
   if (!fault.empty()) return {};
-  has_pack = take(of_kind("power_pack"));
-  return chosen;
+  has_pack = choice.take_kind("power_pack");
+  return choice.chosen();
 }
 
 std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {

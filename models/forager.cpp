@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/device_choice.hpp"
 #include "models/evasion.hpp"
 #include "models/fiducial_readings.hpp"
 #include "models/flags.hpp"
@@ -132,34 +133,18 @@ struct Forager {
 
 std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                          std::string& fault) {
-  std::vector<std::size_t> chosen;
-  const auto take = [&](auto&& fits) {
-    for (std::size_t d = 0; d < devices.size(); ++d) {
-      if (claimed[d] || !fits(devices[d])) continue;
-      claimed[d] = true;
-      chosen.push_back(d);
-      return true;
-    }
-    return false;
-  };
-  const auto of_kind = [](std::string_view kind) {
-    return [kind](const DeviceInfo& device) { return device.kind == kind; };
-  };
-  const bool has_scanner = take([this](const DeviceInfo& device) {
-    const auto& layout = device.prepared;
-    if (layout.transducers.empty()) return false;
-    samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
-    return samples >= k_least_samples;
-  });
-  if (!has_scanner) fault = "needs a ranger whose first transducer has more than 8 samples";
-  if (fault.empty() && !take(of_kind("flags"))) fault = "needs a device of kind \"flags\"";
+  DeviceChoice choice(devices, claimed);
+  samples = choice.take_scanner(k_least_samples);
+  if (samples == 0) fault = "needs a ranger whose first transducer has more than 8 samples";
+  if (fault.empty() && !choice.take_kind("flags")) fault = "needs a device of kind \"flags\"";
   if (!fault.empty()) return {};
-  if (take(of_kind("power_pack"))) pack = chosen.size() - 1;
-  if (take(of_kind("fiducial"))) {
-    finder = chosen.size() - 1;
-    sights = FiducialReadings(devices[chosen.back()].prepared);
+  const auto last = [&] { return choice.chosen().size() - 1; };
+  if (choice.take_kind("power_pack")) pack = last();
+  if (choice.take_kind("fiducial")) {
+    finder = last();
+    sights = FiducialReadings(devices[choice.chosen().back()].prepared);
   }
-  return chosen;
+  return choice.chosen();
 }
 
 std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace troupe::models {
+
+/// What a controller takes of a body's devices, one after another, in its `choose`.
+class DeviceChoice {
+ public:
+  /// Both must outlive it; `claimed` has an entry a device.
+  DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
+      : devices_(devices), claimed_(claimed) {}
+
+  /// Claims the first device that nobody has and that fits; false where there is none.
+  template <class Fits>
+  bool take(Fits&& fits) {
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      if (claimed_[d] || !fits(devices_[d])) continue;
+      claimed_[d] = true;
+      chosen_.push_back(d);
+      return true;
+    }
+    return false;
+  }
+  bool take_kind(std::string_view kind) {
+    return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
+  }
+  /// A ranger whose first transducer has at least so many samples; how many those are, 0 where there is none.
+  std::size_t take_scanner(std::size_t least_samples) {
+    std::size_t samples = 0;
+    const bool has_one = take([&](const engine::DeviceInfo& device) {
+      const auto& layout = device.prepared;
+      if (layout.transducers.empty()) return false;
+      samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
+      return samples >= least_samples;
+    });
+    return has_one ? samples : 0;
+  }
+  /// Indices of what was taken, in this order.
+  const std::vector<std::size_t>& chosen() const { return chosen_; }
+
+ private:
+  std::span<const engine::DeviceInfo> devices_;
+  std::vector<bool>& claimed_;
+  std::vector<std::size_t> chosen_;
+};
+
+}  // namespace troupe::models
