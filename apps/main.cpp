@@ -12,6 +12,7 @@
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/world_schema.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -99,11 +100,13 @@ int troupe_main(int argc, char** argv) {
       app.add_subcommand("describe", "List what worlds are made of, or the parameters of one kind");
   describe->add_option("KIND", kind, "Model, sensor, drive, controller or measure; all of them if not given")
       ->option_text(" ");
+  bool schema = false;
+  describe->add_flag("--schema", schema, "Print the JSON Schema of worlds, for editors and programs");
   std::vector<std::filesystem::path> plugin_folders;
   add_plugin_path_option(*describe, plugin_folders);
   describe->footer(
       "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe follow_wall --plugin-path "
-      "build");
+      "build\n  troupe describe --schema > world.schema.json");
 
   try {
     app.parse(argc, argv);
@@ -123,6 +126,10 @@ int troupe_main(int argc, char** argv) {
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {
     engine::Registry registry = make_registry();
+    if (schema) {
+      fmt::print("{}", worldio::world_schema(registry));
+      return k_finished;
+    }
     add_plugins(registry, plugin_path(plugin_folders));
     fmt::print("{}", kind.empty() ? list_kinds(registry) : describe_kind(registry, kind));
     return k_finished;

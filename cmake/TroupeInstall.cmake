@@ -27,4 +27,5 @@ install(FILES ${PROJECT_BINARY_DIR}/troupeConfig.cmake ${PROJECT_BINARY_DIR}/tro
               ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 
+install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)

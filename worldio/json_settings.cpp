@@ -99,6 +99,8 @@ void read_ground(JsonObject& object, WorldSpec& spec) {
 }  // namespace
 
 JsonChecks read_settings(JsonObject& object, const LoadOptions& options, WorldSpec& spec) {
+  if (const JsonNode* node = object.find("$schema"))  // of editors
+    read_text(JsonCursor(object.at(), "$schema", *node), "where the schema of this file is");
   read_version(object);
   if (const JsonNode* node = object.find("title"))
     if (const std::string* title = read_text(JsonCursor(object.at(), "title", *node), "the world's title"))
