@@ -181,7 +181,9 @@ std::string preset_text(const Registry& registry, const Registry::Preset& preset
                      preset.text, preset.kind, fields_text(table));
 }
 
-std::vector<std::string_view> all_names(const Registry& registry) {
+}  // namespace
+
+std::vector<std::string_view> kind_names(const Registry& registry) {
   std::vector<std::string_view> names;
   const auto add = [&names](const auto& kinds) {
     for (const auto& kind : kinds) names.push_back(kind.name);
@@ -196,8 +198,6 @@ std::vector<std::string_view> all_names(const Registry& registry) {
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
-
-}  // namespace
 
 std::string list_kinds(const Registry& registry) {
   return listed("models", registry.models) + listed("sensors", registry.sensors()) +
@@ -217,7 +217,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (text.empty()) {
-    std::string fault = unknown_name("kind", name, all_names(registry));
+    std::string fault = unknown_name("kind", name, kind_names(registry));
     if (registry.other_controllers) registry.other_controllers(name, fault);  // which knows why, too
     throw InputError("troupe describe: error: " + fault);
   }

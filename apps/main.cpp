@@ -1,9 +1,12 @@
 #include "apps/check.hpp"
+#include "apps/command_table.hpp"
+#include "apps/completion.hpp"
 #include "apps/convert.hpp"
 #include "apps/describe.hpp"
 #include "apps/diff.hpp"
 #include "apps/info.hpp"
 #include "apps/lint.hpp"
+#include "apps/manual.hpp"
 #include "apps/options.hpp"
 #include "apps/repair.hpp"
 #include "apps/run.hpp"
@@ -12,11 +15,13 @@
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
+#include "troupe/version.hpp"
 #include "worldio/world_schema.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -107,6 +112,17 @@ int troupe_main(int argc, char** argv) {
   describe->footer(
       "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe follow_wall --plugin-path "
       "build\n  troupe describe --schema > world.schema.json");
+  std::string shell;
+  CLI::App* completion_command =
+      app.add_subcommand("completion", "Print the script with which a shell completes troupe's words");
+  add_value(*completion_command, "SHELL", " ", "bash, zsh or fish", [&shell](const std::string& text) {
+    if (std::ranges::find(k_shells, text) == k_shells.end()) refuse("SHELL", text, "bash, zsh or fish");
+    shell = text;
+  })->required();
+  completion_command->footer(
+      "\nExamples:\n  source <(troupe completion bash)\n  troupe completion zsh > ~/.zfunc/_troupe\n"
+      "  troupe completion fish > ~/.config/fish/completions/troupe.fish");
+  const CLI::App* manual_command = app.add_subcommand("manual", "Print the manual page, for man");
 
   try {
     app.parse(argc, argv);
@@ -124,6 +140,18 @@ int troupe_main(int argc, char** argv) {
   if (convert_command->parsed()) return convert(conversion);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
+  if (completion_command->parsed()) {
+    const engine::Registry registry = make_registry();
+    const std::vector<std::string_view> kinds = kind_names(registry);
+    fmt::print("{}", completion(shell, command_table(app),
+                                {{"describe", {kinds.begin(), kinds.end()}},
+                                 {"completion", {k_shells.begin(), k_shells.end()}}}));
+    return k_finished;
+  }
+  if (manual_command->parsed()) {
+    fmt::print("{}", manual_page(command_table(app), k_version));
+    return k_finished;
+  }
   if (describe->parsed()) {
     engine::Registry registry = make_registry();
     if (schema) {

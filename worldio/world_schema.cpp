@@ -78,8 +78,8 @@ JsonNode described(JsonNode schema, std::string_view about) {
 double rounded_to_digits(double x) {
   constexpr int k_digits = 10;
   std::array<char, 32> digits{};
-  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x,
-                                          std::chars_format::general, k_digits);
+  const auto [end, fault] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), x, std::chars_format::general, k_digits);
   double rounded = 0;
   std::from_chars(digits.data(), end, rounded);
   return rounded;
@@ -243,8 +243,8 @@ void add_returns(ObjectSchema& object) {
   constexpr double k_most_return = 1e6;
   using Marks = std::numeric_limits<std::int32_t>;
   object.optional(bare("obstacle", FieldType::boolean, "whether it blocks bodies"))
-      .optional(bare("ranger_return", FieldType::number, "the intensity that rangers read; below 0, beams pass",
-                     -k_most_return, k_most_return))
+      .optional(bare("ranger_return", FieldType::number,
+                     "the intensity that rangers read; below 0, beams pass", -k_most_return, k_most_return))
       .optional(bare("fiducial_return", FieldType::integer, "what fiducial finders read of it; 0: nothing",
                      Marks::min(), Marks::max()))
       .optional(bare("fiducial_key", FieldType::integer, "finders find what has their key", Marks::min(),
@@ -363,7 +363,8 @@ JsonNode controller_schema(const engine::Registry& registry) {
                           .fields(params, !preset)
                           .done());
   };
-  for (const engine::ControllerKind& kind : registry.controllers) add(kind.name, kind.text, kind.params, false);
+  for (const engine::ControllerKind& kind : registry.controllers)
+    add(kind.name, kind.text, kind.params, false);
   for (const engine::Registry::Preset& preset : registry.presets)
     if (const engine::ControllerKind* kind = registry.controller(preset.kind))
       add(preset.name, preset.text, kind->params, true);
@@ -401,7 +402,8 @@ JsonNode type_schema(const engine::Registry& registry) {
   object.member("name", type("string"), "what the type is called, where several are called the same")
       .member("drive", reference("drive"), "a type without one never moves")
       .member("device_order", array_of(type("string")), "in which order the devices count")
-      .rule(choice({has("size_m"), has("size_cm"), has("size_mm"), has("blocks"), has("bitmap"), has("device")}));
+      .rule(choice(
+          {has("size_m"), has("size_cm"), has("size_mm"), has("blocks"), has("bitmap"), has("device")}));
   return object.done();
 }
 
@@ -418,7 +420,8 @@ JsonNode part_schema(const engine::Registry& registry) {
 JsonNode floorplan_schema() {
   ObjectSchema plan;
   plan.required("name", type("string"))
-      .required("bitmap", type("string"), "PNG, JPEG, BMP or PNM, or the YAML of a map of ROS; dark pixels are solid")
+      .required("bitmap", type("string"),
+                "PNG, JPEG, BMP or PNM, or the YAML of a map of ROS; dark pixels are solid")
       .optional(k_size)
       .member("pose", reference("pose"), "of the centre")
       .member("color", reference("color"));
@@ -500,18 +503,19 @@ JsonNode record_schema() {
 JsonNode definitions(const engine::Registry& registry) {
   JsonNode point = array_of(
       number_schema(bare("", FieldType::number, "", -k_max_size_m, k_max_size_m), {"", "", 1}, "number"), 2);
-  return object_of({{"color", color_schema()},
-                    {"pose", table_schema(engine::pose_fields())},
-                    {"point_m", std::move(point)},
-                    {"box_m", described(array_of(reference("point_m"), 2), "[[x_min, y_min], [x_max, y_max]]")},
-                    {"block", block_schema()},
-                    {"drive", drive_schema(registry)},
-                    {"sensor", device_schemas(registry.sensors(), false)},
-                    {"device", device_schemas(registry.other_devices(), false)},
-                    {"own_device", device_schemas(registry.devices, true)},
-                    {"controller", controller_schema(registry)},
-                    {"part", part_schema(registry)},
-                    {"type", type_schema(registry)}});
+  return object_of(
+      {{"color", color_schema()},
+       {"pose", table_schema(engine::pose_fields())},
+       {"point_m", std::move(point)},
+       {"box_m", described(array_of(reference("point_m"), 2), "[[x_min, y_min], [x_max, y_max]]")},
+       {"block", block_schema()},
+       {"drive", drive_schema(registry)},
+       {"sensor", device_schemas(registry.sensors(), false)},
+       {"device", device_schemas(registry.other_devices(), false)},
+       {"own_device", device_schemas(registry.devices, true)},
+       {"controller", controller_schema(registry)},
+       {"part", part_schema(registry)},
+       {"type", type_schema(registry)}});
 }
 
 }  // namespace
@@ -525,8 +529,7 @@ std::string world_schema(const engine::Registry& registry) {
               "of every random draw")
       .optional(measure("tick", Unit::seconds, "length of a tick; 0.1 s unless given", 1e-6, 3600))
       .optional(measure("quit_time", Unit::seconds, "where a run ends", 0, 1e9, true))
-      .optional(chosen("ranging",
-                       {engine::k_ranging_engines.begin(), engine::k_ranging_engines.end()},
+      .optional(chosen("ranging", {engine::k_ranging_engines.begin(), engine::k_ranging_engines.end()},
                        "what finds ranges, docs/sensing.md"))
       .optional(measure("resolution", Unit::meters, "edge of the cells of the grid engine",
                         engine::k_min_resolution_m, engine::k_max_resolution_m))
@@ -544,7 +547,8 @@ std::string world_schema(const engine::Registry& registry) {
       .member("bounds_m", reference("box_m"), "where robots may be")
       .optional(chosen("overlaps", {"error", "warn"}, "what models are that overlap something at the start"))
       .optional(chosen("same_names", {"error", "warn"}, "what two bodies of one name are"))
-      .member("ground", ObjectSchema().required("alias", type("string"), "another name of the ground").done());
+      .member("ground",
+              ObjectSchema().required("alias", type("string"), "another name of the ground").done());
   JsonNode schema = world.done();
   Members& members = std::get<Members>(schema.value);
   Members head;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "apps/command_table.hpp"
+
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::apps {
+
+inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
+
+/// The script with which a shell completes commands, options, and values of few choices ("exact|grid"); after
+/// anything else it offers files. `arguments`: what a command's positional argument may be, by command.
+/// `shell` is one of k_shells.
+std::string completion(std::string_view shell, const std::vector<Command>& commands,
+                       const std::map<std::string, std::vector<std::string>>& arguments);
+
+}  // namespace troupe::apps

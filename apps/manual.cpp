@@ -1,0 +1,77 @@
+#include "apps/manual.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace troupe::apps {
+namespace {
+
+/// What roff would take for its own.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
+  }
+  if (out.starts_with('.') || out.starts_with('\'')) return fmt::format("\\&{}", out);
+  return out;
+}
+
+std::string option_text(const CommandOption& option) {
+  std::string text;
+  for (const std::string& name : option.names)
+    text += fmt::format("{}\\fB{}\\fR", text.empty() ? "" : ", ", escaped(name));
+  if (!option.value.empty()) text += fmt::format(" \\fI{}\\fR", escaped(option.value));
+  return fmt::format(".TP\n{}\n{}\n", text, escaped(option.help));
+}
+
+/// The text below the options: paragraphs are filled, what is indented stands as it is.
+std::string footer_text(const std::string& footer) {
+  std::istringstream lines(footer);
+  std::string text;
+  bool stands = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool indented = line.starts_with("  ");
+    if (indented != stands) text += indented ? ".nf\n" : ".fi\n";
+    stands = indented;
+    text += line.empty() ? ".PP\n" : fmt::format("{}\n", escaped(line));
+  }
+  return stands ? text + ".fi\n" : text;
+}
+
+}  // namespace
+
+std::string manual_page(const std::vector<Command>& commands, std::string_view version) {
+  std::string text = fmt::format(".TH TROUPE 1 \"\" \"troupe {}\" \"User Commands\"\n", escaped(version));
+  const Command& program = commands.front();
+  text += ".SH NAME\ntroupe \\- a simulator of very large swarms of mobile robots\n";
+  text += ".SH SYNOPSIS\n";
+  for (const Command& command : commands)
+    if (&command != &program) {
+      std::string arguments;
+      for (const CommandOption& option : command.options)
+        if (option.positional)
+          arguments += fmt::format(" \\fI{}\\fR{}", escaped(option.names.front()),
+                                   option.value.empty() ? "" : " " + escaped(option.value));
+      text += fmt::format(".B troupe {}\n[\\fIoptions\\fR]{}\n.br\n", command.name, arguments);
+    }
+  text += fmt::format(".SH DESCRIPTION\n{}\n", escaped(program.help));
+  for (const CommandOption& option : program.options) text += option_text(option);
+  text += ".SH COMMANDS\n";
+  for (const Command& command : commands) {
+    if (&command == &program) continue;
+    text += fmt::format(".SS troupe {}\n{}.\n", command.name, escaped(command.help));
+    for (const CommandOption& option : command.options) text += option_text(option);
+    text += footer_text(command.footer);
+  }
+  text += ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with controllers, separated by colons.\n"
+          ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n";
+  return text;
+}
+
+}  // namespace troupe::apps
