@@ -12,7 +12,7 @@ namespace troupe::apps {
 /// What a command line takes, as the parser that reads it knows it: for the manual page and for shells.
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; of a positional argument its name alone: "WORLD"
-  std::string value;               ///< what follows it, for people: "S", "FILE.h5", "exact|grid"; empty: nothing
+  std::string value;  ///< what follows it, for people: "S", "FILE.h5", "exact|grid"; empty: nothing
   std::string help;
   bool positional = false;
 };

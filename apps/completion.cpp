@@ -46,7 +46,8 @@ const std::vector<std::string>* words_of(const Arguments& arguments, const Comma
 
 std::string names_of(std::span<const Command> commands) {
   std::string names;
-  for (const Command& command : commands) names += fmt::format("{}{}", names.empty() ? "" : " ", command.name);
+  for (const Command& command : commands)
+    names += fmt::format("{}{}", names.empty() ? "" : " ", command.name);
   return names;
 }
 
@@ -126,10 +127,9 @@ std::string zsh(const Command&, std::span<const Command> commands, const Argumen
         continue;
       }
       for (const std::string& name : option.names)
-        cases += fmt::format(" \\\n          '*{}[{}]{}'", name, zsh_text(option.help),
-                             option.value.empty()
-                                 ? std::string()
-                                 : fmt::format(":{}:{}", zsh_text(option.value), action));
+        cases += fmt::format(
+            " \\\n          '*{}[{}]{}'", name, zsh_text(option.help),
+            option.value.empty() ? std::string() : fmt::format(":{}:{}", zsh_text(option.value), action));
     }
     cases += "\n        ;;\n";
   }

@@ -56,8 +56,9 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
       std::string arguments;
       for (const CommandOption& option : command.options)
         if (option.positional)
-          arguments += fmt::format(" \\fI{}\\fR{}", escaped(option.names.front()),
-                                   option.value.empty() ? "" : " " + escaped(option.value));
+          arguments += option.value.empty() ? fmt::format(" \\fI{}\\fR", escaped(option.names.front()))
+                                            : fmt::format(" \\fI{}\\fR {}", escaped(option.names.front()),
+                                                          escaped(option.value));
       text += fmt::format(".B troupe {}\n[\\fIoptions\\fR]{}\n.br\n", command.name, arguments);
     }
   text += fmt::format(".SH DESCRIPTION\n{}\n", escaped(program.help));
@@ -69,8 +70,9 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
     for (const CommandOption& option : command.options) text += option_text(option);
     text += footer_text(command.footer);
   }
-  text += ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with controllers, separated by colons.\n"
-          ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n";
+  text +=
+      ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with controllers, separated by colons.\n"
+      ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n";
   return text;
 }
 

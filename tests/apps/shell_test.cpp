@@ -27,7 +27,8 @@ class Shell : public ProgramTest {
     write("completion.bash", printed({"completion", "bash"}));
     std::string line = "source '" + path("completion.bash").string() + "'; COMP_WORDS=(";
     for (const std::string& word : words) line += "'" + word + "' ";
-    line += "); COMP_CWORD=" + std::to_string(words.size() - 1) + "; _troupe; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    line +=
+        "); COMP_CWORD=" + std::to_string(words.size() - 1) + "; _troupe; printf '%s\\n' \"${COMPREPLY[@]}\"";
     write("line.bash", line);
     const std::string command = "bash '" + path("line.bash").string() + "'";
     const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
@@ -42,7 +43,8 @@ TEST_F(Shell, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_THAT(offered({"troupe", "run", "--ra"}), UnorderedElementsAre("--raytracer", "--rate"));
   EXPECT_THAT(offered({"troupe", "run", "--raytracer", "g"}), ElementsAre("grid"));
   EXPECT_THAT(offered({"troupe", "describe", "blob"}), ElementsAre("blobfinder"));
-  EXPECT_THAT(offered({"troupe", "diff", "--acr"}), UnorderedElementsAre("--across-domains", "--across-runs"));
+  EXPECT_THAT(offered({"troupe", "diff", "--acr"}),
+              UnorderedElementsAre("--across-domains", "--across-runs"));
 }
 
 TEST_F(Shell, EveryOptionOfTheHelpStandsInEachScriptAndInTheManual) {
@@ -69,7 +71,8 @@ TEST_F(Shell, EveryOptionOfTheHelpStandsInEachScriptAndInTheManual) {
 TEST_F(Shell, TheManualIsAPageWithoutWhatRoffWouldMisread) {
   const std::string manual = printed({"manual"});
   EXPECT_THAT(manual, StartsWith(".TH TROUPE 1 "));
-  EXPECT_THAT(manual, AllOf(HasSubstr("\n.SH NAME\n"), HasSubstr("\n.SS troupe run\n"), HasSubstr("\n.SH ENVIRONMENT\n")));
+  EXPECT_THAT(manual, AllOf(HasSubstr("\n.SH NAME\n"), HasSubstr("\n.SS troupe run\n"),
+                            HasSubstr("\n.SH ENVIRONMENT\n")));
   for (const std::string& line : lines_of(manual))
     if (line.starts_with('.') || line.starts_with('\'')) {
       EXPECT_THAT(line, ::testing::MatchesRegex(R"(\.(TH|SH|SS|TP|PP|br|nf|fi|B)( .*)?)"));
@@ -80,8 +83,8 @@ TEST_F(Shell, AnUnknownShellIsRefused) {
   const Outcome outcome = troupe({"completion", "tcsh"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, IsEmpty());
-  EXPECT_THAT(lines_of(outcome.err),
-              ElementsAre("troupe completion: error: SHELL: \"tcsh\" is not bash, zsh or fish; see troupe completion --help"));
+  EXPECT_THAT(lines_of(outcome.err), ElementsAre("troupe completion: error: SHELL: \"tcsh\" is not bash, zsh "
+                                                 "or fish; see troupe completion --help"));
 }
 
 }  // namespace
