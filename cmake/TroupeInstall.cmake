@@ -1,6 +1,7 @@
 # cmake --install: the program, the libraries with their headers as they lie in the source tree (under
 # include/troupe, so that `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` both mean
-# one file), the worlds, and a package for find_package(troupe).
+# one file), the worlds, and a package for find_package(troupe). What a program of one's own needs is the component
+# `development`, all else is `program`; cpack makes a Debian package of each.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -16,6 +17,7 @@ foreach(folder base partition engine sensors models worldio render troupe)
 endforeach()
 
 list(APPEND libraries troupe_plugin)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS ${libraries} EXPORT troupe FILE_SET HEADERS DESTINATION ${header_dir})
 install(FILES ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp DESTINATION ${header_dir}/troupe)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
@@ -27,5 +29,36 @@ install(FILES ${PROJECT_BINARY_DIR}/troupeConfig.cmake ${PROJECT_BINARY_DIR}/tro
               ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME troupe)
+set(CPACK_PACKAGE_CONTACT "The Troupe authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL program development)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME troupe)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+if(TROUPE_RENDER)
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # opened when the first picture is asked for
+endif()
+
+# What troupeConfig.cmake looks for.
+set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)
+if(TROUPE_HDF5)
+  list(APPEND needed libhdf5-dev)
+endif()
+if(NOT TROUPE_STD_THREADS)
+  list(APPEND needed libtbb-dev)
+endif()
+list(JOIN needed ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtroupe-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: headers and libraries")
+include(CPack)
