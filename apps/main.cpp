@@ -11,6 +11,7 @@
 #include "apps/repair.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
+#include "apps/sweep/sweep.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -88,6 +89,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* run_command = add_run_command(app, options);
   RunOptions resume_options;
   const CLI::App* resume_command = add_resume_command(app, resume_options);
+  SweepOptions sweep_options;
+  const CLI::App* sweep_command = add_sweep_command(app, sweep_options);
   CheckOptions check_options;
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
@@ -134,6 +137,7 @@ int troupe_main(int argc, char** argv) {
 
   if (run_command->parsed()) return run(options);
   if (resume_command->parsed()) return run(resume_options);
+  if (sweep_command->parsed()) return sweep(sweep_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);

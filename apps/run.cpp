@@ -1,6 +1,7 @@
 #include "apps/run.hpp"
 
 #include "apps/checkpointing.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/outputs.hpp"
 #include "apps/progress.hpp"
 #include "apps/world_run.hpp"
@@ -9,9 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -29,20 +28,6 @@ using Runs = std::vector<std::unique_ptr<WorldRun>>;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// The one thing a signal handler may do is to set a flag.
-std::atomic<bool> stop_requested = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-/// From here on Ctrl-C and SIGTERM end the run after the current tick; a second one ends it at once. A file
-/// that grows beyond what the system allows is an error in writing it, not the end of the program.
-void stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = true; };
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 /// The options of each world: with outputs of its own.
@@ -132,7 +117,7 @@ ExitCode run_checked(const RunOptions& options) {
   for (std::size_t i = 0; i < runs.size(); ++i) each[i].record = runs[i]->recording();
   check_files(each);
   const auto is_over = [&] {
-    return stop_requested || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
+    return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
   };
   for (const auto& run : runs) run->rehearse();
   for (const auto& run : runs) run->open_outputs(is_over);

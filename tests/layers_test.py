@@ -47,7 +47,7 @@ THIRD_PARTY = [
     (r"yaml-cpp/", "yaml-cpp", ["worldio/*.cpp"]),
     (r"hdf5|H5|highfive/", "HDF5", ["worldio/*.cpp", "tests/*/*.cpp"]),
     (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
-    (r"CLI/", "CLI11", ["apps/*.cpp", "perf/paper.cpp"]),
+    (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
