@@ -3,6 +3,7 @@
 #include "worldio/fields_json.hpp"
 #include "worldio/json_parts.hpp"
 #include "worldio/json_types.hpp"
+#include "worldio/spec_difference.hpp"
 #include "worldio/stage_device_writer.hpp"
 
 #include <fmt/format.h>
@@ -32,8 +33,10 @@ Box extent_of(const std::vector<Solid>& solids) {
 /// part that is no such device itself.
 class TypeText {
  public:
-  TypeText(const TypeSpec& type, const StagePlaces& places, StageText& text)
+  TypeText(const TypeSpec& type, const std::vector<bool>& furnished, const StagePlaces& places,
+           StageText& text)
       : type_(type),
+        furnished_(furnished),
         folder_(places.folder),
         registry_(places.registry),
         images_(places.images),
@@ -78,6 +81,7 @@ class TypeText {
                   std::map<std::string, std::size_t>& generated);
 
   const TypeSpec& type_;
+  const std::vector<bool>& furnished_;
   const std::filesystem::path& folder_;
   const engine::Registry& registry_;
   FloorImages& images_;
@@ -309,7 +313,7 @@ void TypeText::write_children(std::uint32_t p) {
     const DeviceSpec* own = own_device(q);
     const DeviceKind* kind = own ? kind_of(*own) : nullptr;
     const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
-    if (!is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
+    if (!furnished_[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
   }
   if (devices.empty() && parts.empty()) return;
   text_.flag("stack_children", false);
@@ -361,9 +365,32 @@ void write_stage_color(const Color& color, StageText& text) {
                                         short_number(color.a)});
 }
 
-void write_stage_type(const engine::TypeSpec& type, const std::string& macro, const Color& color,
-                      const StagePlaces& places, StageText& text) {
-  TypeText(type, places, text).write(macro, color);
+std::vector<bool> furnished_parts(const TypeSpec& type, std::uint64_t seed,
+                                  const engine::Registry& registry) {
+  std::vector<bool> furnished(type.parts.size(), false);
+  for (const engine::ControllerSpec& controller : type.controllers) {
+    const engine::ControllerKind* kind = registry.controller(controller.kind);
+    if (!kind || !kind->furnish) continue;
+    // What it adds stands in a row, somewhere behind the part that it belongs to.
+    TypeSpec read = type;
+    read.parts.resize(controller.part + 1);
+    kind->furnish(controller.params, seed, registry, read, controller.part);
+    const auto begin = read.parts.begin() + controller.part + 1;
+    const auto count = read.parts.end() - begin;
+    for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count; ++at) {
+      const auto flag = furnished.begin() + (at - type.parts.begin());
+      if (*flag || !std::equal(begin, read.parts.end(), at, same_part)) continue;
+      std::fill_n(flag, count, true);
+      break;
+    }
+  }
+  return furnished;
+}
+
+void write_stage_type(const engine::TypeSpec& type, const std::vector<bool>& furnished,
+                      const std::string& macro, const Color& color, const StagePlaces& places,
+                      StageText& text) {
+  TypeText(type, furnished, places, text).write(macro, color);
 }
 
 }  // namespace troupe::worldio
