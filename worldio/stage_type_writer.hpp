@@ -26,14 +26,21 @@ struct StagePlaces {
 std::vector<bool> furnished_parts(const engine::TypeSpec& type, std::uint64_t seed,
                                   const engine::Registry& registry);
 
-/// A type as a macro of this name: its root, and below it a model for each part that is not `furnished`, and
-/// for each device that stands on a part but is not the part itself. `color`: of its bodies, unless they say
-/// another.
-void write_stage_type(const engine::TypeSpec& type, const std::vector<bool>& furnished,
-                      const std::string& macro, const Color& color, const StagePlaces& places,
+/// How a type is written, as a macro.
+struct StageMacro {
+  std::string word;              ///< its name
+  Color color;                   ///< of its bodies, unless they say another
+  bool has_many_colors = false;  ///< some do: theirs must count, so that this one is not written by name
+  std::vector<bool> furnished;   ///< of each part, whether it is left out
+};
+
+/// A type as a macro: its root, and below it a model for each part, and for each device that stands on a part
+/// but is not the part itself.
+void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 
-/// `color`, an X11 name where there is one, else `color_rgba`.
+/// `color`, an X11 name where there is one, else `color_rgba`, which counts only where there is no `color`,
+/// not even in a macro.
 void write_stage_color(const Color& color, StageText& text);
 
 }  // namespace troupe::worldio

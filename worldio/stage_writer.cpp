@@ -136,10 +136,13 @@ void WorldText::write_types() {
     macros_[t] = word_of(type.name);
     for (int n = 2; !taken.insert(macros_[t]).second; ++n)
       macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
-    const std::vector<bool> furnished = furnished_parts(type, spec_.seed, registry_);
+    const StageMacro macro{.word = macros_[t],
+                           .color = colors_[t],
+                           .has_many_colors = has_many_colors[t],
+                           .furnished = furnished_parts(type, spec_.seed, registry_)};
     TypeSpec colored = type;  // a part without a colour of its own has its body's
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
-      if (furnished[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
+      if (macro.furnished[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
       if (has_many_colors[t])
         diagnostics_.error(
@@ -148,8 +151,7 @@ void WorldText::write_types() {
                         "of its body",
                         type.name, colored.parts[p].name));
     }
-    write_stage_type(colored, furnished, macros_[t], colors_[t],
-                     {folder_, registry_, images_, diagnostics_}, text_);
+    write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
   }
 }
 

@@ -299,6 +299,16 @@ TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
   for (std::uint32_t b = 1; b <= 5; ++b) EXPECT_EQ(fiducial_of(spec, BodyId(b), 0), 10 * static_cast<int>(b) - 30);
 }
 
+TEST_F(ConvertTest, ColoursWithoutANameCountBesideAMacrosThatHasOne) {
+  const fs::path world = write("w.world", R"(define bot position( color "red" size [0.2 0.2 0.2] )
+bot() bot( pose [1 0 0 0] color "random" ) bot( pose [2 0 0 0] color "blue" )
+position( pose [0 2 0 0] blobfinder( alwayson 1 range 5 fov 200 pan -90 ) )
+)");
+  const fs::path back = convert(convert(world, "w.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 5), hash_log(world, 5));
+}
+
 TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
   const std::string types = R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}}, )";
   convert(write("w.json", types + "\n\"populations\": [{\"name\": \"p\", \"type\": \"t\", \"count\": 1, "

@@ -117,7 +117,9 @@ std::vector<Style> styles() {
            1,
            1,
            false,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+           {"camera.world:11: warning: \"watts\" of a camera has no effect: what it draws follows from what it "
+            "does",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
             "gui_move, gui_outline"}},
           {"everything.world",
            11,
