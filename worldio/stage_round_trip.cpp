@@ -68,6 +68,16 @@ class RoundTrip {
     diagnostics_.error(where,
                        fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
   }
+  /// True where headings are the same but for whole turns, which Stage takes away.
+  bool is_turned(Where where, const std::string& owner, double a, double b) {
+    if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
+    const std::string text = fmt::format(
+        "type \"{}\": {}: Stage has headings within half a turn: they are "
+        "written so, and hashes may differ",
+        type_.name, owner);
+    if (told_.insert(text).second) diagnostics_.warning(where, text);
+    return true;
+  }
   void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
                     const FieldTable& table);
   void check_drive();
@@ -81,17 +91,6 @@ class RoundTrip {
   const TypeSpec& type_;
   const TypeSpec& back_;
   const engine::Registry& registry_;
-  /// True where headings are the same but for whole turns, which Stage takes away.
-  bool is_turned(Where where, const std::string& owner, double a, double b) {
-    if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
-    const std::string text = fmt::format(
-        "type \"{}\": {}: Stage has headings within half a turn: they are "
-        "written so, and hashes may differ",
-        type_.name, owner);
-    if (told_.insert(text).second) diagnostics_.warning(where, text);
-    return true;
-  }
-
   Diagnostics& diagnostics_;
   std::set<std::string> told_;
 };
