@@ -131,11 +131,11 @@ std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std
     const Vec2 at = body.pose_world_body.position();
     const std::string name = world.name(BodyId(b));
     if (name.starts_with(sink) && is_number(std::string_view(name).substr(sink.size()))) sinks.push_back(at);
-    const auto& parts = world.types[body.type.index()].parts;
-    const auto is_charger = [this](const engine::PartSpec& part) {
-      return part.returns.fiducial == charger_mark;
-    };
-    if (has_pack && std::ranges::any_of(parts, is_charger)) chargers.push_back(at);
+    for (std::uint32_t p = 0; has_pack && p < world.types[body.type.index()].parts.size(); ++p)
+      if (engine::fiducial_of(world, BodyId(b), p) == charger_mark) {
+        chargers.push_back(at);
+        break;
+      }
   }
   if (sinks.empty()) return fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink);
   return {};

@@ -72,6 +72,9 @@ class Search {
   }
   std::uint64_t rays() const { return rays_; }
   const Pose& sensor() const { return sensor_; }
+  std::int32_t fiducial_of(const Target& target) const {
+    return engine::fiducial_of(world_->spec(), target.body, target.part);
+  }
   const PartSpec& part_spec(BodyId body, std::uint32_t part) const {
     return world_->spec().types[world_->spec().bodies[body.index()].type.index()].parts[part];
   }
@@ -121,7 +124,7 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
     if (is_there) {
       const PartSpec& part = search.part_spec(target.body, target.part);
       size = part.size;
-      id = target.range < finder.range_max_id ? part.returns.fiducial : 0;
+      id = target.range < finder.range_max_id ? search.fiducial_of(target) : 0;
       heading = wrap_angle(target.pose_world_part.heading - search.sensor().heading);
     }
     const auto set = [&](std::size_t field, double value) {

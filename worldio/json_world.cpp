@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -110,6 +112,7 @@ class WorldReader {
   std::optional<Walls> read_walls(JsonObject& object);
   void read_types(JsonObject& object);
   void read_model(const JsonCursor& at);
+  void read_mark(JsonObject& object, engine::BodySpec& body);
   void read_population(const JsonCursor& at);
   PlacementRule read_rule(const JsonCursor& at);
   void read_heading(JsonObject& object, PlacementRule& rule);
@@ -206,6 +209,23 @@ void WorldReader::read_types(JsonObject& object) {
   type_colors_.resize(spec_.types.size());
 }
 
+/// A number of its own for fiducial finders, of a body whose type is marked.
+void WorldReader::read_mark(JsonObject& object, engine::BodySpec& body) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const JsonNode* node = object.find("fiducial_return");
+  const engine::Value value = read_field(object, {.name = "fiducial_return",
+                                                  .type = engine::FieldType::integer,
+                                                  .min = Limits::min(),
+                                                  .max = Limits::max()});
+  if (!node || !value.given()) return;
+  body.fiducial = static_cast<std::int32_t>(value.integer());
+  const JsonCursor at(object.at(), "fiducial_return", *node);
+  if (body.fiducial == 0)
+    at.error("must not be 0: only a type without one is not marked");
+  else if (spec_.types[body.type.index()].parts.front().returns.fiducial == 0)
+    at.error("needs a type with a \"fiducial_return\", which says that its robots are marked");
+}
+
 void WorldReader::read_model(const JsonCursor& at) {
   JsonObject object(at);
   Model model;
@@ -232,6 +252,7 @@ void WorldReader::read_model(const JsonCursor& at) {
   if (const JsonNode* node = object.find("reserve_of"))
     if (const std::string* of = read_text(JsonCursor(at, "reserve_of", *node), "the name of a population"))
       model.reserve_of = *of;
+  read_mark(object, model.body);
   object.finish();
   models_.push_back(std::move(model));
 }

@@ -167,6 +167,7 @@ JsonNode WorldWriter::model_node(std::size_t b) const {
     if (b - reserve.first.index() < reserve.count) add_member(object, "reserve_of", reserve.population);
   write_place(body.pose_world_body, object);
   if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
+  if (body.fiducial != 0) add_member(object, "fiducial_return", std::int64_t{body.fiducial});
   if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {
     JsonNode::List names;
     for (const std::string& name : parts->second) names.push_back(json_node(name));

@@ -180,7 +180,7 @@ std::string bodies_difference(const WorldSpec& a, const WorldSpec& b) {
   if (a.bodies.size() != b.bodies.size())
     return fmt::format("{} bodies, and not {}", a.bodies.size(), b.bodies.size());
   for (std::size_t i = 0; i < a.bodies.size(); ++i) {
-    const auto& [name, type, pose, color, where] = a.bodies[i];
+    const auto& [name, type, pose, color, fiducial, where] = a.bodies[i];
     static_cast<void>(where);
     const engine::BodySpec& other = b.bodies[i];
     const std::string text = a.names.text(name);
@@ -189,6 +189,7 @@ std::string bodies_difference(const WorldSpec& a, const WorldSpec& b) {
                             .is(type == other.type, "type")
                             .is(same(pose, other.pose_world_body), "pose")
                             .is(color == other.color, "color")
+                            .is(fiducial == other.fiducial, "number for fiducial finders")
                             .text();
     if (!found.empty()) return found;
   }
@@ -212,6 +213,8 @@ bool same_part_names(const WorldSpec& a, const WorldSpec& b) {
 }
 
 }  // namespace
+
+bool same_part(const engine::PartSpec& a, const engine::PartSpec& b) { return difference(a, b).empty(); }
 
 std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,

@@ -19,6 +19,7 @@ struct BodyColumns {
   std::vector<std::uint32_t> type;
   std::vector<double> pose;               ///< x, y, z (m) and heading (rad), world frame
   std::vector<float> color;               ///< red, green, blue, opacity
+  std::vector<std::int32_t> fiducial;     ///< BodySpec::fiducial; empty where all are 0
   std::vector<std::uint32_t> file, line;  ///< Where
   /// Other names of bodies, an entry each.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;

@@ -494,7 +494,8 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   const std::size_t count = c.type.size();
   const std::size_t aliases = c.alias_body.size();
   if (c.word.size() != count || c.number.size() != count || c.pose.size() != 4 * count ||
-      c.color.size() != 4 * count || c.file.size() != count || c.line.size() != count ||
+      c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
+      c.file.size() != count || c.line.size() != count ||
       c.alias_word.size() != aliases || c.alias_number.size() != aliases)
     return error("the columns of the bodies have not all the same length");
   if (count == 0) return error("there is no body: the first of every world is the ground");
@@ -516,6 +517,7 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
          .type = TypeId(c.type[b]),
          .pose_world_body = {c.pose[4 * b], c.pose[4 * b + 1], c.pose[4 * b + 2], c.pose[4 * b + 3]},
          .color = {c.color[4 * b], c.color[4 * b + 1], c.color[4 * b + 2], c.color[4 * b + 3]},
+         .fiducial = c.fiducial.empty() ? 0 : c.fiducial[b],
          .where = here(c.file[b], c.line[b])});
   for (std::size_t a = 0; a < aliases; ++a)
     spec.aliases.push_back({{c.alias_word[a], c.alias_number[a]}, BodyId(c.alias_body[a])});

@@ -274,7 +274,7 @@ Json files_json(const SourceFiles* files) {
 BodyColumns body_columns(const engine::WorldSpec& spec) {
   BodyColumns columns;
   for (const engine::BodySpec& body : spec.bodies) {
-    const auto& [name, type, pose_world_body, color, where] = body;
+    const auto& [name, type, pose_world_body, color, fiducial, where] = body;
     const auto& [x, y, z, heading] = pose_world_body;
     const auto& [r, g, b, a] = color;
     columns.word.push_back(name.word);
@@ -282,9 +282,12 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
     columns.type.push_back(type.value);
     columns.pose.insert(columns.pose.end(), {x, y, z, heading});
     columns.color.insert(columns.color.end(), {r, g, b, a});
+    columns.fiducial.push_back(fiducial);
     columns.file.push_back(where.file);
     columns.line.push_back(where.line);
   }
+  if (std::ranges::all_of(columns.fiducial, [](std::int32_t mark) { return mark == 0; }))
+    columns.fiducial.clear();
   for (const engine::NamedBody& alias : spec.aliases) {
     const auto& [name, body] = alias;
     columns.alias_word.push_back(name.word);

@@ -197,7 +197,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
      "robot that is stalled, misses no tick between updates, and a way to the left counts as one",
-     "Conformance02.OdometryOfADiffDriveWithErrors"},
+     "StageWorld.DrivesKnowWhereTheyAre"},
     {"position", "localization_origin", honoured,
      "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1",
      "Driving.WhatStageWorldsSayOfOriginsHolds"},
@@ -313,7 +313,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
-    {"actuator", "max_position", fixed, "m or rad, whatever the file's units",
+    {"actuator", "max_position", fixed,
+     "m or rad, whatever the file's units; at least `min_position`, and linear ones reach 1000 m at most",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
     {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
@@ -338,11 +339,11 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pitch", obsolete, ""},
 
     {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
     {"blinkenlight", "dutycycle", fixed, "share of the period for which it is lit",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
     {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
 
     {"window", "size", window_only, "[width height], pixels; below 0: the whole screen"},
     {"window", "center", window_only, "[x y], m whatever `unit_length` says"},

@@ -117,8 +117,23 @@ std::vector<Style> styles() {
            1,
            1,
            false,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+           {"camera.world:11: warning: \"watts\" of a camera has no effect: what it draws follows from what it "
+            "does",
+            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
             "gui_move, gui_outline"}},
+          {"arms.world",
+           5,
+           3,
+           4,
+           true,
+           {"arms.world:13: warning: the name \"puck\" is taken already; looking it up finds the last"}},
+          {"layers.world",
+           3,
+           1,
+           3,
+           false,
+           {"layers.world:10: warning: \"late_base\" is defined already, at line 4; the first definition holds",
+            "layers.world:16: warning: accepted, but only Stage's window would use it: window"}},
           {"everything.world",
            11,
            7,
@@ -160,7 +175,9 @@ std::vector<Style> styles() {
            6,
            6,
            true,
-           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+           {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: what it draws follows from what "
+            "it does",
+            "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
             "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
             "gui_move, gui_outline"}},
           {"forage.world",
@@ -212,6 +229,25 @@ INSTANTIATE_TEST_SUITE_P(Styles, StageStyles, ::testing::ValuesIn(styles()), [](
   std::erase(name, '_');
   return name;
 });
+
+TEST(StageStylesLayers, LaterLayersWinAndChildrenAddUp) {
+  const Simulation simulation(k_styles / "layers.world", {.threads = 1});
+  const engine::World& world = simulation.world();
+  const engine::WorldSpec& spec = world.spec();
+  ASSERT_EQ(spec.bodies.size(), 4u);
+  EXPECT_EQ(spec.bodies[1].color, (Color{0, 1, 0, 1}));
+  EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{2, 2, 0, 0}));
+  std::vector<std::string> devices;
+  for (const engine::DeviceSpec& device : spec.types[spec.bodies[1].type.index()].devices)
+    devices.push_back(device.name + " " + std::to_string(device.params[0].records().size()));
+  EXPECT_THAT(devices, ::testing::ElementsAre("one 2", "two 3", "three 2"));
+  std::vector<std::string> parts;
+  for (const engine::PartSpec& part : spec.types[spec.bodies[2].type.index()].parts)
+    parts.push_back(part.name);
+  EXPECT_THAT(parts, ::testing::ElementsAre("", "kid", "model:1"));
+  EXPECT_EQ(spec.types[spec.bodies[2].type.index()].parts[0].size.x(), 0.3) << "the first definition";
+  EXPECT_NEAR(spec.bodies[world.find("5").index()].pose_world_body.heading, radians(40), 1e-12);
+}
 
 /// What loading it says.
 std::string refusal(const char* file) {

@@ -196,11 +196,12 @@ class Comparison {
     for (std::size_t i = 0; i < controllers.size(); ++i) same(controllers[i], b.controllers[i]);
   }
   void same(const engine::BodySpec& a, const engine::BodySpec& b) {
-    const auto& [name, type, pose, color, where] = a;
+    const auto& [name, type, pose, color, fiducial, where] = a;
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(type, b.type);
     same(pose, b.pose_world_body);
     EXPECT_EQ(color, b.color);
+    EXPECT_EQ(fiducial, b.fiducial);
     same(where, b.where);
   }
 
@@ -277,6 +278,7 @@ WorldSpec full_spec() {
                          .type = TypeId(1),
                          .pose_world_body = {1e-17, -0.0, 3, 4},
                          .color = {0.5f, 0.25f, 0.1f, 0.9f},
+                         .fiducial = -5,
                          .where = {file, 12}});
   spec.bodies.push_back({.name = spec.names.add("b", 0), .type = TypeId(1)});
   spec.bodies.push_back({.name = spec.names.add("b", 1), .type = TypeId(1)});

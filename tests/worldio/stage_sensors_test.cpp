@@ -113,6 +113,13 @@ TEST_F(StageSensors, ACameraIsWrittenInDegrees) {
   EXPECT_DOUBLE_EQ(param(camera, "tilt").number(), radians(-10));
 }
 
+TEST_F(StageSensors, ABlinkenlightHasItsPeriodInMilliseconds) {
+  const engine::DeviceSpec light = device("blinkenlight( period 250 dutycycle 0.4 enabled 0 )");
+  EXPECT_DOUBLE_EQ(param(light, "period").number(), 0.25);
+  EXPECT_EQ(param(light, "dutycycle").number(), 0.4);
+  EXPECT_FALSE(param(light, "enabled").boolean());
+}
+
 TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
   const engine::DeviceSpec ranger = device(
       "ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "
