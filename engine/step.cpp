@@ -89,9 +89,16 @@ void World::for_blocks(Work&& work) {
 template <class Work>
 void World::for_types(std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); }))
-    std::ranges::sort(
-        rows, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
+    // Those of one type stay in the order they come in: neighbours share what they look up.
+    std::array<Row, k_block> mixed;
+    std::array<std::uint64_t, k_block> order;
+    std::ranges::copy(rows, mixed.begin());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      order[i] = static_cast<std::uint64_t>(type_of(rows[i])) << 32 | i;
+    std::sort(order.begin(), order.begin() + rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = mixed[order[i] & 0xffffffffu];
+  }
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
     while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;
