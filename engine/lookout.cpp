@@ -48,10 +48,19 @@ void Lookout::stand(const World& world, const Vec2& origin, double reach, Row ow
   circles_.make_room(std::min(world.rows(), k_room) + partition::k_circle_padding);
   std::size_t count = 0;
   const Nearby is_near(origin, reach);
-  world.index().for_each_near(Box::around(origin, reach), [&](const BodyCircle& circle) {
-    if (!is_near(circle) || (own.valid() && world.same_tree(Row(circle.row), own))) return;
-    circles_.make_room(count + 1);
-    circles_.set(count++, circle);
+  // Wide bodies lie in several cells of the index.
+  const float wide = world.index().has_wide() ? static_cast<float>(0.5 * world.geometry().cell_m)
+                                              : std::numeric_limits<float>::infinity();
+  const auto is_known = [&](std::uint32_t row) {
+    const std::span<const std::uint32_t> rows(circles_.row.data(), count);
+    return std::ranges::find(rows, row) != rows.end();
+  };
+  world.index().for_each_run(Box::around(origin, reach), [&](std::span<const BodyCircle> run) {
+    circles_.make_room(count + run.size());
+    for (const BodyCircle& circle : run) {
+      if (!is_near(circle) || (circle.radius > wide && is_known(circle.row))) continue;
+      if (!own.valid() || !world.same_tree(Row(circle.row), own)) circles_.set(count++, circle);
+    }
   });
   bodies_ = size_ = count;
 }
@@ -128,13 +137,13 @@ void Lookout::look(float low, float high) {
   const partition::StaticScene& scene = world_->scene();
   for (std::size_t i = 0; i < met; ++i) {
     const std::uint32_t row = met_.row[i];
-    const auto meet_chain = [&](const OutlineChain& chain) { meet(chain, met_.beams[i]); };
+    const auto meet = [&](const OutlineChain& chain) { this->meet(chain, met_.beams[i]); };
     if ((row & k_seen) != 0)
-      meet_chain(fixed_chain(scene, scene.outlines(), row - k_seen));
+      meet(fixed_chain(scene, scene.outlines(), row - k_seen));
     else if ((row & k_hidden) != 0)
-      meet_chain(fixed_chain(scene, scene.hidden_outlines(), row - k_hidden));
+      meet(fixed_chain(scene, scene.hidden_outlines(), row - k_hidden));
     else
-      for_each_chain_of(*world_, Row(row), meet_chain);
+      for_each_chain_of(*world_, Row(row), meet);
   }
 }
 
@@ -142,10 +151,7 @@ void Lookout::meet(const OutlineChain& chain, partition::BeamSet rays) {
   if (z_ && !chain.z.contains(*z_)) return;
   for (; rays != 0; rays &= rays - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(rays));
-    Sighting& best = found_[i];
-    for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
-      note_met(chain, range_to_edge(origin_, rays_[i].direction, a, b), rays_[i].length, best);
-    });
+    meet_chain(chain, origin_, rays_[i].direction, rays_[i].length, found_[i]);
   }
 }
 

@@ -41,9 +41,7 @@ class Nearest {
     if (ray_.stops != nullptr &&
         !ray_.stops(Sighting{.body = chain.body, .part = chain.part}.part_spec(world_).returns))
       return;
-    for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
-      note_met(chain, range_to_edge(ray_.origin, ray_.direction, a, b), ray_.length, best_);
-    });
+    meet_chain(chain, ray_.origin, ray_.direction, ray_.length, best_);
   }
 
  private:

@@ -100,14 +100,6 @@ struct Sighting {
 /// The colour of what it met.
 Color color_of(const World& world, const Sighting& sighting);
 
-/// Notes that a ray of this length meets an edge of the chain so far off (negative: it does not), where that
-/// is the nearest yet, or as near and of a lower (body, part).
-inline void note_met(const OutlineChain& chain, double range, double length, Sighting& nearest) {
-  if (range < 0 || range >= length || range > nearest.range) return;
-  const bool is_lower = chain.body != nearest.body ? chain.body < nearest.body : chain.part < nearest.part;
-  if (range < nearest.range || is_lower) nearest = {range, chain.body, chain.part};
-}
-
 /// The first surface along a ray.
 /// meets   outlines whose closed z interval holds the ray's height, from both sides
 /// ties    of two surfaces at one range the lower (body, part)
@@ -117,22 +109,50 @@ inline void note_met(const OutlineChain& chain, double range, double length, Sig
 ///         many beams at a time, have kernels (partition/ranging.hpp).
 Sighting first_met(const World& world, const SightRay& ray);
 
-/// Where the ray from `origin` along the unit vector `direction` meets the closed edge, m from the origin;
-/// negative: it does not. Of edges that share a vertex it misses none between them.
-inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
+/// Where a vertex lies as seen along a ray: m, left of it negative, and onwards.
+struct SeenVertex {
+  Vec2 to;
+  double side;
+  SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
+      : to(vertex - origin), side(cross(to, direction)) {}
+};
+
+/// Where the ray along the unit vector `direction` meets the closed edge, m from its origin; negative: it does
+/// not. Of edges that share a vertex it misses none between them.
+inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
-  const Vec2 to_a = a - origin;
-  const Vec2 to_b = b - origin;
-  const double side_a = cross(to_a, direction);
-  const double side_b = cross(to_b, direction);
-  if (std::min(side_a, side_b) > 0 || std::max(side_a, side_b) < 0) return k_missed;
-  const double along_a = to_a.dot(direction);
-  const double along_b = to_b.dot(direction);
+  if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
+  const double along_a = a.to.dot(direction);
+  const double along_b = b.to.dot(direction);
   const double near = std::min(along_a, along_b);
   const double far = std::max(along_a, along_b);
-  if (side_a == side_b) return far < 0 ? k_missed : std::max(near, 0.0);  // the edge runs along the ray
-  const double range = along_a + side_a / (side_a - side_b) * (along_b - along_a);
+  if (a.side == b.side) return far < 0 ? k_missed : std::max(near, 0.0);  // the edge runs along the ray
+  const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
   return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
+}
+inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
+  return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
+}
+
+/// Holds a chain against a ray of this length: `nearest` is what it meets first of this chain and of what it
+/// met before, of two surfaces at one range the lower (body, part).
+inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
+                       Sighting& nearest) {
+  if (chain.vertices.empty()) return;
+  const auto meet = [&](const SeenVertex& a, const SeenVertex& b) {
+    const double range = range_to_edge(direction, a, b);
+    if (range < 0 || range >= length || range > nearest.range) return;
+    const bool is_lower = chain.body != nearest.body ? chain.body < nearest.body : chain.part < nearest.part;
+    if (range < nearest.range || is_lower) nearest = {range, chain.body, chain.part};
+  };
+  const SeenVertex first(origin, direction, chain.vertices.front());
+  SeenVertex before = first;
+  for (const Vec2& vertex : chain.vertices.subspan(1)) {
+    const SeenVertex seen(origin, direction, vertex);
+    meet(before, seen);
+    before = seen;
+  }
+  if (chain.closed) meet(before, first);
 }
 
 }  // namespace troupe::engine

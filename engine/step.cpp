@@ -92,12 +92,17 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
     // Those of one type stay in the order they come in: neighbours share what they look up.
     std::array<Row, k_block> mixed;
-    std::array<std::uint64_t, k_block> order;
     std::ranges::copy(rows, mixed.begin());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      order[i] = static_cast<std::uint64_t>(type_of(rows[i])) << 32 | i;
-    std::sort(order.begin(), order.begin() + rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = mixed[order[i] & 0xffffffffu];
+    std::size_t done = 0;
+    for (std::uint32_t type = 0; done < rows.size();) {
+      std::uint32_t next = ~0u;
+      for (const Row row : std::span(mixed).first(rows.size())) {
+        const std::uint32_t t = type_of(row);
+        if (t == type) rows[done++] = row;
+        if (t > type) next = std::min(next, t);
+      }
+      type = next;
+    }
   }
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
