@@ -89,9 +89,21 @@ void World::for_blocks(Work&& work) {
 template <class Work>
 void World::for_types(std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); }))
-    std::ranges::sort(
-        rows, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
+    // Those of one type stay in the order they come in: neighbours share what they look up.
+    std::array<Row, k_block> mixed;
+    std::ranges::copy(rows, mixed.begin());
+    std::size_t done = 0;
+    for (std::uint32_t type = 0; done < rows.size();) {
+      std::uint32_t next = ~0u;
+      for (const Row row : std::span(mixed).first(rows.size())) {
+        const std::uint32_t t = type_of(row);
+        if (t == type) rows[done++] = row;
+        if (t > type) next = std::min(next, t);
+      }
+      type = next;
+    }
+  }
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
     while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;

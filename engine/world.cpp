@@ -30,6 +30,7 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
                                         double tile_size_m) {
   double sum = 0;
   double widths = 0;
+  double widths2 = 0;
   double count = 0;
   double width = 0;
   for (const BodySpec& body : spec.bodies) {
@@ -41,11 +42,13 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
     widths += 2 * radius;
+    widths2 += 4 * radius * radius;
     width = std::max(width, 2 * radius);
     ++count;
   }
-  // As wide as most bodies, and never so small that one lies in more than some hundred cells.
-  const double least = std::max({0.05, count > 0 ? widths / count : 0, width / 8});
+  // As wide as the bodies that take most of the ground, so that few lie in several cells, and never so small
+  // that one lies in more than some hundred.
+  const double least = std::max({0.05, widths > 0 ? widths2 / widths : 0, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
   constexpr unsigned k_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_tile_bits};
