@@ -6,6 +6,7 @@
 #include "apps/lint.hpp"
 #include "apps/options.hpp"
 #include "apps/repair.hpp"
+#include "apps/replay.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -90,6 +91,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   ConvertOptions conversion;
   const CLI::App* convert_command = add_convert_command(app, conversion);
+  ReplayOptions replayed;
+  const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -119,6 +122,7 @@ int troupe_main(int argc, char** argv) {
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
+  if (replay_command->parsed()) return replay(replayed);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {
