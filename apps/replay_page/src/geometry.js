@@ -48,6 +48,30 @@ function paintOf(shape) {
 
 const UP = [0, 0, 1];
 
+// Pieces that meet overlap by this share of what they are part of: else the floor shines through between them.
+const OVERLAP = 3e-5;
+
+/** A convex polygon whose edges have moved out by so much. */
+function grown(corners, by) {
+  const count = corners.length / 2;
+  let area = 0;
+  eachEdge(corners, (ax, ay, bx, by) => (area += ax * by - bx * ay));
+  const out = area > 0 ? by : -by;
+  const normal = (i) => {
+    const [a, b] = [2 * (i % count), 2 * ((i + 1) % count)];
+    const [x, y] = [corners[b] - corners[a], corners[b + 1] - corners[a + 1]];
+    const length = Math.hypot(x, y) || 1;
+    return [y / length, -x / length];
+  };
+  const moved = [];
+  for (let i = 0; i < count; i++) {
+    const [before, behind] = [normal(i + count - 1), normal(i)];
+    const scale = out / Math.max(1 + before[0] * behind[0] + before[1] * behind[1], 0.2); // sharp corners are blunt
+    moved.push(corners[2 * i] + scale * (before[0] + behind[0]), corners[2 * i + 1] + scale * (before[1] + behind[1]));
+  }
+  return moved;
+}
+
 function addTop(mesh, corners, z, paint) {
   for (let i = 4; i < corners.length; i += 2)
     for (const k of [0, i - 2, i]) mesh.add(corners[k], corners[k + 1], z, UP, paint);
@@ -104,7 +128,7 @@ function addMark(mesh, shapes) {
     const shade = 0.299 * r + 0.587 * g + 0.114 * b > 150 ? 0.15 : 1;
     paint = [shade, shade, shade, CONTRAST + 1]; // a colour of its own that hides with the marks
   }
-  const z = Math.max(...shapes.map((shape) => shape.z_m[1])) + 0.01 * half;
+  const z = Math.max(...shapes.map((shape) => shape.z_m[1])) + 0.08 * half;
   addTop(mesh, [tip, y, base, y + half, base, y - half], z, paint);
 }
 
@@ -120,7 +144,8 @@ function addType(type, step, faces, edges, joint = ALL) {
   for (const shape of shapes) {
     const paint = paintOf(shape);
     const [low, high] = shape.z_m;
-    for (const corners of shape.tops) addTop(faces, corners, high, paint);
+    const pieces = shape.tops.length > 1 ? shape.tops.map((corners) => grown(corners, OVERLAP * type.radius_m)) : shape.tops;
+    for (const corners of pieces) addTop(faces, corners, high, paint);
     for (const corners of shape.walls) {
       addWall(faces, corners, low, high, paint);
       eachEdge(corners, (ax, ay, bx, by) => {

@@ -122,7 +122,8 @@ class Page {
     const ahead = frame + Math.max(1, Math.round(0.5 * this.recording.header.block_frames));
     this.recording.prefetch(ahead, fields);
     // On a machine that draws slowly a picture more or less is no matter, and a recording that stands still is.
-    this.recording.pump(this.drawn === frame ? UNPACK_MS : Math.max(UNPACK_NOW_MS, 0.3 * seconds * 1000));
+    const [least, share] = this.drawn === frame ? [UNPACK_MS, 0.1] : [UNPACK_NOW_MS, 0.3];
+    this.recording.pump(Math.max(least, share * 1000 * Math.min(seconds, 1)));
     this.scriptTimes.push(performance.now() - begin);
     if (this.scriptTimes.length > 240) this.scriptTimes.shift();
     requestAnimationFrame((time) => this.draw(time));

@@ -1,6 +1,6 @@
 // Shaders. Colours are those of the screen from end to end: nothing is converted.
 
-import { Color, DoubleSide, LessDepth, ShaderMaterial, Vector2 } from "three";
+import { Color, DoubleSide, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Vector2 } from "three";
 import { DARK } from "./palette.js";
 
 /** What all of them share: `focal` is the distance of the screen from the eye in its own pixels. */
@@ -78,7 +78,7 @@ export function facesMaterial(radius, smallest) {
       varying vec3 fromEye;
       void main() {
         vec2 facing = (cross(dFdx(fromEye), dFdy(fromEye)) * mat3(viewMatrix)).xy;
-        float wall = 0.66 + 0.16 * dot(facing / max(length(facing), 1e-20), vec2(-0.55, 0.835));
+        float wall = 0.8 + 0.16 * dot(facing / max(length(facing), 1e-20), vec2(-0.55, 0.835));
         gl_FragColor = vec4(color * (isTop > 0.5 ? 1.0 : wall), 1.0);
       }`,
     side: DoubleSide, // contours go either way round
@@ -106,7 +106,7 @@ export function edgesMaterial(radius, smallest) {
   });
 }
 
-/** What bodies keep from the sun, on the floor: each pixel of it once, as what was drawn first hides the rest. */
+/** What bodies keep from the sun, on the floor: each pixel of it once, which the stencil sees to. */
 export function shadowsMaterial(radius, smallest) {
   return new ShaderMaterial({
     uniforms: { ...shared, radius: { value: radius }, smallest: { value: smallest } },
@@ -124,10 +124,11 @@ export function shadowsMaterial(radius, smallest) {
       void main() { gl_FragColor = vec4(mix(vec3(0.2, 0.15, 0.08), vec3(0.0), dark), mix(0.11, 0.38, dark)); }`,
     transparent: true,
     side: DoubleSide,
-    depthFunc: LessDepth,
-    polygonOffset: true, // above the floor
-    polygonOffsetFactor: 1,
-    polygonOffsetUnits: 1,
+    depthWrite: false,
+    stencilWrite: true,
+    stencilRef: 1,
+    stencilFunc: NotEqualStencilFunc,
+    stencilZPass: ReplaceStencilOp,
   });
 }
 
@@ -141,6 +142,7 @@ export function floorMaterial() {
         vec4 world = modelMatrix * vec4(position, 1.0);
         place = world.xy;
         gl_Position = projectionMatrix * viewMatrix * world;
+        gl_Position.z += 1e-4 * gl_Position.w; // a thousandth of the distance down: whatever lies on it is above it
       }`,
     fragmentShader: `
       uniform float pitch;
@@ -154,9 +156,6 @@ export function floorMaterial() {
         vec2 strength = (1.0 - min(near, 1.0)) * (1.0 - smoothstep(0.15, 0.4, pixel));
         gl_FragColor = vec4(mix(paper, line, max(strength.x, strength.y)), 1.0);
       }`,
-    polygonOffset: true,
-    polygonOffsetFactor: 3,
-    polygonOffsetUnits: 3,
   });
 }
 
@@ -194,7 +193,7 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
           if (was.x < 1e8) at = was; else strength = 0.0;
         }
         color = vec4(mix(0.85, 1.0, dark) * shown(tint), strength);
-        gl_Position = projectionMatrix * viewMatrix * vec4(at, pose.z + 0.01, 1.0);
+        gl_Position = projectionMatrix * viewMatrix * vec4(at, pose.z + 0.02, 1.0);
       }`,
     fragmentShader: `
       varying vec4 color;

@@ -90,6 +90,7 @@ export class Panel {
     this.values.append(made.object);
     const drawn = field.columns > MOST_NUMBERS ? chart(field.columns) : null;
     if (drawn) this.values.append(drawn);
+    made.value.textContent = "…";
     const text = (number) => numberText(number, field.step);
     this.parts.push({
       field: index,
@@ -97,7 +98,7 @@ export class Panel {
         const numbers = [];
         for (let c = 0; c < field.columns; c++) {
           const number = this.recording.value(index, frame, this.robot, c);
-          if (number === null) return;
+          if (number === null) return; // on its way
           numbers.push(number);
         }
         if (drawn) {

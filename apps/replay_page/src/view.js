@@ -24,7 +24,7 @@ import { Trails } from "./trails.js";
 
 ColorManagement.enabled = false;
 
-const SMALLEST = 3.5; // pixels that a robot takes at least
+const SMALLEST = 4; // pixels that a robot takes at least
 const REACH = 12; // pixels that a click may miss by
 const FOV = 30; // degrees: narrow, so that walls hide little from above
 const GRID_PIXELS = 48; // from line to line at least
@@ -43,7 +43,7 @@ export class View {
     const { header } = recording;
     this.recording = recording;
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace; // that is: as they are
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(FOV, 1, 0.1, 1000);
@@ -173,18 +173,53 @@ export class View {
     shared.pixelRatio.value = ratio;
   }
 
-  /** Everything on the screen: from above, or at a slant. */
+  /** Everything on the screen, between head and bar: from above, or at a slant. */
   fit(slanted = false) {
     const [x0, y0, x1, y1] = this.recording.header.bounds_m;
-    const margin = 1.08;
-    const wide = ((x1 - x0) * margin) / this.camera.aspect;
-    const high = (y1 - y0) * margin * (window.innerHeight / Math.max(window.innerHeight - 130, 100));
-    const distance = Math.max(wide, high, 0.1) / (2 * Math.tan((FOV * Math.PI) / 360));
+    const corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
     const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
-    this.controls.target.copy(target);
     // A hair off the vertical: straight down, no direction is up.
-    const offset = slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1);
-    this.camera.position.copy(target).addScaledVector(offset.normalize(), distance * (slanted ? 1.15 : 1));
+    const back = (slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1)).normalize();
+    const north = new Vector3(-back.x, -back.y, 0).normalize(); // up on the screen, along the floor
+    const right = new Vector3(north.y, -north.x, 0);
+    const up = new Vector3().crossVectors(back, right);
+    const tangent = Math.tan((FOV * Math.PI) / 360);
+    const { innerWidth: width, innerHeight: height } = window;
+    const side = 1 - Math.min(48 / width, 0.3);
+    const low = -1 + Math.min(180 / height, 0.6);
+    const high = 1 - Math.min(130 / height, 0.4);
+
+    /** Where the corners are on the screen from so far away, or null where some are behind the eye. */
+    const seenFrom = (distance) => {
+      const box = [Infinity, Infinity, -Infinity, -Infinity];
+      for (const corner of corners) {
+        const v = corner.clone().sub(target).addScaledVector(back, -distance);
+        const depth = -v.dot(back);
+        if (depth < 0.05 * distance) return null;
+        const at = [v.dot(right) / (depth * tangent * this.camera.aspect), v.dot(up) / (depth * tangent)];
+        for (const k of [0, 1]) {
+          box[k] = Math.min(box[k], at[k]);
+          box[k + 2] = Math.max(box[k + 2], at[k]);
+        }
+      }
+      return box;
+    };
+    let distance = 0;
+    for (let pass = 0; pass < 4; pass++) {
+      let [near, far] = [0, 20 * this.size];
+      for (let i = 0; i < 40; i++) {
+        distance = (near + far) / 2;
+        const box = seenFrom(distance);
+        if (box && box[2] - box[0] <= 2 * side && box[3] - box[1] <= high - low) far = distance;
+        else near = distance;
+      }
+      distance = far;
+      const box = seenFrom(distance);
+      target.addScaledVector(right, ((box[0] + box[2]) / 2) * tangent * this.camera.aspect * distance);
+      target.addScaledVector(north, (((box[1] + box[3] - low - high) / 2) * tangent * distance) / back.z);
+    }
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(back, distance);
     this.slanted = slanted;
     this.controls.minDistance = this.size * 1e-3;
     this.controls.maxDistance = this.size * 15;
