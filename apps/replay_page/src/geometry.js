@@ -49,7 +49,7 @@ function paintOf(shape) {
 const UP = [0, 0, 1];
 
 // Pieces that meet overlap by this share of what they are part of: else the floor shines through between them.
-const OVERLAP = 3e-5;
+const OVERLAP = 1e-4;
 
 /** A convex polygon whose edges have moved out by so much. */
 function grown(corners, by) {

@@ -36,6 +36,8 @@ class Page {
     dark.addEventListener("change", () => this.theme(dark.matches ? DARK : LIGHT));
     this.bar = new Bar(this);
     this.describe();
+    this.bar.update();
+    this.view.fit(); // now that the controls have their sizes
     this.listen();
   }
 

@@ -7,6 +7,7 @@ import { DARK } from "./palette.js";
 export const shared = {
   focal: { value: 1000 },
   pixelRatio: { value: 1 },
+  screen: { value: new Vector2(1, 1) }, // CSS pixels
   dark: { value: 0 }, // 1: what lies under bodies is dark
   paper: { value: new Color() },
   line: { value: new Color() }, // of the floor's grid
@@ -160,8 +161,8 @@ export function floorMaterial() {
 }
 
 /**
- * Trails: a strip of lines each robot, through where it was. Vertex 0 is where it is, vertex k > 0 where it was k - 1
- * marks before `newest`, in row newest - k + 1, counted around, of a texture of rows of places.
+ * Trails: a ribbon each robot, through where it was. Its place 0 is where it is, place k > 0 where it was k - 1 marks before
+ * `newest`, in row newest - k + 1, counted around, of a texture of rows of places. A vertex is its place and its side, -1 or 1.
  */
 export function trailsMaterial(texture, { columns, rowsEach, marks }) {
   return new ShaderMaterial({
@@ -170,7 +171,9 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
       places: { value: texture },
       newest: { value: 0 },
       count: { value: 1 },
+      last: { value: 0 }, // place that is known
       size: { value: new Vector2(columns, rowsEach) },
+      screen: shared.screen,
     },
     vertexShader: `
       ${SHOWN}
@@ -179,26 +182,39 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
       uniform sampler2D places;
       uniform float newest;
       uniform float count;
+      uniform float last;
       uniform vec2 size;
+      uniform vec2 screen;
       varying vec4 color;
+
+      vec2 placeOf(float k) {
+        if (k < 0.5) return pose.xy;
+        int mark = int(mod(newest - k + 1.0 + ${marks}.0, ${marks}.0) + 0.5);
+        int columns = int(size.x);
+        return texelFetch(places, ivec2(gl_InstanceID % columns, mark * int(size.y) + gl_InstanceID / columns), 0).xy;
+      }
+      vec4 seen(vec2 at) { return projectionMatrix * viewMatrix * vec4(at, pose.z + 0.02, 1.0); }
+      // Where it was not there, or nobody knows yet, it counts as where it was next to that.
+      vec2 orElse(vec2 at, vec2 other) { return at.x < 1e8 ? at : other; }
+
       void main() {
         float k = position.x;
-        vec2 at = pose.xy;
-        float strength = pose.w > 1e8 ? 0.0 : 0.75 * (1.0 - k / count);
-        if (k > 0.5 && pose.w < 1e8) {
-          int mark = int(mod(newest - k + 1.0 + ${marks}.0, ${marks}.0) + 0.5);
-          int columns = int(size.x);
-          int robot = gl_InstanceID;
-          vec2 was = texelFetch(places, ivec2(robot % columns, mark * int(size.y) + robot / columns), 0).xy;
-          if (was.x < 1e8) at = was; else strength = 0.0;
-        }
+        vec2 own = placeOf(k);
+        vec4 at = seen(orElse(own, pose.xy));
+        vec4 newer = seen(orElse(placeOf(max(k - 1.0, 0.0)), own));
+        vec4 older = seen(orElse(placeOf(min(k + 1.0, last)), own));
+        vec2 along = (newer.xy / newer.w - older.xy / older.w) * screen;
+        vec2 across = length(along) > 1e-3 && newer.w > 0.0 && older.w > 0.0 ? normalize(vec2(-along.y, along.x)) : vec2(0.0);
+        at.xy += position.y * across * 0.8 * at.w / screen * 2.0;
+        float strength = pose.w > 1e8 || own.x > 1e8 ? 0.0 : 0.7 * (1.0 - k / count);
         color = vec4(mix(0.85, 1.0, dark) * shown(tint), strength);
-        gl_Position = projectionMatrix * viewMatrix * vec4(at, pose.z + 0.02, 1.0);
+        gl_Position = at;
       }`,
     fragmentShader: `
       varying vec4 color;
       void main() { gl_FragColor = color; }`,
     transparent: true,
     depthWrite: false,
+    side: DoubleSide,
   });
 }

@@ -7,7 +7,7 @@ import {
   FloatType,
   InstancedBufferAttribute,
   InstancedBufferGeometry,
-  Line,
+  Mesh,
   NearestFilter,
   RGFormat,
   Vector2,
@@ -17,6 +17,7 @@ import { ABSENT } from "./series.js";
 
 const MOST_MARKS = 64;
 const COLUMNS = 2048; // every WebGL 2 has textures this wide
+const TRIANGLES = 6; // corners of those between two marks
 const UPLOADS = 4; // marks a picture: after a jump in time trails grow back in a moment
 
 export class Trails {
@@ -32,15 +33,21 @@ export class Trails {
     this.seconds = 0;
 
     const geometry = new InstancedBufferGeometry();
-    const vertices = new Float32Array(3 * (this.ring + 1)).map((_, i) => (i % 3 === 0 ? i / 3 : 0));
-    geometry.setAttribute("position", new BufferAttribute(vertices, 3));
+    const vertices = [];
+    const triangles = [];
+    for (let k = 0; k <= this.ring; k++) {
+      vertices.push(k, -1, 0, k, 1, 0);
+      if (k > 0) triangles.push(2 * k - 2, 2 * k - 1, 2 * k, 2 * k - 1, 2 * k + 1, 2 * k);
+    }
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(vertices), 3));
+    geometry.setIndex(triangles);
     this.pose = new InstancedBufferAttribute(poses, 4);
     this.tint = new InstancedBufferAttribute(tints, 3, true);
     geometry.setAttribute("pose", this.pose);
     geometry.setAttribute("tint", this.tint);
     geometry.instanceCount = recording.robots;
     this.material = trailsMaterial(this.texture, { columns: this.columns, rowsEach: this.rowsEach, marks: this.ring });
-    this.object = new Line(geometry, this.material);
+    this.object = new Mesh(geometry, this.material);
     this.object.frustumCulled = false;
     this.object.visible = false;
   }
@@ -75,8 +82,9 @@ export class Trails {
       if (uploads === UPLOADS || !this.upload(mark)) break;
       uploads++;
     }
-    this.object.geometry.setDrawRange(0, count + 1);
+    this.object.geometry.setDrawRange(0, TRIANGLES * count);
     this.material.uniforms.newest.value = newest % this.ring;
+    this.material.uniforms.last.value = count;
     this.material.uniforms.count.value = this.marks + 1;
     this.pose.needsUpdate = true;
   }

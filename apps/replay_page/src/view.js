@@ -27,6 +27,8 @@ ColorManagement.enabled = false;
 const SMALLEST = 4; // pixels that a robot takes at least
 const REACH = 12; // pixels that a click may miss by
 const FOV = 30; // degrees: narrow, so that walls hide little from above
+const RING_SIDES = 64;
+const RING_PIXELS = 3; // width of the ring about the selected robot
 const GRID_PIXELS = 48; // from line to line at least
 const INSTANCES = 32; // from so many alike on they share one mesh
 const LARGE = 1e9; // m: the size of what is never too small to be drawn in full
@@ -36,6 +38,15 @@ export function roundLength(x) {
   const power = 10 ** Math.floor(Math.log10(x));
   const share = x / power;
   return (share >= 5 ? 5 : share >= 2 ? 2 : 1) * power;
+}
+
+/** Of what no joint moves: a circle about the origin, and the height, m. */
+function trunkOf({ shapes, radius_m: all }, step) {
+  const rigid = shapes.filter((shape) => shape.joint === undefined);
+  let square = 0;
+  for (const corners of rigid.flatMap((shape) => shape.walls))
+    for (let i = 0; i < corners.length; i += 2) square = Math.max(square, corners[i] ** 2 + corners[i + 1] ** 2);
+  return { radius: square > 0 ? Math.sqrt(square) * step : all, top: Math.max(0, ...rigid.map((shape) => shape.z_m[1])) };
 }
 
 export class View {
@@ -68,7 +79,7 @@ export class View {
     this.trails = new Trails(this.renderer, recording, this.poses, this.tints);
     this.scan = new Scan(recording);
     this.ring = new Mesh(
-      new RingGeometry(0.86, 1, 48),
+      new RingGeometry(0.5, 1, RING_SIDES),
       new MeshBasicMaterial({ depthTest: false, transparent: true }),
     );
     this.ring.visible = false;
@@ -101,6 +112,7 @@ export class View {
   addRobots(header) {
     this.swarms = [];
     this.limbs = [];
+    this.trunks = header.types.map((type) => trunkOf(type, header.shape_step_m));
     this.limbsOf = new Array(header.types.length).fill(null); // by type
     this.typeOf = new Int32Array(this.recording.robots);
     let first = 0;
@@ -171,6 +183,7 @@ export class View {
     this.focal = window.innerHeight / (2 * Math.tan((FOV * Math.PI) / 360)); // CSS pixels
     shared.focal.value = this.focal * ratio;
     shared.pixelRatio.value = ratio;
+    shared.screen.value.set(window.innerWidth, window.innerHeight);
   }
 
   /** Everything on the screen, between head and bar: from above, or at a slant. */
@@ -186,8 +199,10 @@ export class View {
     const tangent = Math.tan((FOV * Math.PI) / 360);
     const { innerWidth: width, innerHeight: height } = window;
     const side = 1 - Math.min(48 / width, 0.3);
-    const low = -1 + Math.min(180 / height, 0.6);
-    const high = 1 - Math.min(130 / height, 0.4);
+    const below = height - document.getElementById("scale").getBoundingClientRect().top; // CSS pixels of the controls
+    const above = document.getElementById("about").getBoundingClientRect().bottom;
+    const low = -1 + Math.min((2 * (below + 8)) / height, 0.8);
+    const high = 1 - Math.min((2 * (above + 8)) / height, 0.4);
 
     /** Where the corners are on the screen from so far away, or null where some are behind the eye. */
     const seenFrom = (distance) => {
@@ -293,10 +308,20 @@ export class View {
     this.ring.visible = robot !== null && this.poses[4 * robot + 3] < 1e8;
     if (!this.ring.visible) return;
     const at = 4 * robot;
-    const type = this.recording.header.types[this.typeOf[robot]];
-    const top = Math.max(0, ...type.shapes.map((shape) => shape.z_m[1]));
+    const { radius, top } = this.trunks[this.typeOf[robot]];
     this.ring.position.set(this.poses[at], this.poses[at + 1], this.poses[at + 2] + top);
     const pixel = this.ring.position.distanceTo(this.camera.position) / this.focal;
-    this.ring.scale.setScalar(Math.max(1.35 * type.radius_m, 9 * pixel));
+    const inner = Math.max(1.3 * radius, 8 * pixel);
+    this.ring.scale.setScalar(inner);
+    const outer = 1 + (RING_PIXELS * pixel) / inner;
+    if (Math.abs(outer - this.outer) < 1e-3) return;
+    this.outer = outer;
+    const { position } = this.ring.geometry.attributes; // RingGeometry has the inner corners first
+    for (let i = 0; i < position.count; i++) {
+      const side = i <= RING_SIDES ? 1 : outer;
+      const turn = (2 * Math.PI * (i % (RING_SIDES + 1))) / RING_SIDES;
+      position.setXY(i, side * Math.cos(turn), side * Math.sin(turn));
+    }
+    position.needsUpdate = true;
   }
 }
