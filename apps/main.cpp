@@ -9,6 +9,7 @@
 #include "apps/manual.hpp"
 #include "apps/options.hpp"
 #include "apps/repair.hpp"
+#include "apps/replay.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
@@ -99,6 +100,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   ConvertOptions conversion;
   const CLI::App* convert_command = add_convert_command(app, conversion);
+  ReplayOptions replayed;
+  const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -142,6 +145,7 @@ int troupe_main(int argc, char** argv) {
   if (diff_command->parsed()) return diff(diff_options);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
+  if (replay_command->parsed()) return replay(replayed);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (completion_command->parsed()) {
