@@ -5,6 +5,7 @@
 #include "apps/info.hpp"
 #include "apps/lint.hpp"
 #include "apps/options.hpp"
+#include "apps/render.hpp"
 #include "apps/repair.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
@@ -28,6 +29,7 @@ constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
+  troupe render worlds/cave-simple.json -o cave.png --camera perspective
   troupe lint worlds/hospital.json
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
@@ -90,6 +92,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   ConvertOptions conversion;
   const CLI::App* convert_command = add_convert_command(app, conversion);
+  RenderOptions rendered;
+  const CLI::App* render_command = add_render_command(app, rendered);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -117,6 +121,7 @@ int troupe_main(int argc, char** argv) {
   if (resume_command->parsed()) return run(resume_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
+  if (render_command->parsed()) return render_pictures(rendered);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
   if (lint_command->parsed()) return lint_world(linted);
