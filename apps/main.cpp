@@ -7,6 +7,7 @@
 #include "apps/options.hpp"
 #include "apps/render.hpp"
 #include "apps/repair.hpp"
+#include "apps/replay.hpp"
 #include "apps/run.hpp"
 #include "apps/run_options.hpp"
 #include "base/diagnostics.hpp"
@@ -94,6 +95,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* convert_command = add_convert_command(app, conversion);
   RenderOptions rendered;
   const CLI::App* render_command = add_render_command(app, rendered);
+  ReplayOptions replayed;
+  const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -124,6 +127,7 @@ int troupe_main(int argc, char** argv) {
   if (render_command->parsed()) return render_pictures(rendered);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
+  if (replay_command->parsed()) return replay(replayed);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (describe->parsed()) {

@@ -43,7 +43,7 @@ THIRD_PARTY = [
     (r"tbb/|oneapi/", "oneTBB", ["partition/*.cpp"]),
     (r"nlohmann/", "nlohmann-json", ["worldio/*.cpp", *TOP]),
     (r"stb[_/]", "stb", ["worldio/*.cpp"]),
-    (r"png\.h|zlib\.h|jpeglib\.h|turbojpeg\.h", "libpng, zlib and libjpeg", ["worldio/*.cpp", "tests/*/*.cpp"]),
+    (r"png\.h|zlib\.h|jpeglib\.h|turbojpeg\.h", "libpng, zlib and libjpeg", ["worldio/*.cpp", "tests/*/*"]),
     (r"yaml-cpp/", "yaml-cpp", ["worldio/*.cpp"]),
     (r"hdf5|H5|highfive/", "HDF5", ["worldio/*.cpp", "tests/*/*.cpp"]),
     (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
