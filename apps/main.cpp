@@ -8,6 +8,7 @@
 #include "apps/lint.hpp"
 #include "apps/manual.hpp"
 #include "apps/options.hpp"
+#include "apps/render.hpp"
 #include "apps/repair.hpp"
 #include "apps/replay.hpp"
 #include "apps/run.hpp"
@@ -36,6 +37,7 @@ constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
+  troupe render worlds/cave-simple.json -o cave.png --camera perspective
   troupe lint worlds/hospital.json
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
@@ -100,6 +102,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   ConvertOptions conversion;
   const CLI::App* convert_command = add_convert_command(app, conversion);
+  RenderOptions rendered;
+  const CLI::App* render_command = add_render_command(app, rendered);
   ReplayOptions replayed;
   const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
@@ -143,6 +147,7 @@ int troupe_main(int argc, char** argv) {
   if (sweep_command->parsed()) return sweep(sweep_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
+  if (render_command->parsed()) return render_pictures(rendered);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
   if (replay_command->parsed()) return replay(replayed);

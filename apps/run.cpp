@@ -1,6 +1,7 @@
 #include "apps/run.hpp"
 
 #include "apps/checkpointing.hpp"
+#include "apps/film.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/outputs.hpp"
 #include "apps/progress.hpp"
@@ -64,7 +65,10 @@ void check_files(const std::vector<RunOptions>& each) {
     inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
     RunOptions own = options;
     for (const fs::path* output : outputs_of(own))
-      if (output != &own.checkpoint || !goes_on) outputs.push_back(*output);
+      if (output != &own.pictures.snapshot && (output != &own.checkpoint || !goes_on))
+        outputs.push_back(*output);
+    for (const fs::path& snapshot : snapshot_files(own.pictures)) outputs.push_back(snapshot);
+    check_film(own.pictures);
   }
   check_outputs(inputs, outputs);
 }

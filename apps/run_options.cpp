@@ -16,8 +16,6 @@
 namespace troupe::apps {
 namespace {
 
-// What OSMesa draws at most.
-constexpr int k_max_pixels = 16384;
 constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
 
 constexpr const char* k_footer = R"(
@@ -39,9 +37,13 @@ one is there. One that exists is refused without --force.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
 --wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
+)";
 
+constexpr const char* k_examples = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
+  troupe run worlds/cave-simple.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
+  troupe run worlds/cave-complex-laser.json --for 60 --film cave.mp4 --film-speed 4 --layers scans,-grid
   troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
   troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
   troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
@@ -76,18 +78,6 @@ Examples:
   troupe resume h.h5 --for 120 --threads 1 --checkpoint h.h5 --checkpoint-every 10
   troupe resume h.h5 --for 120 --set /types/1/drive/params/velocity_max_x_mps=0.2)",
                      changeable);
-}
-
-void set_picture_size(RunOptions& options, const std::string& text) {
-  const auto cross = text.find('x');
-  const auto width = number<int>(text.substr(0, cross));
-  const auto height = cross == text.npos ? std::nullopt : number<int>(text.substr(cross + 1));
-  const auto good = [](std::optional<int> n) { return n && *n >= 1 && *n <= k_max_pixels; };
-  if (!good(width) || !good(height))
-    refuse("--size", text,
-           fmt::format("a width and a height in pixels, 1 to {} each, as in --size 1280x720", k_max_pixels));
-  options.width = *width;
-  options.height = *height;
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -218,16 +208,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_checkpoint_options(app, options);
   add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
             [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
-  CLI::Option* snapshot =
-      add_value(app, "--snapshot", "FILE.png", "Draw the last tick from above into a PNG",
-                [&options](const std::string& text) {
-                  options.snapshot = text;
-                  if (options.snapshot.extension() != ".png" || text.starts_with('-'))
-                    refuse("--snapshot", text, "the name of a picture, as in --snapshot crowd.png");
-                });
-  add_value(app, "--size", "WxH", "Size of that picture in pixels (default: 1280x720)",
-            [&options](const std::string& text) { set_picture_size(options, text); })
-      ->needs(snapshot);
+  add_picture_options(app, options.pictures);
   CLI::Option* profile =
       add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
                 [&options](const std::string& text) {
@@ -273,8 +254,8 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
 }  // namespace
 
 std::vector<std::filesystem::path*> outputs_of(RunOptions& options) {
-  return {&options.hash_log, &options.snapshot, &options.profile,   &options.record,
-          &options.measures, &options.events,   &options.checkpoint};
+  return {&options.hash_log, &options.pictures.snapshot, &options.pictures.film, &options.profile,
+          &options.record,   &options.measures,          &options.events,        &options.checkpoint};
 }
 
 std::string with_world(std::string name, const std::filesystem::path& world) {
@@ -286,7 +267,7 @@ std::string with_world(std::string name, const std::filesystem::path& world) {
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
-  run->footer(k_footer);
+  run->footer(fmt::format("{}\n{}{}", k_footer, picture_help(), k_examples));
   run->add_option_function<std::vector<std::string>>(
          "WORLD",
          [&options](const std::vector<std::string>& names) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/options.hpp"
+#include "apps/picture_options.hpp"
 #include "apps/profile.hpp"
 #include "troupe/recording.hpp"
 
@@ -17,8 +18,8 @@ struct RunOptions : WorldOptions {
   /// All worlds of the call, or the checkpoint; `world` is the one that a part of the run is about.
   std::vector<std::filesystem::path> worlds;
   std::filesystem::path hash_log;  ///< empty: none
-  std::filesystem::path snapshot;  ///< empty: none
-  std::filesystem::path profile;   ///< empty: none
+  PictureFiles pictures;
+  std::filesystem::path profile;  ///< empty: none
   ProfileLimits profile_limits;
   std::filesystem::path checkpoint;          ///< empty: none
   std::optional<double> checkpoint_every_s;  ///< not given: at the end alone
@@ -38,8 +39,6 @@ struct RunOptions : WorldOptions {
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
   bool across_plugins = false;
-  int width = 1280;
-  int height = 720;
   bool json = false;
   bool quiet = false;
 };

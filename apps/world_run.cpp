@@ -3,6 +3,7 @@
 #include "apps/camera_pictures.hpp"
 #include "apps/checkpointing.hpp"
 #include "apps/clock.hpp"
+#include "apps/filming.hpp"
 #include "apps/outputs.hpp"
 #include "apps/pacer.hpp"
 #include "apps/recorder.hpp"
@@ -67,10 +68,16 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   report_.checkpoint = options_.checkpoint.string();
 }
 
+WorldRun::~WorldRun() = default;
+
 std::filesystem::path WorldRun::recording() const { return recording_file(options_, simulation_); }
 
 void WorldRun::rehearse() {
-  if (!options_.snapshot.empty()) rehearse_snapshot(simulation_, options_.snapshot);
+  const PictureFiles& pictures = options_.pictures;
+  if (!pictures.snapshot.empty()) rehearsed_ = std::make_unique<Snapshots>(pictures, simulation_, ticks_);
+  if (!pictures.film.empty()) rehearsed_film_ = std::make_unique<Filming>(pictures, simulation_);
+  if (rehearsed_) rehearsed_->rehearse();
+  if (rehearsed_film_) rehearsed_film_->rehearse();
   if (!options_.camera_folder.empty()) check_cameras(simulation_, options_.world);
   // Before any file: what is wrong with them is bad input.
   if (!options_.measures.empty()) measures_.emplace(simulation_, options_.measure);
@@ -101,6 +108,10 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
         options_.camera_folder, engine::period_ticks(options_.camera_every_s, simulation_.tick_s())));
   if (!options_.events.empty())
     observers_.push_back(std::make_unique<EventsTable>(options_.events, simulation_));
+  if (rehearsed_film_) rehearsed_film_->open();
+  if (rehearsed_) snapshots_ = rehearsed_.get();
+  if (rehearsed_) observers_.push_back(std::move(rehearsed_));
+  if (rehearsed_film_) observers_.push_back(std::move(rehearsed_film_));
   if (!options_.checkpoint.empty()) {
     std::vector<Observer*> others;
     for (const auto& observer : observers_) others.push_back(observer.get());
@@ -174,7 +185,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
 }
 
 void WorldRun::draw() const {
-  if (!options_.snapshot.empty()) simulation_.snapshot(options_.snapshot, options_.width, options_.height);
+  if (snapshots_) snapshots_->draw_last(simulation_);
 }
 
 }  // namespace troupe::apps

@@ -17,7 +17,9 @@
 
 namespace troupe::apps {
 
+class Filming;
 class Pacer;
+class Snapshots;
 
 /// One world of a run, loaded; whoever holds it steps it.
 class WorldRun {
@@ -25,6 +27,7 @@ class WorldRun {
   /// Loads the world, or resumes it, and tells its warnings. `options` names one world, and its outputs as
   /// they are. Throws InputError.
   explicit WorldRun(RunOptions options);
+  ~WorldRun();
   WorldRun(const WorldRun&) = delete;
   WorldRun& operator=(const WorldRun&) = delete;
 
@@ -67,12 +70,15 @@ class WorldRun {
   Clock::time_point start_ = Clock::now();
   Simulation simulation_;
   Report report_;
-  std::uint64_t ticks_ = 0;           // at which it ends
-  std::optional<Measures> measures_;  // until their table takes them
+  std::uint64_t ticks_ = 0;               // at which it ends
+  std::optional<Measures> measures_;      // until their table takes them
+  std::unique_ptr<Snapshots> rehearsed_;  // until they are among the observers, as is
+  std::unique_ptr<Filming> rehearsed_film_;
   std::vector<std::unique_ptr<Observer>> observers_;
   Profile* profile_ = nullptr;         // of them the one that the phases and tasks are told, too
   Observer* checkpointing_ = nullptr;  // it saves what all before it have written
   const Pacer* pacer_ = nullptr;
+  Snapshots* snapshots_ = nullptr;  // it draws the last tick, too
   PhaseClock phases_;
   bool is_intact_ = true;  // false after a step that failed: its state is of no use
 };

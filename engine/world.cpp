@@ -1,6 +1,7 @@
 #include "engine/world.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/frame.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -658,10 +659,13 @@ FrameScene World::frame_scene() const {
   scene.title = spec_.title;
   for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
   scene.bounds = scene_.bounds();
+  scene.tile_m = geometry_.tile_m();
+  scene.cell_m = geometry_.cell_m;
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!body_rows_[b].valid())
-      scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
+      scene.fixed.push_back(
+          {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
     else if (spec_.starts(BodyId(b)))
       scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
   }
@@ -675,7 +679,8 @@ Frame World::frame() const {
     const BodySpec& body = spec_.bodies[b];
     const Row r = body_rows_[b];
     if (!r.valid() || !is_there(r)) continue;
-    frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    frame.mobile.push_back(
+        {body.type.value, poses()[r.index()], body.color, stalled(r), static_cast<std::uint32_t>(b)});
     const auto has_moved = [](const Links::Joint& joint) {
       return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
     };

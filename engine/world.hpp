@@ -3,7 +3,6 @@
 #include "engine/body_type.hpp"
 #include "engine/conflicts.hpp"
 #include "engine/fixed_targets.hpp"
-#include "engine/frame.hpp"
 #include "engine/kinds.hpp"
 #include "engine/links.hpp"
 #include "engine/phase.hpp"
@@ -26,6 +25,11 @@
 #include <vector>
 
 namespace troupe::engine {
+
+// engine/frame.hpp, for those who look.
+struct Frame;
+struct FrameScene;
+struct FrameType;
 
 /// What a run is given beside its world. Nothing here changes a result.
 struct WorldOptions {

@@ -9,15 +9,11 @@
 #include "models/power.hpp"
 #include "models/wheels.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
-#include "worldio/png.hpp"
-
-#ifdef TROUPE_HAS_RENDER
-#include "render/draw.hpp"
-#endif
 
 #include <fmt/format.h>
 
@@ -568,22 +564,8 @@ const engine::World& Simulation::world() const { return *impl_->world; }
 const engine::Registry& Simulation::registry() const { return impl_->registry; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
-#ifdef TROUPE_HAS_RENDER
-  const engine::World& world = *impl_->world;
-  render::Picture picture =
-      render::draw(world.frame_scene(), world.frame(), {.width = width, .height = height, .region = {}});
-  worldio::write_png(png, {picture.width, picture.height, std::move(picture.rgba)},
-                     {{"Software", version_line()},
-                      {"world", impl_->file.string()},
-                      {"time_s", fmt::format("{}", time_s())},
-                      {"seed", fmt::format("{}", world.spec().seed)},
-                      {"state_hash", hex(state_hash())}});
-#else
-  static_cast<void>(png);
-  static_cast<void>(width);
-  static_cast<void>(height);
-  throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
-#endif
+  Pictures pictures(*this, {.width = width, .height = height});
+  pictures.write(pictures.take(*this), png);
 }
 
 std::string version_line() {
