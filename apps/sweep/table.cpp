@@ -95,7 +95,7 @@ std::string cell_of(const Column& column, std::size_t row) {
 
 void write_file(const fs::path& file, const std::string& bytes) {
   try {
-    worldio::write_whole(file, bytes);
+    worldio::write_whole(file, {bytes});
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }
