@@ -23,8 +23,8 @@ namespace {
 
 constexpr const char* k_footer = R"(
 A world is drawn as it begins, a checkpoint as it was saved, a recording as it ended; --at draws other times: a world is
-run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. A recording needs the
-file of its world where it was when it was made, and knows poses alone: neither scans nor --color-by.
+run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. A recording needs no
+other file; it can show what was recorded (troupe run --record-fields): scans want ranges, red outlines want stall.
 )";
 
 constexpr const char* k_examples = R"(
@@ -64,11 +64,13 @@ void draw_simulation(const RenderOptions& options, Simulation simulation) {
 }
 
 void draw_recording(const RenderOptions& options) {
-  RecordedRun run(options.input, plugin_path(options.plugin_path));
+  RecordedRun run(options.input);
   Pictures pictures(run, options.pictures.look);
   pictures.rehearse(snapshot_files(options.pictures).front());
   draw_each(options, pictures, [&](double time) {
     run.go_to(std::isnan(time) ? run.last_s() : time);
+    if (pictures.history_s() > 0)
+      run.replay(pictures.history_s(), [&](const RecordedRun& frame) { pictures.see(frame); });
     return pictures.take(run);
   });
 }

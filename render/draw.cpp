@@ -213,8 +213,10 @@ Picture Painter::draw(const Frame& frame, const View& view) {
     std::vector<AnyLayer> on_floor;
     if (shown.grid) on_floor.emplace_back(solid_grid(scene, *projection, grid_pitch(*projection)));
     add_on_floor(on_floor, scene, frame, colors, *projection, shown);
-    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, std::move(on_floor));
-    add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
+    std::vector<AnyLayer> in_air;
+    add_in_air(in_air, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
+    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, std::move(on_floor),
+               std::move(in_air));
   }
   add_ties(layers, frame, *projection, shown);
   layers.emplace_back(flat(written(scene, frame, *projection, framing, view), true));

@@ -20,6 +20,8 @@ using engine::FrameType;
 constexpr double k_smallest_prism = 10;
 /// Sides shorter than this, strokes, are steps of a bitmap.
 constexpr double k_shortest_side = 8;
+/// Shapes narrower than this, strokes, have no lines along their edges, which would hide their colour.
+constexpr double k_smallest_edged = 9;
 
 /// Bodies of one type, by how much of them can be seen.
 struct Seen {
@@ -107,7 +109,10 @@ void add_type(std::vector<SolidLayer>& layers, const SceneMeshes& meshes, std::s
   const double stroke = projection.stroke();
   style.edge = static_cast<float>(stroke * std::clamp(0.06 * seen.widest, 0.7, 1.3));
   style.mark = shows_marks && shapes.mobile;
-  if (seen.pixels_per_metre > 0) style.least_side = k_shortest_side * stroke / seen.pixels_per_metre;
+  if (seen.pixels_per_metre > 0) {
+    style.least_side = k_shortest_side * stroke / seen.pixels_per_metre;
+    style.least_edged = k_smallest_edged * stroke / seen.pixels_per_metre;
+  }
   layers.push_back({prism_mesh(shapes, meshes.pieces[type], style), seen.prisms});
 }
 
@@ -115,7 +120,7 @@ void add_type(std::vector<SolidLayer>& layers, const SceneMeshes& meshes, std::s
 
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                std::vector<AnyLayer> on_floor) {
+                std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air) {
   const FrameScene& scene = meshes.scene;
   Sorter fixed(scene, projection);
   for (const FrameBody& body : scene.fixed) fixed.add(body, to_rgba(body.color), false, 0);
@@ -127,16 +132,20 @@ void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const 
   }
 
   PointLayer dots{std::move(mobile.dots), static_cast<float>(k_smallest_robot * projection.stroke())};
-  std::vector<SolidLayer> solids;
+  std::vector<SolidLayer> standing;
+  std::vector<SolidLayer> moving;
   for (std::size_t type = 0; type < scene.types.size(); ++type) {
-    add_type(solids, meshes, type, fixed.seen(type), projection, false);
-    add_type(solids, meshes, type, mobile.seen(type), projection, shown.headings);
+    add_type(standing, meshes, type, fixed.seen(type), projection, false);
+    add_type(moving, meshes, type, mobile.seen(type), projection, shown.headings);
   }
   if (shown.shadows) {
-    for (const SolidLayer& layer : solids) layers.emplace_back(shadow_of(layer));
+    for (const SolidLayer& layer : standing) layers.emplace_back(shadow_of(layer));
+    for (const SolidLayer& layer : moving) layers.emplace_back(shadow_of(layer));
   }
   std::ranges::move(on_floor, std::back_inserter(layers));
-  std::ranges::move(solids, std::back_inserter(layers));
+  std::ranges::move(standing, std::back_inserter(layers));
+  std::ranges::move(in_air, std::back_inserter(layers));
+  std::ranges::move(moving, std::back_inserter(layers));
   if (!dots.points.empty()) layers.emplace_back(std::move(dots));
 }
 

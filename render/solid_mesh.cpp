@@ -54,17 +54,65 @@ void add_sides(SolidMesh& mesh, const Ring& ring, const ZInterval& z, Paint pain
   }
 }
 
-void add_edges(SolidMesh& mesh, const Ring& ring, const ZInterval& z, const SolidStyle& style, Paint paint,
-               Rgba own) {
-  const std::size_t n = ring.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec2& a = ring[i];
-    const Vec2& b = ring[(i + 1) % n];
-    add_stroke(mesh, at(a, z.max), at(b, z.max), style.edge, paint, own);
-    add_stroke(mesh, at(a, z.min), at(b, z.min), style.edge, paint, own);
-    if (is_edge(a - ring[(i + n - 1) % n], b - a, style.least_side))
-      add_stroke(mesh, at(a, z.min), at(a, z.max), style.edge, paint, own);
+/// Whether a point lies in a shape other than this one, or on its top: a line there would only be seen where
+/// two surfaces are nearly one.
+bool is_inside_others(const FrameType& type, std::size_t own, const Vec2& point, double z) {
+  constexpr double k_flush_m = 0.005;
+  for (std::size_t s = 0; s < type.shapes.size(); ++s) {
+    const Solid& other = type.shapes[s].solid;
+    if (s != own && z >= other.z.min - k_flush_m && z <= other.z.max + k_flush_m && contains(other, point))
+      return true;
   }
+  return false;
+}
+
+void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const SolidStyle& style) {
+  const Solid& solid = type.shapes[shape].solid;
+  const auto& color = type.shapes[shape].color;
+  const Paint paint = color ? Paint::own : Paint::edge;
+  const Rgba own = color ? darker(to_rgba(*color)) : Rgba{};
+  const auto add = [&](const Vec2& a, double za, const Vec2& b, double zb) {
+    if (!is_inside_others(type, shape, (a + b) / 2, (za + zb) / 2))
+      add_stroke(mesh, at(a, za), at(b, zb), style.edge, paint, own);
+  };
+  for (const Ring& ring : solid.contours) {
+    const std::size_t n = ring.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec2& a = ring[i];
+      const Vec2& b = ring[(i + 1) % n];
+      add(a, solid.z.max, b, solid.z.max);
+      add(a, solid.z.min, b, solid.z.min);
+      if (is_edge(a - ring[(i + n - 1) % n], b - a, style.least_side)) add(a, solid.z.min, a, solid.z.max);
+    }
+  }
+}
+
+/// The pieces of a top may share a side without sharing its ends: lines in its colour close the cracks.
+void close_cracks(SolidMesh& mesh, const FrameShape& shape, const std::vector<ConvexPrism>& pieces,
+                  double width) {
+  if (pieces.size() < 2) return;
+  const Paint paint = shape.color ? Paint::own : Paint::body;
+  const Rgba own = shape.color ? to_rgba(*shape.color) : Rgba{};
+  for (const ConvexPrism& piece : pieces)
+    for (std::size_t i = 0; i < piece.outline.size(); ++i)
+      add_stroke(mesh, at(piece.outline[i], shape.solid.z.max),
+                 at(piece.outline[(i + 1) % piece.outline.size()], shape.solid.z.max), width, paint, own);
+}
+
+double width_of(const Solid& solid) {
+  Box extent;
+  for (const Ring& ring : solid.contours)
+    for (const Vec2& p : ring) extent.extend(p);
+  return extent.empty() ? 0 : extent.size().maxCoeff();
+}
+
+/// The shape that reaches highest, alone: what lies on it lies on top.
+FrameType topmost(const FrameType& type) {
+  FrameType top{.mobile = type.mobile, .radius = type.radius};
+  const auto highest = std::ranges::max_element(
+      type.shapes, {}, [](const FrameShape& shape) { return shape.solid.z.max; });
+  if (highest != type.shapes.end()) top.shapes.push_back(*highest);
+  return top;
 }
 
 /// Triangles of a flat mesh, as faces that look up or as marks on such faces.
@@ -83,15 +131,16 @@ SolidMesh prism_mesh(const FrameType& type, const Pieces& pieces, const SolidSty
     for (const Ring& ring : shape.solid.contours)
       add_sides(mesh, ring, shape.solid.z, shape.color ? Paint::own : Paint::body, own);
   }
-  for (const FrameShape& shape : type.shapes) {
-    if (style.edge <= 0) break;
-    const Rgba own = shape.color ? darker(to_rgba(*shape.color)) : Rgba{};
-    for (const Ring& ring : shape.solid.contours)
-      add_edges(mesh, ring, shape.solid.z, style, shape.color ? Paint::own : Paint::edge, own);
+  for (std::size_t i = 0; i < type.shapes.size() && style.edge > 0; ++i) {
+    close_cracks(mesh, type.shapes[i], pieces[i], 0.6 * style.edge);
+    if (width_of(type.shapes[i].solid) >= style.least_edged) add_edges(mesh, type, i, style);
   }
   if (style.mark) {
-    const Mesh marked = body_mesh(type, pieces, {0, true});
-    add_flat(mesh, std::span(marked).subspan(tops.size()), Corner::plain);
+    const FrameType top = topmost(type);
+    const Pieces of_top = pieces_of(top);
+    const std::size_t without = body_mesh(top, of_top, {0, false}).size();
+    const Mesh marked = body_mesh(top, of_top, {0, true});
+    add_flat(mesh, std::span(marked).subspan(without), Corner::plain);
   }
   return mesh;
 }

@@ -10,6 +10,7 @@ struct SolidStyle {
   float edge = 0;         ///< width of the lines along edges, pixels; 0: none
   bool mark = false;      ///< a triangle that points forward, at the front
   double least_side = 0;  ///< m: corners between shorter sides have no line, as those of a bitmap's steps
+  double least_edged = 0;  ///< m: narrower shapes have no lines
 };
 
 /// The shapes of a type as prisms, without their undersides, in its body frame, metres.

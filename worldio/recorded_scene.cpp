@@ -1,6 +1,11 @@
 #include "worldio/recorded_scene.hpp"
 
+#include "base/diagnostics.hpp"
 #include "engine/names.hpp"
+#include "engine/watch_spec.hpp"
+#include "worldio/fields_json.hpp"
+#include "worldio/json_document.hpp"
+#include "worldio/json_reader.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -176,6 +181,20 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
   } catch (const Damaged&) {
     fail(recording, "/world or /scene says what no world does: the file is damaged");
   }
+}
+
+std::optional<engine::Record> recorded_window(const RecordingReader& recording) {
+  Diagnostics diagnostics;
+  const Where where{diagnostics.files()->add(recording.file().string()), 0};
+  const std::optional<JsonNode> document = parse_json(recording.world_json(), where, true, diagnostics);
+  std::optional<engine::Record> window;
+  if (document) {
+    const JsonCursor root(*document, diagnostics);
+    JsonObject world(root);
+    window = read_block(world, "window", engine::window_fields());
+  }
+  if (diagnostics.has_errors()) fail(recording, "/world is not what a recording holds: the file is damaged");
+  return window;
 }
 
 }  // namespace troupe::worldio

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,5 +52,9 @@ struct RecordedScene {
 
 /// Throws Hdf5Error, with the file's name: a recording from before /scene was kept, or a damaged one.
 RecordedScene recorded_scene(const RecordingReader& recording);
+
+/// The window through which the world asks to be seen (engine/watch_spec.hpp), where it has one. Throws
+/// Hdf5Error for a damaged file.
+std::optional<engine::Record> recorded_window(const RecordingReader& recording);
 
 }  // namespace troupe::worldio
