@@ -25,9 +25,9 @@ inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model shows itself to others.
 struct Returns {
-  bool obstacle = true;           ///< takes part in collisions
-  float ranger = 1;               ///< below 0: rays pass; else the intensity a ranger reads
-  std::int32_t fiducial = 0;      ///< what fiducial finders read, or BodySpec::fiducial; 0: they do not find it
+  bool obstacle = true;       ///< takes part in collisions
+  float ranger = 1;           ///< below 0: rays pass; else the intensity a ranger reads
+  std::int32_t fiducial = 0;  ///< what fiducial finders read, or BodySpec::fiducial; 0: they do not find it
   std::int32_t fiducial_key = 0;  ///< of the finders that may find it
   bool gripper = false;           ///< grippers feel it, and can take it
   bool blob = true;               ///< blob finders see its colour; else it only hides what is behind

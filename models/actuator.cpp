@@ -51,8 +51,9 @@ Actuator read(const Record& params) {
   actuator.min = params[2].number();
   actuator.max = std::max(actuator.min, params[3].number());
   if (params[3].number() < actuator.min)
-    actuator.fault = fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
-                                 actuator.min, params[3].number());
+    actuator.fault =
+        fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
+                    actuator.min, params[3].number());
   actuator.max_speed = params[4].number();
   actuator.start = std::clamp(params[5].number(), actuator.min, actuator.max);
   return actuator;

@@ -495,8 +495,8 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   const std::size_t aliases = c.alias_body.size();
   if (c.word.size() != count || c.number.size() != count || c.pose.size() != 4 * count ||
       c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
-      c.file.size() != count || c.line.size() != count ||
-      c.alias_word.size() != aliases || c.alias_number.size() != aliases)
+      c.file.size() != count || c.line.size() != count || c.alias_word.size() != aliases ||
+      c.alias_number.size() != aliases)
     return error("the columns of the bodies have not all the same length");
   if (count == 0) return error("there is no body: the first of every world is the ground");
   const std::size_t words = spec.names.words().size();

@@ -320,7 +320,8 @@ void TypeText::write_children(std::uint32_t p) {
     const DeviceSpec* own = own_device(q);
     const DeviceKind* kind = own ? kind_of(*own) : nullptr;
     const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
-    if (!macro_.furnished[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
+    if (!macro_.furnished[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p)
+      parts.push_back(q);
   }
   if (devices.empty() && parts.empty()) return;
   text_.flag("stack_children", false);
@@ -383,7 +384,8 @@ std::vector<bool> furnished_parts(const TypeSpec& type, std::uint64_t seed,
     kind->furnish(controller.params, seed, registry, read, controller.part);
     const auto begin = read.parts.begin() + controller.part + 1;
     const auto count = read.parts.end() - begin;
-    for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count; ++at) {
+    for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;
+         ++at) {
       const auto flag = furnished.begin() + (at - type.parts.begin());
       if (*flag || !std::equal(begin, read.parts.end(), at, same_part)) continue;
       std::fill_n(flag, count, true);

@@ -118,7 +118,8 @@ TEST(Conformance11, ALowTargetIsSeenWithIgnoreZlocOnly) {
 TEST(Fiducial, BodiesOfOneTypeMayHaveNumbersOfTheirOwn) {
   for (const bool fixed : {true, false}) {
     FinderScene scene;
-    const TypeId type = fixed ? scene.type("target", {box(0.2, 0.2)}) : scene.robot("target", {box(0.2, 0.2)});
+    const TypeId type =
+        fixed ? scene.type("target", {box(0.2, 0.2)}) : scene.robot("target", {box(0.2, 0.2)});
     scene[type].parts[0].returns.fiducial = 1;
     scene.spec.bodies[scene.body("a", type, {2, 1, 0, 0}).index()].fiducial = 5;
     scene.spec.bodies[scene.body("b", type, {3, 0, 0, 0}).index()].fiducial = -6;

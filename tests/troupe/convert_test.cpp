@@ -285,7 +285,8 @@ position( name "n" pose [0 5 0 0]
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
   std::string text = "define bot position( size [0.2 0.2 0.2] fiducial( range_max_id 8 alwayson 1 ) )\n";
-  for (int i = 0; i < 5; ++i) text += fmt::format("bot( pose [{} 0 0 0] fiducial_return {} )\n", i, 10 * i - 20);
+  for (int i = 0; i < 5; ++i)
+    text += fmt::format("bot( pose [{} 0 0 0] fiducial_return {} )\n", i, 10 * i - 20);
   const fs::path world = write("w.world", text);
   const fs::path json = convert(world, "w.json");
   EXPECT_THAT(content(json), HasSubstr("\"fiducial_return\": -20"));  // of the type
@@ -296,7 +297,8 @@ TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
   const Simulation simulation(back, {.threads = 1});
   const engine::WorldSpec& spec = simulation.world().spec();
   EXPECT_EQ(spec.types.size(), 3u) << "the ground, those that are marked, and the one whose number is 0";
-  for (std::uint32_t b = 1; b <= 5; ++b) EXPECT_EQ(fiducial_of(spec, BodyId(b), 0), 10 * static_cast<int>(b) - 30);
+  for (std::uint32_t b = 1; b <= 5; ++b)
+    EXPECT_EQ(fiducial_of(spec, BodyId(b), 0), 10 * static_cast<int>(b) - 30);
 }
 
 TEST_F(ConvertTest, ColoursWithoutANameCountBesideAMacrosThatHasOne) {
@@ -319,8 +321,9 @@ TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
                                            "Stage has no bodies that are yet to be born")));
   convert(write("w.json", types + "\n\"mortal\": true, \"models\": [{\"name\": \"a\", \"type\": \"t\"}]}"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"mortal\": Stage "
-                                           "has no deaths")));
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"mortal\": Stage "
+                                    "has no deaths")));
 }
 
 TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {

@@ -44,8 +44,9 @@ TEST_F(StageGrip, AnActuatorsLimitsStandInTheirOrder) {
     load("\nposition( actuator( name \"lift\" min_position 2 ) )");
     ADD_FAILURE() << "it was read";
   } catch (const InputError& fault) {
-    EXPECT_THAT(fault.what(), ::testing::EndsWith("w.world:2: error: device \"lift\" needs a \"min_position\", here "
-                                                  "2, of at most its \"max_position\", here 1"));
+    EXPECT_THAT(fault.what(),
+                ::testing::EndsWith("w.world:2: error: device \"lift\" needs a \"min_position\", here "
+                                    "2, of at most its \"max_position\", here 1"));
   }
 }
 

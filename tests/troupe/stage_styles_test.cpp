@@ -74,154 +74,155 @@ TEST_P(StageStyles, LoadsWithItsWarningsAndRuns) {
 }
 
 std::vector<Style> styles() {
-  return {{"demo.world",
-           3,
-           2,
-           2,
-           true,
-           {"demo.world:10: warning: accepted without effect, docs/stage-worlds.md says why: threads",
-            "demo.world:7: warning: accepted, but only Stage's window would use it: paused, window, "
-            "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
-          {"follow.world",
-           2,
-           1,
-           2,
-           true,
-           {"follow.world:8: warning: accepted, but only Stage's window would use it: window, gui_nose, "
-            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
-          {"blocks.world",
-           3,
-           2,
-           2,
-           true,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor",
-            "inc/figure.inc:6: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"}},
-          {"noise.world",
-           2,
-           1,
-           1,
-           false,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline"}},
-          {"disc.world",
-           2,
-           1,
-           1,
-           false,
-           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline"}},
-          {"camera.world",
-           2,
-           1,
-           1,
-           false,
-           {"camera.world:11: warning: \"watts\" of a camera has no effect: what it draws follows from what it "
-            "does",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline"}},
-          {"arms.world",
-           5,
-           3,
-           4,
-           true,
-           {"arms.world:13: warning: the name \"puck\" is taken already; looking it up finds the last"}},
-          {"layers.world",
-           3,
-           1,
-           3,
-           false,
-           {"layers.world:10: warning: \"late_base\" is defined already, at line 4; the first definition holds",
-            "layers.world:16: warning: accepted, but only Stage's window would use it: window"}},
-          {"everything.world",
-           11,
-           7,
-           5,
-           true,
-           {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-            "everything.world:10: warning: accepted, but only Stage's window would use it: window, gui_nose, "
-            "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
-          {"odometry.world",
-           4,
-           3,
-           5,
-           false,
-           {"inc/carts.inc:149: warning: old syntax: \"origin\" takes [x y z heading]; three values are read "
-            "as [x y heading]",
-            "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
-            "as [x y heading] (and 2 more)",
-            "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-            "the height stays 0.02 m",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor",
-            "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
-            "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
-            "horizfov of a camera, size3"}},
-          {"lab.world",
-           11,
-           1,
-           3,
-           true,
-           {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-            "the height stays 1 m (and 1 more)",
-            "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
-            "y heading]",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor",
-            "inc/beacons.inc:2: warning: obsolete, ignored by Stage too: laser_return"}},
-          {"charging.world",
-           10,
-           6,
-           6,
-           true,
-           {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: what it draws follows from what "
-            "it does",
-            "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline"}},
-          {"forage.world",
-           9,
-           4,
-           5,
-           true,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor"}},
-          {"forage2.world",
-           9,
-           3,
-           3,
-           true,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor"}},
-          {"flock.world",
-           17,
-           16,
-           2,
-           true,
-           {"flock.world:7: warning: accepted without effect, docs/stage-worlds.md says why: threads",
-            "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor"}},
-          {"city.world",
-           4,
-           3,
-           2,
-           true,
-           {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
-            "gui_move, gui_outline, color_rgba of a sensor"}},
-          {"units.world", 2, 1, 1, true},
-          {"old_swarm.world",
-           10,
-           10,
-           0,
-           false,
-           {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-            "the height stays 1 m",
-            "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
-            "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
-            "as [x y heading] (and 9 more)",
-            "old_swarm.world:3: warning: obsolete, ignored by Stage too: size, gui_interval, polygons, "
-            "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
+  return {
+      {"demo.world",
+       3,
+       2,
+       2,
+       true,
+       {"demo.world:10: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+        "demo.world:7: warning: accepted, but only Stage's window would use it: paused, window, "
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
+      {"follow.world",
+       2,
+       1,
+       2,
+       true,
+       {"follow.world:8: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+        "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+      {"blocks.world",
+       3,
+       2,
+       2,
+       true,
+       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor",
+        "inc/figure.inc:6: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"}},
+      {"noise.world",
+       2,
+       1,
+       1,
+       false,
+       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline"}},
+      {"disc.world",
+       2,
+       1,
+       1,
+       false,
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline"}},
+      {"camera.world",
+       2,
+       1,
+       1,
+       false,
+       {"camera.world:11: warning: \"watts\" of a camera has no effect: what it draws follows from what it "
+        "does",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline"}},
+      {"arms.world",
+       5,
+       3,
+       4,
+       true,
+       {"arms.world:13: warning: the name \"puck\" is taken already; looking it up finds the last"}},
+      {"layers.world",
+       3,
+       1,
+       3,
+       false,
+       {"layers.world:10: warning: \"late_base\" is defined already, at line 4; the first definition holds",
+        "layers.world:16: warning: accepted, but only Stage's window would use it: window"}},
+      {"everything.world",
+       11,
+       7,
+       5,
+       true,
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+        "everything.world:10: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+        "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+      {"odometry.world",
+       4,
+       3,
+       5,
+       false,
+       {"inc/carts.inc:149: warning: old syntax: \"origin\" takes [x y z heading]; three values are read "
+        "as [x y heading]",
+        "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+        "as [x y heading] (and 2 more)",
+        "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+        "the height stays 0.02 m",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor",
+        "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
+        "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
+        "horizfov of a camera, size3"}},
+      {"lab.world",
+       11,
+       1,
+       3,
+       true,
+       {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+        "the height stays 1 m (and 1 more)",
+        "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
+        "y heading]",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor",
+        "inc/beacons.inc:2: warning: obsolete, ignored by Stage too: laser_return"}},
+      {"charging.world",
+       10,
+       6,
+       6,
+       true,
+       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: what it draws follows from what "
+        "it does",
+        "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline"}},
+      {"forage.world",
+       9,
+       4,
+       5,
+       true,
+       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor"}},
+      {"forage2.world",
+       9,
+       3,
+       3,
+       true,
+       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor"}},
+      {"flock.world",
+       17,
+       16,
+       2,
+       true,
+       {"flock.world:7: warning: accepted without effect, docs/stage-worlds.md says why: threads",
+        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor"}},
+      {"city.world",
+       4,
+       3,
+       2,
+       true,
+       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "gui_move, gui_outline, color_rgba of a sensor"}},
+      {"units.world", 2, 1, 1, true},
+      {"old_swarm.world",
+       10,
+       10,
+       0,
+       false,
+       {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
+        "the height stays 1 m",
+        "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
+        "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
+        "as [x y heading] (and 9 more)",
+        "old_swarm.world:3: warning: obsolete, ignored by Stage too: size, gui_interval, polygons, "
+        "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Styles, StageStyles, ::testing::ValuesIn(styles()), [](const auto& style) {

@@ -135,11 +135,12 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
     "types": {"post": {"size_m": [1, 1, 1], "fiducial_return": 3}, "plain": {"size_m": [1, 1, 1]}},
     "models": [{"name": "a", "type": "post", "fiducial_return": 0},
                {"name": "b", "type": "plain", "pose": {"x_m": 3}, "fiducial_return": 4}]})");
-  EXPECT_THAT(wrong.found,
-              ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: only a type without one "
-                          "is not marked",
-                          "maze.json:4: error: /models/1/fiducial_return: needs a type with a \"fiducial_return\", "
-                          "which says that its robots are marked"));
+  EXPECT_THAT(
+      wrong.found,
+      ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: only a type without one "
+                  "is not marked",
+                  "maze.json:4: error: /models/1/fiducial_return: needs a type with a \"fiducial_return\", "
+                  "which says that its robots are marked"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {

@@ -892,7 +892,8 @@ TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
 TEST_F(StageWorld, BodiesWithNumbersOfTheirOwnShareTheirType) {
   std::string text = "define rob position( fiducial_return 1 model( fiducial_return 9 ) )\n";
   for (int i = 0; i < 100; ++i) text += fmt::format("rob( fiducial_return {} )\n", i - 50);
-  const auto spec = load(text + "rob()\nrob( fiducial_return \"0.0\" )\nposition( model( fiducial_return 9 ) )\n");
+  const auto spec =
+      load(text + "rob()\nrob( fiducial_return \"0.0\" )\nposition( model( fiducial_return 9 ) )\n");
   ASSERT_THAT(spec.bodies, SizeIs(104));
   EXPECT_THAT(spec.types, SizeIs(3));  // the ground, marked ones, others
   for (int i = 0; i < 100; ++i) {
