@@ -10,7 +10,8 @@ for that:
 - Code stands in blocks that are indented by four spaces or fenced. A block whose first line begins with a program
   (`troupe`, `cmake`, `cd`, ...) is commands, typed one after another into one shell. Each must end with 0, and the
   files that its options name must be there afterwards.
-- A block with lines that begin with `$ ` shows a session: commands, and what they print.
+- A block with lines that begin with `$ ` shows a session: commands, and what they print. One that prints an error must
+  not end with 0.
 - Another block is text that the page shows: it must have been printed by a command further up, or stand in a file
   that one has written, or be the list of such files. A line `...` stands for any lines, `...` in a line for any text.
   Numbers must be equal but where they tell wall time, memory or versions.
@@ -39,7 +40,7 @@ import docs_rules as rules
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|mkdir|export|source|man|sudo|apptainer|cat|head|tail|ls|git|h5dump|h5repack|"
-            r"python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
+            r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
 LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt"}
 OUTPUTS = {"--snapshot", "--record", "--hash-log", "--measures", "--events", "--checkpoint", "--profile", "--camera-png", "-o",
@@ -156,13 +157,13 @@ def line_pattern(line):
     """What a shown line stands for."""
     varies = re.search(rules.VARYING, line)
     out = []
-    for part in re.split(r"(\.\.\.|\s+|(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)?)", line.strip()):
+    for part in re.split(r"(\.\.\.|\s+|(?<![\w.])[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)", line.strip()):
         if part == "...":
             out.append(".*")
         elif part.isspace():
             out.append(r"\s+")
-        elif part and varies and re.fullmatch(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", part):
-            out.append(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
+        elif part and varies and re.fullmatch(r"[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?", part):
+            out.append(r"[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
         else:
             out.append(re.escape(part))
     return re.compile("".join(out) + r"\s*$")
@@ -171,6 +172,8 @@ def line_pattern(line):
 def first_missing(shown, there):
     """The first of the shown lines that is not there, in order; None where all are. Lines follow one another but where `...` stands."""
     wanted = [line for line in shown if line.strip()]
+    if all(line.strip() == "..." for line in wanted):
+        return None
     lines = [line.strip() for line in there.replace("\r", "\n").split("\n") if line.strip()]
     best = wanted[0]
     for start in range(len(lines)):
@@ -248,17 +251,17 @@ class Page:
         for pattern, reason in rules.NOT_RUN:
             if re.search(pattern, command):
                 return reason
-        for pattern, program, reason in rules.NEEDS:
-            if re.search(pattern, command) and not shutil.which(program):
-                return f"there is no {program} ({reason})"
+        for pattern, program in rules.NEEDS:
+            if re.search(pattern, command) and not shutil.which(program) and not (self.folder / program).exists():
+                return f"there is no {program}"
         if command.startswith("troupe "):
             unknown = self.test.program.unknown(command)
             if unknown in rules.WAITING:
                 return f"waits until the program knows {unknown}"
         return None
 
-    def run_command(self, command, where):
-        """Runs it, and returns what it printed; None where it is left out."""
+    def run_command(self, command, where, shown=()):
+        """Runs it, and returns what it printed; None where it is left out. What shows an error must end with one."""
         self.wanted += 1
         reason = self.why_not(command)
         if reason:
@@ -272,6 +275,8 @@ class Page:
         self.printed.append(result.stdout)
         self.ran += 1
         codes = next((codes for pattern, codes in rules.ENDS if re.search(pattern, command)), {0})
+        if any(re.search(r"\berror: ", line) for line in shown):
+            codes = {1, 2}
         if result.returncode not in codes:
             self.fault(where, f"{command}\n    ended with {result.returncode}:\n" +
                        "\n".join("    " + line for line in result.stdout.strip().split("\n")[-15:]))
@@ -298,7 +303,7 @@ class Page:
             elif current:
                 current[1].append(line)
         for command, shown in parts:
-            printed = self.run_command(commands_of([command])[0], block)
+            printed = self.run_command(commands_of([command])[0], block, shown)
             if printed is not None and any(line.strip() for line in shown):
                 missing = first_missing(shown, printed)
                 if missing is not None:
@@ -459,21 +464,19 @@ class Test:
 
     def compile_cpp(self):
         """All C++ listings in one translation unit, each in a namespace of its own; the faults of the compiler."""
-        includes = ["#include <troupe/troupe.hpp>", "#include <troupe/plugin.hpp>", "#include <iostream>", "#include <thread>",
-                    "#include <vector>"]
-        body = []
+        includes = ["<troupe/troupe.hpp>", "<troupe/plugin.hpp>", "<algorithm>", "<iostream>", "<thread>", "<vector>"]
+        lines = []
         for number, (page, block) in enumerate(self.cpp):
-            own = [line for line in block.lines if line.startswith("#include")]
-            includes += own
-            rest = ["" if line in own else line for line in block.lines]
-            declares = re.search(r"^(struct|class|namespace|TROUPE_|int main|template|void \w+\(|engine::\w+ \w+\()", block.text, re.M)
-            before = rules.CPP_BEFORE.get(page, "")
-            rest = [re.sub(r"^TROUPE_CONTROLLER\(.*", "", line) for line in rest]
-            body += [f"namespace listing_{number} {{", "using namespace troupe;"]
-            body += [] if declares else ["void run() {"]
-            body += [before, f'#line {block.line} "{page}"', *rest, "}" if declares else "}}"]
+            lines += [f"namespace listing_{number} {{", "using namespace troupe;", *rules.CPP_BEFORE.get(page, "").split("\n")]
+            declares = re.search(r"^(struct |class |namespace |template|int main\(|TROUPE_CONTROLLER)", block.text, re.M)
+            lines += [f'#line {block.line} "{page}"', *(["void run() {"] if not declares else [])]
+            lines += [f'#line {block.line} "{page}"',
+                      *(re.sub(r"^TROUPE_CONTROLLER\(.*", "", line) for line in block.lines), "}" if declares else "}}"]
+        own = [line.strip() for line in lines if line.strip().startswith("#include")]
+        lines = ["" if line.strip().startswith("#include") else line for line in lines]
+        lines = [*dict.fromkeys([f"#include {name}" for name in includes] + own), *lines]
         source = self.scratch / "listings.cpp"
-        source.write_text("\n".join([*dict.fromkeys(includes), *body]) + "\n")
+        source.write_text("\n".join(lines) + "\n")
         eigen = next((path for path in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.exists(path)), "/usr/include")
         command = [os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-ffp-contract=off", "-DEIGEN_DONT_VECTORIZE",
                    "-DEIGEN_MAX_ALIGN_BYTES=16", f"-I{self.installed}/include", f"-I{self.installed}/include/troupe",
