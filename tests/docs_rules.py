@@ -1,0 +1,108 @@
+"""What tests/docs_test.py does not run as it stands, and why. Everything else in the documentation is run.
+
+Patterns are searched in a command; texts are known by their page and by how their first line begins.
+"""
+
+# Commands that are never run: (pattern, why).
+NOT_RUN = [
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|check-\w+)\b",
+     "builds, or takes minutes"),
+    (r"^cmake --preset ", "builds all of Troupe"),
+    (r"\bpip3? ", "builds all of Troupe"),
+    (r"\bcpack\b", "tests/install/package_test.cmake makes the packages"),
+    (r"\bsudo\b", "needs root"),
+    (r"^git clone ", "needs a network"),
+    (r"^apptainer ", "needs Apptainer"),
+    (r"^(sbatch|squeue) ", "needs SLURM"),
+    (r"^xdg-open ", "opens a window"),
+    (r"/usr/bin/python3$", "waits for somebody to type"),
+    (r"perf_kernels|perf_paper --only", "takes minutes"),
+    (r"perf_paper --quick", "is the test perf.paper"),
+    (r"\bworlds/(campus|foragers)\.json", "takes minutes of one core"),
+    (r"--rate 1\b", "takes as long as it simulates"),
+]
+
+# Commands that are run in another way: (pattern, replacement, why).
+INSTEAD = [
+    (r"--for 172800 ", "--for 20 ", "two days of the hospital take hours"),
+    (r"--for 172830 ", "--for 22 ", "goes on with that"),
+    (r"^(troupe run worlds/hospital\S* .*)--for 600\b", r"\1--for 30", "ten minutes of 2,000 robots take a minute"),
+    (r"^(troupe resume \S+ .*)--for 600\b", r"\1--for 40", "goes on with that"),
+    (r"^man -l (\S+)$", r"test -s \1", "a terminal is needed, and there may be no man"),
+]
+
+# Commands that take a program or a folder that may not be there: (pattern, what).
+NEEDS = [
+    (r"--film \S+\.mp4", "ffmpeg"),
+    (r"^h5dump ", "h5dump"),
+    (r"^h5repack ", "h5repack"),
+    (r"perf_paper ", "build/release/bin/perf_paper"),
+]
+
+# Commands that may end otherwise than with 0, as the prose says: (pattern, exit codes).
+ENDS = [
+    (r"^troupe (diff|lint) ", {0, 1}),
+    (r"--wall-limit ", {0, 3}),
+]
+
+# What a page takes for granted: commands that are run before its first one.
+BEFORE = {
+    "docs/pictures.md": ["troupe run worlds/minimal.world --for 2 --record day.h5"],
+}
+
+# Subcommands and options that are not in every state of the program. As soon as it knows them, they are run.
+WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "--camera", "--snapshot-at", "--color-by"}
+
+# Python listings of a page that another test runs: page -> test.
+PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
+
+# C++ listings that are not compiled: (page, how the first line begins, why).
+CPP_NOT_COMPILED = []
+
+# What C++ listings of a page take for granted: includes and declarations before them.
+CPP_BEFORE = {
+    "docs/checkpoints.md": """
+        troupe::Simulation simulation("worlds/hospital.json");""",
+    "docs/determinism.md": """
+        #include <troupe/engine/controller_check.hpp>
+        #include <troupe/troupe/registry.hpp>
+        struct Patrol { void operator()(const troupe::engine::Percept&, troupe::Random&, troupe::engine::Actions&) const {} };""",
+    "docs/measures.md": """
+        #include <troupe/engine/measure_kind.hpp>
+        #include <troupe/troupe/registry.hpp>
+        struct Crowding : troupe::engine::Measure {
+          Crowding(const troupe::engine::World&, const troupe::engine::Record&, std::vector<troupe::Row>) {}
+          double value(troupe::engine::World&) override { return 0; }
+        };""",
+}
+
+# Texts that a page shows and no command of it prints: (page, how the first line begins, why).
+SHOWN_ONLY = [
+    ("docs/architecture.md", "sense ", "the phases of a tick, told"),
+    ("docs/architecture.md", "WorldSpec ", "a sketch of the data"),
+    ("docs/checkpoints.md", "200 kills", "tests/checkpoint_kill_test.py printed it, after minutes"),
+    ("docs/checkpoints.md", "run.h5: error: this is no", "damaged files: tests/apps/resume_test.cpp"),
+    ("docs/controllers.md", 'controller "patrol/0"', "a controller that breaks the rules: tests/plugins/program_test.cpp"),
+    ("docs/determinism.md", "S(k+1)", "a formula"),
+    ("docs/determinism.md", "key = seed", "a formula"),
+    ("docs/determinism.md", "component name", "what is hashed, told"),
+    ("docs/determinism.md", "tick state", "the columns of a hash log"),
+    ("docs/determinism.md", "variant ", "a difference, which there must not be: tests/apps/check_test.cpp"),
+    ("docs/determinism.md", 'controller "patrol/0"', "a controller that breaks the rules: tests/plugins/program_test.cpp"),
+    ("docs/determinism.md", "proof ", "scripts/prove and scripts/check-aarch64 print it, after minutes"),
+    ("docs/determinism.md", "hospital, T0", "a difference, which there must not be: tests/prove_test.py"),
+    ("docs/driving.md", "heading'", "a formula"),
+    ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
+    ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
+    ("docs/limits.md", "target ", "scripts/fuzz prints it, after half an hour"),
+    ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
+    ("docs/recordings.md", "200 kills", "tests/recording_kill_test.py printed it, after minutes"),
+    ("docs/recordings.md", "differs at tick 40", "a difference, which there must not be: tests/apps/diff_test.cpp"),
+    ("docs/replay.md", "long.html:", "of a recording of ten minutes"),
+    ("docs/sensing.md", "c = (v - o)", "formulas"),
+    ("docs/stage-worlds.md", "maze.world:12", "of a world with faults: tests/worldio/stage_world_test.cpp"),
+]
+
+# Lines in which numbers tell of the machine and the minute: wall time, memory, versions.
+VARYING = (r"\bwall\b|times real time|\bcost\b|\bphases\b|\bthreads\b|memory|troupe \d|version|compiler|\btile_m\b"
+           r"|\bMi?B\b|\bloading\b")
