@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/observer.hpp"
+#include "apps/observers/observer.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>

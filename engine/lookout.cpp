@@ -23,7 +23,8 @@ constexpr std::array<float, partition::k_most_beams> k_no_offsets{};
 /// Whether a circle comes within a reach of a point, and some that just do not.
 class Nearby {
  public:
-  Nearby(const Vec2& point, double reach) : x_(static_cast<float>(point.x())), y_(static_cast<float>(point.y())) {
+  Nearby(const Vec2& point, double reach)
+      : x_(static_cast<float>(point.x())), y_(static_cast<float>(point.y())) {
     const double rounding = 0x1p-23 * (std::abs(point.x()) + std::abs(point.y()));
     reach_ = static_cast<float>((reach + rounding) * (1 + 0x1p-20) + partition::k_cull_slack);
   }
@@ -133,7 +134,8 @@ void Lookout::look(float low, float high) {
                            .oy = k_no_offsets.data(),
                            .count = rays_.size(),
                            .common_origin = true};
-  const std::size_t met = partition::may_meet(circles_, 0, size_, origin_, fan, limits_.data(), low, high, met_);
+  const std::size_t met =
+      partition::may_meet(circles_, 0, size_, origin_, fan, limits_.data(), low, high, met_);
   const partition::StaticScene& scene = world_->scene();
   for (std::size_t i = 0; i < met; ++i) {
     const std::uint32_t row = met_.row[i];

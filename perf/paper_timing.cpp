@@ -1,6 +1,6 @@
 #include "perf/paper_timing.hpp"
 
-#include "apps/phase_clock.hpp"
+#include "apps/run/phase_clock.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"

@@ -80,8 +80,7 @@ TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
   if (IsSkipped()) return;
   // Stalled robots have red outlines, and recordings are not asked to know.
   std::vector<std::pair<std::vector<std::string>, std::string>> pictures;
-  for (const auto& [at, time] :
-       std::vector<std::pair<std::vector<std::string>, std::string>>{
+  for (const auto& [at, time] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--at", "0"}, "0"}, {{}, "1"}, {{"--at", "0.45"}, "0.4"}}) {
     EXPECT_EQ(draw({"room.world", "--at", time, "--layers=trails,coverage,-stalls"}).code, 0);
     pictures.emplace_back(at, pixels("p.png"));
@@ -99,14 +98,14 @@ TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
 
 TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields",
-                    "all"})
-                .code,
-            0);
-  for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
-           {"--layers=scans,beams,names"},
-           {"--color-by", "velocity.x"},
-           {"--camera", "perspective", "--color-by", "ranger.ranges.1"}}) {
+  ASSERT_EQ(
+      troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields", "all"})
+          .code,
+      0);
+  for (const std::vector<std::string>& look :
+       std::vector<std::vector<std::string>>{{"--layers=scans,beams,names"},
+                                             {"--color-by", "velocity.x"},
+                                             {"--camera", "perspective", "--color-by", "ranger.ranges.1"}}) {
     std::vector<std::string> options{"room.world", "--at", "1"};
     options.insert(options.end(), look.begin(), look.end());
     EXPECT_EQ(draw(options).code, 0);
