@@ -10,6 +10,7 @@
 #include "models/flags.hpp"
 #include "models/flocking.hpp"
 #include "models/forager.hpp"
+#include "models/gradient.hpp"
 #include "models/gripper.hpp"
 #include "models/light.hpp"
 #include "models/measures.hpp"
@@ -17,6 +18,8 @@
 #include "models/nearness.hpp"
 #include "models/operate.hpp"
 #include "models/power.hpp"
+#include "models/radio.hpp"
+#include "models/radio_flocking.hpp"
 #include "models/remover.hpp"
 #include "models/script.hpp"
 #include "models/spawner.hpp"
@@ -38,14 +41,25 @@ engine::Registry make_registry() {
                       sensors::bumper_kind(),        sensors::camera_kind(),    models::blinkenlight_kind(),
                       models::lightindicator_kind(), models::power_pack_kind(), models::power_contact_kind(),
                       models::flags_kind(),          models::actuator_kind(),   models::gripper_kind(),
-                      models::wheels_kind(),         models::spawner_kind(),    models::remover_kind()};
+                      models::wheels_kind(),         models::spawner_kind(),    models::remover_kind(),
+                      models::radio_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
-  registry.controllers = {
-      models::expand_controller(),    models::wander_controller(),     models::script_controller(),
-      models::waypoints_controller(), models::source_controller(),     models::sink_controller(),
-      models::fasr_controller(),      models::fasr2_controller(),      models::pioneer_flocking_controller(),
-      models::dynamic_controller(),   models::lasernoise_controller(), models::rasterize_controller(),
-      models::operate_controller(),   models::collector_controller()};
+  registry.controllers = {models::expand_controller(),
+                          models::wander_controller(),
+                          models::script_controller(),
+                          models::waypoints_controller(),
+                          models::source_controller(),
+                          models::sink_controller(),
+                          models::fasr_controller(),
+                          models::fasr2_controller(),
+                          models::pioneer_flocking_controller(),
+                          models::dynamic_controller(),
+                          models::lasernoise_controller(),
+                          models::rasterize_controller(),
+                          models::operate_controller(),
+                          models::collector_controller(),
+                          models::gradient_controller(),
+                          models::radio_flocking_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
