@@ -1,6 +1,7 @@
 #include "engine/world.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/shown_color.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -672,7 +673,8 @@ Frame World::frame() const {
     const BodySpec& body = spec_.bodies[b];
     const Row r = body_rows_[b];
     if (!r.valid() || !is_there(r)) continue;
-    frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const Color color = shown_color(*this, r, 0).value_or(body.color);
+    frame.mobile.push_back({body.type.value, poses()[r.index()], color, stalled(r)});
     const auto has_moved = [](const Links::Joint& joint) {
       return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
     };

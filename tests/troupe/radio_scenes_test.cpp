@@ -1,4 +1,4 @@
-// worlds/gradient.json, flock.json and chatter.json: swarms that talk.
+// worlds/gradient.json, flock.json, perception.json and chatter.json: swarms that talk.
 
 #include "engine/world.hpp"
 #include "models/gradient.hpp"
@@ -137,6 +137,31 @@ TEST(FlockScene, RobotsComeToAgreeWhateverTheSeed) {
     simulation.run_for(test::k_slow_build ? 5 : 60);
     EXPECT_GT(order(simulation), test::k_slow_build ? 0.4 : 0.9) << "seed " << seed;
   }
+}
+
+// ---- perception.json
+
+TEST(PerceptionScene, TheSwarmFindsThatMoreOfTheFloorIsWhite) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 40,000 ticks";
+  int agreed = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SimulationOptions options;
+    options.threads = 2;
+    options.seed = seed;
+    Simulation simulation(shipped("perception.json"), options);
+    const engine::World& world = simulation.world();
+    simulation.step();
+    const auto white = [&] {
+      int count = 0;
+      for (const std::string& name : simulation.robot_names())
+        count += memory_of<std::uint8_t>(world, world.find(name), "collective_perception/0", "opinion");
+      return count;
+    };
+    EXPECT_EQ(white(), 10) << "as many begin for white as for black";
+    simulation.run_for(400);
+    agreed += white() >= 18;
+  }
+  EXPECT_GE(agreed, 9) << "of ten seeds";
 }
 
 // ---- chatter.json
