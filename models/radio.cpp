@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -64,7 +65,6 @@ struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
   const engine::StateTable* commands;
-  std::uint32_t number;  // of the device
   bool always_runs;
   Vec2 position;  // body frame, or that of its joint
 };
@@ -127,14 +127,16 @@ struct Crossing {
 /// Listens for one radio after another. A thread keeps one, so that a warm step allocates nothing.
 class Listener {
  public:
-  Listener() { senders_.reserve(16); }
+  Listener() {
+    for (Known& known : known_) known.senders.reserve(4);
+  }
 
   void begin(const DeviceBatch& batch) {
     batch_ = &batch;
     world_ = &batch.world;
     radio_ = std::any_cast<Radio>(&batch.data);
     kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
-    type_ = nullptr;
+    for (Known& known : known_) known.type = nullptr;
     position_ = radio_->pose_body_radio.position();
     // A crowd of that size grows them at once.
     const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
@@ -170,8 +172,11 @@ class Listener {
   const World* world_ = nullptr;
   const Radio* radio_ = nullptr;
   const DeviceKind* kind_ = nullptr;
-  const BodyType* type_ = nullptr;  // of senders_
-  std::vector<Sender> senders_;
+  struct Known {
+    const BodyType* type = nullptr;
+    std::vector<Sender> senders;
+  };
+  std::array<Known, 8> known_;  // types that were met last, each at its place
   Vec2 position_ = Vec2::Zero();
 
   Row own_;
@@ -191,19 +196,20 @@ class Listener {
 };
 
 std::span<const Sender> Listener::senders(const BodyType& type) {
-  if (&type == type_) return senders_;  // of many robots most are of one type
-  type_ = &type;
-  senders_.clear();
-  for (std::size_t d = 0; d < type.devices.size(); ++d) {
-    const BodyType::Device& device = type.devices[d];
+  const auto number = static_cast<std::size_t>(&type - world_->types().data());
+  Known& known = known_[number % known_.size()];
+  if (&type == known.type) return known.senders;
+  known.type = &type;
+  known.senders.clear();
+  for (const BodyType::Device& device : type.devices) {
     if (device.kind != kind_) continue;
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
     if (radio.channel != radio_->channel) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
-    senders_.push_back({&radio, &device, &world_->tables()[*device.command_table],
-                        static_cast<std::uint32_t>(d), always_runs, radio.pose_body_radio.position()});
+    known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
+                             radio.pose_body_radio.position()});
   }
-  return senders_;
+  return known.senders;
 }
 
 void Listener::listen(std::size_t i) {
@@ -374,6 +380,7 @@ bool Listener::any_wall(const Line& line, Visit&& visit) const {
 
 int Listener::hindrances(const Link& link) {
   ++lines_;
+  if (!radio_->bodies_block && together_ && walls_.empty()) return 0;
   const Line line = line_to(link);
   if (line.length2 == 0) return 0;
   if (radio_->bodies_block && is_behind_a_body(line, link)) return -1;
