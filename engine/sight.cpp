@@ -1,5 +1,7 @@
 #include "engine/sight.hpp"
 
+#include "engine/shown_color.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,6 +55,8 @@ class Nearest {
 }  // namespace
 
 Color color_of(const World& world, const Sighting& sighting) {
+  if (const Row row = world.row(sighting.body); row.valid())
+    if (const std::optional<Color> shown = shown_color(world, row, sighting.part)) return *shown;
   return sighting.part_spec(world).color.value_or(world.spec().bodies[sighting.body.index()].color);
 }
 

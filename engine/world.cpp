@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/frame.hpp"
+#include "engine/shown_color.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -679,8 +680,9 @@ Frame World::frame() const {
     const BodySpec& body = spec_.bodies[b];
     const Row r = body_rows_[b];
     if (!r.valid() || !is_there(r)) continue;
+    const Color color = shown_color(*this, r, 0).value_or(body.color);
     frame.mobile.push_back(
-        {body.type.value, poses()[r.index()], body.color, stalled(r), static_cast<std::uint32_t>(b)});
+        {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});
     const auto has_moved = [](const Links::Joint& joint) {
       return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
     };

@@ -262,12 +262,10 @@ std::string refusal(const char* file) {
 
 // What Stage 4.3 does not load either, it leaves with a number, or hangs over; here each place is told.
 
-TEST(StageStylesRefused, RadiosAndMapsOfOlderVersions) {
+TEST(StageStylesRefused, MapsOfOlderVersions) {
   const std::string text = refusal("wifi.world");
   EXPECT_THAT(text, HasSubstr("wifi.world:8: error: \"map\" is no model type, nor a macro defined before"));
-  EXPECT_THAT(text,
-              HasSubstr("wifi.world:9: error: \"wifi\" is no model type, nor a macro defined before: older "
-                        "versions of Stage had it, Stage 4.3 has not"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("wifi.world:9"))) << "radios are here again";
 }
 
 TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {
