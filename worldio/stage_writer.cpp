@@ -84,6 +84,9 @@ void WorldText::refuse_what_stage_lacks() {
   if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
     lacks("measure_every_s", "it is an option of the run, --measure-every");
+  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
+  if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
   if (document_ && document_->find("bounds_m"))
     lacks("bounds_m", "it reaches 100 km in each direction");
   else if (spec_.bounds)
