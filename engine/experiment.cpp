@@ -63,7 +63,9 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
   return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
          a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
-         a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m;
+         a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
+         a.bearings == b.bearings && a.transducers == b.transducers &&  // as controllers have seen them
+         a.transducer_headings == b.transducer_headings;
 }
 
 constexpr std::string_view k_keeps_shape =
@@ -394,22 +396,20 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   return {all.data(), count};
 }
 
-/// Whoever finds no free place in so many draws is not added.
+/// Where one finds no free place in so many draws nobody more is added.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
-  bool any = false;
-  const std::int64_t count = spec.whom.count.value_or(unborn(intervention.reserve));
-  for (std::int64_t i = 0; i < count; ++i) {
-    Birth birth{BirthStatus::occupied, {}};
-    for (std::uint32_t trial = 0; trial < (spec.pose ? 1 : k_trials); ++trial) {
-      birth = bear(intervention.reserve, place_to_add(intervention, static_cast<std::uint32_t>(i), trial));
-      if (birth.status != BirthStatus::occupied) break;
-    }
-    if (birth.status == BirthStatus::used_up) break;
-    any = any || birth.status == BirthStatus::born;
+  const std::uint32_t trials = spec.pose ? 1 : k_trials;
+  const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
+  const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Birth birth;
+    for (std::uint32_t trial = 0; trial < trials && birth.status != BirthStatus::born; ++trial)
+      birth = bear(intervention.reserve, place_to_add(intervention, i, trial));
+    if (birth.status != BirthStatus::born) return i > 0;
     if (newborn_.size() >= k_most_newborn) index_bodies();
   }
-  return any;
+  return count > 0;
 }
 
 Pose World::place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,

@@ -150,9 +150,7 @@ void World::sense() {
 
 void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
-  for_blocks([&](std::span<const Row> all, const BodyType& type) {
-    std::array<Row, k_block> others;
-    const std::span<const Row> rows = ailing_ == 0 ? all : halt_those_out(all, others);
+  const auto decide_for = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
       for_due(rows, type.drive->period, [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
@@ -162,6 +160,11 @@ void World::decide() {
                     [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
     for (const BodyType::Controller& controller : type.controllers)
       for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
+  };
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    if (ailing_ == 0) return decide_for(rows, type);
+    std::array<Row, k_block> others;
+    decide_for(halt_those_out(rows, others), type);
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
@@ -194,6 +197,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
   bool speeds_only = true;
+  const bool is_anybody_slow = ailing_ > 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     commands[i] = as<Command>(k_command)[rows[i].index()];
     speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
@@ -209,13 +213,13 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     batch.estimates = {estimates.data(), rows.size()};
     for (std::size_t i = 0; i < rows.size(); ++i) {
       velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
-      if (ailing_ > 0) velocities[i] = scaled(velocities[i], 1 / slowness(rows[i]));
+      if (is_anybody_slow) velocities[i] = scaled(velocities[i], 1 / slowness(rows[i]));
       estimates[i] = estimate(rows[i]);
     }
     drive.kind->drive(drive.data, batch);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Velocity v = ailing_ == 0 ? velocities[i] : scaled(velocities[i], slowness(rows[i]));
+    const Velocity v = is_anybody_slow ? scaled(velocities[i], slowness(rows[i])) : velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;

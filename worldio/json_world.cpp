@@ -31,6 +31,7 @@ using engine::Value;
 using engine::WorldSpec;
 
 constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
+constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
@@ -519,11 +520,11 @@ void WorldReader::place_population(const Population& population, const partition
   const bool on_floor = population.rule.kind == PlacementRule::Kind::free_floor;
   const double cells =
       on_floor ? engine::floor_cells(population.rule, shapes_[population.type.index()]) : 0.0;
-  if (cells > k_max_cells) {
+  if (cells > k_max_floor_cells) {
     diagnostics_.error(population.where_place,
                        fmt::format("{}/place: the region has {:.4g} cells; at most {:.0f} are looked at: "
                                    "give a larger \"cell_m\"",
-                                   population.pointer, cells, k_max_cells));
+                                   population.pointer, cells, k_max_floor_cells));
     return;
   }
   const std::vector<Pose> poses =

@@ -372,7 +372,8 @@ TEST(SpecJson, EveryFieldComesBackToTheLastBit) { expect_comes_back(full_spec())
 class ShippedWorld : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(SpecJson, ShippedWorld,
                          ::testing::Values("hospital.json", "crowd.json", "cave-complex-laser.json",
-                                           "minimal.world", "lookout.json", "camera.world"));
+                                           "minimal.world", "lookout.json", "camera.world", "door.json",
+                                           "failures.json"));
 
 TEST_P(ShippedWorld, ComesBackToTheLastBit) {
   expect_comes_back(loaded(fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam()));
