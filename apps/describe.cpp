@@ -205,8 +205,7 @@ std::string list_kinds(const Registry& registry) {
          listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
          listed("controllers", registry.controllers) + listed("presets of controllers", registry.presets) +
          listed("measures", registry.measures) + listed("faults", registry.faults) +
-         listed("events", engine::event_kinds()) +
-         "`troupe describe KIND` tells what each takes.\n";
+         listed("events", engine::event_kinds()) + "`troupe describe KIND` tells what each takes.\n";
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {

@@ -68,8 +68,7 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
          a.transducer_headings == b.transducer_headings;
 }
 
-constexpr std::string_view k_keeps_shape =
-    "what changes while a world runs must keep the shape of its state";
+constexpr std::string_view k_keeps_shape = "what changes while a world runs must keep the shape of its state";
 
 /// What is wrong with new parameters of a drive; empty where nothing is.
 std::string fault_of(const DriveKind& kind, const Record& before, const Record& params) {
@@ -253,8 +252,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       if (is_new) {
         std::string fault;
         experiment_.faults.push_back({kind->prepare(ailment.params, types_[t], fault), stream});
-        if (!fault.empty())
-          diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, fault));
+        if (!fault.empty()) diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, fault));
       }
       const std::uint64_t tick = next_strike(known->second, candidate.body, from);
       experiment_.first_strikes.push_back({tick, known->second, candidate.body, candidate.row, true});

@@ -32,8 +32,8 @@ struct StopSpec {
 /// `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// Some of the bodies of a world: all of a population (NAME0, NAME1, ...), of a type, or one model; or so many
-/// of them, chosen at random.
+/// Some of the bodies of a world: all of a population (NAME0, NAME1, ...), of a type, or one model; or so
+/// many of them, chosen at random.
 struct GroupSpec {
   enum class By : std::uint8_t { population, type, model };
   By by = By::population;
@@ -63,7 +63,7 @@ struct InterventionSpec {
   Where where;
 };
 /// As files write them, in the order of Action.
-inline constexpr std::array<std::string_view, 6> k_actions{"remove",  "add",  "disable",
+inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
 /// How some of the bodies fail that are there at the start.

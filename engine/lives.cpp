@@ -24,9 +24,8 @@ void World::build_lives() {
     return std::ranges::any_of(type.devices,
                                [](const BodyType::Device& device) { return device.prepared.ends_lives; });
   };
-  const bool experiment_ends_them = std::ranges::any_of(spec_.experiment.at, [](const auto& at) {
-    return at.action == InterventionSpec::Action::remove;
-  });
+  const bool experiment_ends_them = std::ranges::any_of(
+      spec_.experiment.at, [](const auto& at) { return at.action == InterventionSpec::Action::remove; });
   if (spec_.reserves.empty() && !spec_.mortal && !experiment_ends_them &&
       std::ranges::none_of(types_, ends_lives))
     return;

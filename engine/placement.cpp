@@ -94,8 +94,8 @@ double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& sha
 /// The floor of one piece on which a disc as wide as a body can stand, in square cells.
 class Floor {
  public:
-  Floor(const PlacementRule& rule, const partition::ObstacleShape& shape,
-        const partition::StaticScene& scene, partition::Parallel& parallel)
+  Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
+        partition::Parallel& parallel)
       : region_(rule.region), cell_m_(floor_cell(rule, shape)) {
     columns_ = static_cast<std::size_t>(std::ceil(region_.size().x() / cell_m_)) + 1;
     rows_ = static_cast<std::size_t>(std::ceil(region_.size().y() / cell_m_)) + 1;

@@ -63,7 +63,7 @@ class Crowd {
 /// How the bodies of a population are placed.
 struct PlacementRule {
   enum class Kind : std::uint8_t {
-    grid,     ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
+    grid,  ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
     // Of the rest a body has up to `trials` draws:
     uniform,       ///< anywhere in the region
     gaussian,      ///< normally distributed about `mean`

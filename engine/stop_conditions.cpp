@@ -62,8 +62,6 @@ void StopConditions::begin() {
   holding_.reset();
 }
 
-std::string StopConditions::memory_name() const {
-  return fmt::format("stop_when {}", hex(hash_text(text_)));
-}
+std::string StopConditions::memory_name() const { return fmt::format("stop_when {}", hex(hash_text(text_))); }
 
 }  // namespace troupe::engine

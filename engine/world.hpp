@@ -247,8 +247,7 @@ class World {
     return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
   }
   bool runs(Row row, const BodyType::Device& device) const {
-    return senses(row, device) && is_on(row, device) && works(row, device) &&
-           is_supplied(row, device.supply);
+    return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
   }
   /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
   StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }

@@ -82,9 +82,9 @@ struct Goal {
 
 struct Waypoints {
   struct Memory {
-    std::uint32_t goal = 0;     ///< the one it goes to
-    std::uint64_t begun = 0;    ///< the tick with which its round began, where goals have times
-    std::uint64_t leaves = 0;   ///< the tick with which it goes on, while it waits
+    std::uint32_t goal = 0;    ///< the one it goes to
+    std::uint64_t begun = 0;   ///< the tick with which its round began, where goals have times
+    std::uint64_t leaves = 0;  ///< the tick with which it goes on, while it waits
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
@@ -100,8 +100,7 @@ struct Waypoints {
     Waypoints waypoints{{}, p[1].number(), p[2].boolean()};
     for (const Record& goal : p[0].records()) {
       const auto at = [&](std::string_view name) { return engine::get(goal_fields(), goal, name).number(); };
-      waypoints.goals.push_back(
-          {{at("x"), at("y"), 0, at("heading")}, at("at"), at("speed"), at("wait")});
+      waypoints.goals.push_back({{at("x"), at("y"), 0, at("heading")}, at("at"), at("speed"), at("wait")});
     }
     return waypoints;
   }
@@ -226,8 +225,9 @@ struct Waypoints {
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
-      return fmt::format("{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction",
-                         way, std::max(time_s, 0.0), speed_max);
+      return fmt::format(
+          "{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction", way,
+          std::max(time_s, 0.0), speed_max);
     return {};
   }
 };

@@ -199,8 +199,8 @@ class Simulation {
   /// first step.
   std::optional<std::string> stopped() const;
 
-  /// One tick: sense, decide, move, index. Also where the run is over. Throws std::runtime_error that names tick and robot where a
-  /// commanded speed is not a finite number; the state is then no longer of use.
+  /// One tick: sense, decide, move, index. Also where the run is over. Throws std::runtime_error that names
+  /// tick and robot where a commanded speed is not a finite number; the state is then no longer of use.
   void step();
   /// Steps until `seconds` more of world time have passed, or the run is over: see stopped(). A time between
   /// two ticks is rounded up. Throws

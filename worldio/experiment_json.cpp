@@ -20,10 +20,10 @@ namespace troupe::worldio {
 namespace {
 
 using engine::Comparison;
+using engine::FaultSpec;
 using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
-using engine::FaultSpec;
 using engine::GroupSpec;
 using engine::InterventionSpec;
 using engine::Record;
@@ -142,7 +142,8 @@ GroupSpec read_named(JsonObject& object, GroupSpec::By by, std::string_view hint
   GroupSpec group{.by = by, .name = {}, .count = {}, .share = {}};
   const std::string_view key = k_groups[static_cast<std::size_t>(by)];
   if (const JsonNode* node = object.require(key, hint))
-    if (const std::string* name = read_text(JsonCursor(object.at(), key, *node), "a name")) group.name = *name;
+    if (const std::string* name = read_text(JsonCursor(object.at(), key, *node), "a name"))
+      group.name = *name;
   return group;
 }
 
@@ -237,8 +238,7 @@ void ExperimentReader::read_action(const JsonCursor& at, InterventionSpec& inter
         intervention.whom.count = count.integer();
       if (object.find("pose")) intervention.pose = read_pose(object);
       intervention.region = read_box(object, "region_m");
-      if (intervention.pose && object.find("region_m"))
-        at.error("give \"pose\" or \"region_m\", not both");
+      if (intervention.pose && object.find("region_m")) at.error("give \"pose\" or \"region_m\", not both");
       break;
     case Action::move:
       intervention.whom = read_named(object, GroupSpec::By::model, "the body that is put elsewhere");
@@ -299,8 +299,7 @@ Record ExperimentReader::read_device(const JsonCursor& at, const engine::TypeSpe
   const std::string* name = node ? read_text(JsonCursor(at, "name", *node), "a name") : nullptr;
   if (!name) return {};
   const auto device = std::ranges::find(type.devices, *name, &engine::DeviceSpec::name);
-  const engine::DeviceKind* kind =
-      device == type.devices.end() ? nullptr : registry_.device(device->kind);
+  const engine::DeviceKind* kind = device == type.devices.end() ? nullptr : registry_.device(device->kind);
   if (!kind) {
     JsonCursor(at, "name", *node)
         .error(unknown_name("device", *name, names_of(type.devices, &engine::DeviceSpec::name)));
@@ -316,7 +315,8 @@ Record ExperimentReader::read_controller(const JsonCursor& at, const engine::Typ
                                          SettingSpec& setting) {
   JsonObject object(at);
   const JsonNode* node = object.require("kind", "which of the type's controllers");
-  const std::string* name = node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
+  const std::string* name =
+      node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
   if (!name) return {};
   const engine::Registry::Preset* preset = registry_.preset(*name);
   const std::string_view wanted = preset ? preset->kind : std::string_view(*name);
@@ -355,10 +355,9 @@ JsonNode condition_node(const StopSpec& condition, const engine::Registry& regis
   const engine::MeasureSpec& measure = condition.measure;
   const engine::MeasureKind* kind = registry.measure(measure.kind);
   const Record defaults = kind ? kind->params.defaults() : Record();
-  const bool is_plain =
-      measure.name.empty() &&
-      std::ranges::equal(measure.params, defaults,
-                         [](const Value& a, const Value& b) { return same_bits(a, b); });
+  const bool is_plain = measure.name.empty() &&
+                        std::ranges::equal(measure.params, defaults,
+                                           [](const Value& a, const Value& b) { return same_bits(a, b); });
   if (is_plain) return json_node(engine::text_of(condition), measure.where);
   JsonNode::Object object;
   add_node(object, "measure", measure_node(measure, registry));
@@ -380,7 +379,8 @@ JsonNode setting_node(const SettingSpec& setting, const engine::WorldSpec& spec,
   JsonNode::Object inner;
   switch (setting.of) {
     case SettingSpec::Of::drive:
-      if (const auto* kind = registry.drive(type.drive->kind)) write_some(setting.params, kind->params, inner);
+      if (const auto* kind = registry.drive(type.drive->kind))
+        write_some(setting.params, kind->params, inner);
       break;
     case SettingSpec::Of::device: {
       const engine::DeviceSpec& device = type.devices[setting.index];
@@ -414,7 +414,8 @@ JsonNode intervention_node(const InterventionSpec& intervention, const engine::W
     write_group(intervention.whom, inner);
     if (intervention.pose) write_place(*intervention.pose, inner);
     if (intervention.region)
-      add_node(inner, "region_m", points_node(std::array{intervention.region->min, intervention.region->max}));
+      add_node(inner, "region_m",
+               points_node(std::array{intervention.region->min, intervention.region->max}));
     add_member(object, action, std::move(inner));
   }
   return json_node(std::move(object), intervention.where);

@@ -30,7 +30,7 @@ using engine::Unit;
 using engine::Value;
 using engine::WorldSpec;
 
-constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
+constexpr double k_max_cells = 100000000;       // of a grid rule: each may be looked at
 constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
@@ -39,8 +39,10 @@ const partition::ObstacleShape k_no_shape;
 
 /// In the order of PlacementRule::Kind.
 const std::vector<std::string_view> k_rules{"grid", "uniform", "gaussian", "poisson_disc", "free_floor"};
-const engine::FieldTable k_rule{
-    {{.name = "rule", .type = FieldType::text, .text = "grid, uniform, gaussian, poisson_disc or free_floor", .choices = k_rules}}};
+const engine::FieldTable k_rule{{{.name = "rule",
+                                  .type = FieldType::text,
+                                  .text = "grid, uniform, gaussian, poisson_disc or free_floor",
+                                  .choices = k_rules}}};
 const engine::FieldTable k_grid{{
     {.name = "pitch",
      .unit = Unit::meters,

@@ -35,7 +35,8 @@ GroupSpec population(std::string name, std::optional<std::int64_t> count = {},
 GroupSpec model(std::string name) { return {By::model, std::move(name), {}, {}}; }
 
 InterventionSpec at(double time_s, Action action, GroupSpec whom) {
-  return {.time_s = time_s, .action = action, .whom = std::move(whom), .pose = {}, .region = {}, .setting = {}};
+  return {
+      .time_s = time_s, .action = action, .whom = std::move(whom), .pose = {}, .region = {}, .setting = {}};
 }
 
 FaultSpec fault(GroupSpec whom, double from_s, std::string kind,
@@ -409,7 +410,8 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
               HasSubstr("w.json:7: error: unknown population \"rs\"; known: r"));
   EXPECT_THAT(doing(at(1, Action::disable, {By::type, "bto", {}, {}})),
               HasSubstr("unknown type \"bto\"; known: bot (did you mean \"bot\"?)"));
-  EXPECT_THAT(doing(at(1, Action::enable, model("r9"))), HasSubstr("unknown model \"r9\"; known: r0, r1, r2"));
+  EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
+              HasSubstr("unknown model \"r9\"; known: r0, r1, r2"));
   EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
               HasSubstr("\"wall4\" never moves, senses or decides"));
   EXPECT_THAT(doing(at(1.5, Action::add, population("r"))),
@@ -421,10 +423,11 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   const FieldTable& drive = test::registry().drive("diff")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
               HasSubstr("drive \"diff\": the bounds of velocity_x stand the wrong way round"));
-  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
-              HasSubstr("\"localization\": what changes while a world runs must keep the shape of its state"));
-  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, test::registry().device("ranger")->params, "transducers",
-                            test::ranger("eye", {{.samples = 3}}).params[0])),
+  EXPECT_THAT(
+      doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
+      HasSubstr("\"localization\": what changes while a world runs must keep the shape of its state"));
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, test::registry().device("ranger")->params,
+                            "transducers", test::ranger("eye", {{.samples = 3}}).params[0])),
               HasSubstr("device \"eye\": what changes while a world runs must keep the shape of its state"));
 
   const auto failing = [&](FaultSpec spec) {
@@ -581,7 +584,8 @@ TEST(StopConditions, TheFirstThatHoldsIsToldAfterItsTick) {
     return StopSpec{{std::move(kind), "", "", {}, {}}, comparison, value};
   };
   const std::vector<StopSpec> conditions{on("displacement", Comparison::at_least, 2),
-                                         on("alive", Comparison::below, 2), on("alive", Comparison::equal, 0)};
+                                         on("alive", Comparison::below, 2),
+                                         on("alive", Comparison::equal, 0)};
   EXPECT_EQ(text_of(conditions[0]), "displacement >= 2");
   Diagnostics diagnostics;
   StopConditions stop(*world, test::registry(), conditions, diagnostics);

@@ -284,9 +284,9 @@ TEST(Placement, OfAPoissonDiscNoTwoAreNear) {
 
 /// Two rooms with a gap of 1 m between them, and a third that nothing leads to.
 partition::StaticScene rooms() {
-  return {{{box({0, 1}, {0.2, 5}), BodyId(1)},      // x 0, y -1.5 .. 3.5: the gap is below
-           {box({-2, 3.4}, {4, 0.2}), BodyId(2)},   // round both rooms, y 3.4 ..
-           {box({2, 3.4}, {4, 0.2}), BodyId(3)},    // .. -2.6
+  return {{{box({0, 1}, {0.2, 5}), BodyId(1)},     // x 0, y -1.5 .. 3.5: the gap is below
+           {box({-2, 3.4}, {4, 0.2}), BodyId(2)},  // round both rooms, y 3.4 ..
+           {box({2, 3.4}, {4, 0.2}), BodyId(3)},   // .. -2.6
            {box({0, -2.6}, {8.2, 0.2}), BodyId(4)},
            {box({-4, 0.4}, {0.2, 6.2}), BodyId(5)},
            {box({4, 0.4}, {0.2, 6.2}), BodyId(6)}},
@@ -295,9 +295,8 @@ partition::StaticScene rooms() {
 
 TEST(Placement, TheFreeFloorIsWhatABodyCanReach) {
   const partition::StaticScene scene = rooms();
-  PlacementRule rule{.kind = PlacementRule::Kind::free_floor,
-                     .region = region(-4, -2.6, 20, 3.4),
-                     .from = Vec2(-3, 0)};
+  PlacementRule rule{
+      .kind = PlacementRule::Kind::free_floor, .region = region(-4, -2.6, 20, 3.4), .from = Vec2(-3, 0)};
   const auto mean_of_signs = [](const std::vector<Pose>& poses) {
     double sum = 0;
     for (const Pose& pose : poses) sum += pose.x < 0 ? -1 : 1;

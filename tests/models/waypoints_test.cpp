@@ -134,8 +134,8 @@ TEST(Movers, StopBeforeWhatStandsInTheirWayAndHurryThen) {
 
 TEST(Movers, WhoIsLateGoesAsFastAsItCanAndLeavesNoGoalOut) {
   Mover mover({{0, 0, 0, 1}, {1, 0, 0, 2}, {1, 2, 0, 6}});
-  const BodyId wall = mover.scene.body("crate", mover.scene.robot("crate", {test::box(0.4, 0.4)}),
-                                       {0.41, 0, 0, 0});
+  const BodyId wall =
+      mover.scene.body("crate", mover.scene.robot("crate", {test::box(0.4, 0.4)}), {0.41, 0, 0, 0});
   engine::World world = mover.scene.world();
   std::vector<Pose> way = way_of(world, mover.body, 30);
   EXPECT_LE(way[30].x, 0.01 + k_exact);
@@ -156,9 +156,10 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 }
 
 TEST(Movers, WhatTheyCannotKeepIsTold) {
-  EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).fault(),
-              HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive gives 1 m/s in "
-                        "any direction"));
+  EXPECT_THAT(
+      Mover({{1, 0, 0, 0, 2}}).fault(),
+      HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive gives 1 m/s in "
+                "any direction"));
   EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).fault(),
               HasSubstr("has a goal 2 3 m from the one before it, in 1 s: its drive gives 1 m/s"));
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).fault(),

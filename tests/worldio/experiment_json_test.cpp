@@ -80,9 +80,10 @@ TEST(ExperimentJson, WrongConditionsAreTold) {
   EXPECT_THAT(found(R"("covrage >= 0.9")"),
               HasSubstr("maze.json:11: error: /stop_when/0: unknown measure \"covrage\"; known: alive, "));
   EXPECT_THAT(found(R"("covrage >= 0.9")"), HasSubstr("(did you mean \"coverage\"?)"));
-  EXPECT_THAT(found(R"("coverage")"),
-              HasSubstr("expected a condition on a measure, as \"coverage >= 0.9\": one of <, <=, >, >=, ==, != "
-                        "and a number, found the text \"coverage\""));
+  EXPECT_THAT(
+      found(R"("coverage")"),
+      HasSubstr("expected a condition on a measure, as \"coverage >= 0.9\": one of <, <=, >, >=, ==, != "
+                "and a number, found the text \"coverage\""));
   EXPECT_THAT(found(R"("coverage = 0.9")"), HasSubstr("\"= 0.9\" is no comparison with a number"));
   EXPECT_THAT(found(R"("coverage >= 90 %")"), HasSubstr("\">= 90 %\" is no comparison with a number"));
   EXPECT_THAT(found(R"("coverage >= nan")"), HasSubstr("is no comparison with a number"));
@@ -146,8 +147,7 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
   EXPECT_THAT(found(R"({"time_s": -1, "remove": {"population": "r"}})"), HasSubstr("/at/0/time_s: must be"));
   EXPECT_THAT(found(R"({"time_s": 1})"),
               HasSubstr("nothing is done: give one of remove, add, disable, enable, move, set"));
-  EXPECT_THAT(found(R"({"time_s": 1, "remvoe": {"population": "r"}})"),
-              HasSubstr("unknown key \"remvoe\""));
+  EXPECT_THAT(found(R"({"time_s": 1, "remvoe": {"population": "r"}})"), HasSubstr("unknown key \"remvoe\""));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"model": "r1"}, "enable": {"model": "r2"}})"),
               HasSubstr("one thing is done at a time"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"count": 3}})"),
@@ -198,9 +198,10 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
     const Loaded wrong("\"faults\": [\n" + entry + "]");
     return wrong.found.empty() ? std::string("nothing") : wrong.found.front();
   };
-  EXPECT_THAT(found(R"({"population": "r"})"),
-              HasSubstr("maze.json:11: error: /faults/0: nobody fails: give one of dead_sensors, slow_wheels, "
-                        "drop_out"));
+  EXPECT_THAT(
+      found(R"({"population": "r"})"),
+      HasSubstr("maze.json:11: error: /faults/0: nobody fails: give one of dead_sensors, slow_wheels, "
+                "drop_out"));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheel": {"factor": 1}})"),
               HasSubstr("unknown key \"slow_wheel\""));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheels": {"factor": 0}})"),
@@ -209,7 +210,8 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
 }
 
 TEST(ExperimentJson, IsWrittenAsItReadsBack) {
-  const Loaded loaded(R"("stop_when": ["coverage >= 0.9", {"measure": {"kind": "coverage", "cell_m": 0.5, "name": "fine"}, "is": "> 0.8"}],
+  const Loaded loaded(
+      R"("stop_when": ["coverage >= 0.9", {"measure": {"kind": "coverage", "cell_m": 0.5, "name": "fine"}, "is": "> 0.8"}],
   "at": [{"time_s": 30, "remove": {"population": "r", "count": 2}},
     {"time_s": 1, "add": {"population": "r", "pose": {"x_m": 4, "heading_deg": 90}}},
     {"time_s": 2, "disable": {"type": "bot", "share": 0.5}},
@@ -234,31 +236,35 @@ TEST(ExperimentJson, IsWrittenAsItReadsBack) {
 TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
   const auto found = [](const std::string& place, const std::string& size = "[0.2, 0.2, 0.1]") {
     Diagnostics diagnostics;
-    load_json_world("maze.json",
-                    fmt::format(R"({{"troupe": 1, "types": {{"bot": {{"size_m": {}, "drive": {{"kind": "diff"}}}}}},
+    load_json_world(
+        "maze.json",
+        fmt::format(R"({{"troupe": 1, "types": {{"bot": {{"size_m": {}, "drive": {{"kind": "diff"}}}}}},
 "populations": [{{"name": "r", "type": "bot", "count": 200,
 "place": {}}}]}})",
-                                size, place),
-                    Loaded::registry(), {}, diagnostics);
+                    size, place),
+        Loaded::registry(), {}, diagnostics);
     const auto lines = findings(diagnostics);
     return lines.empty() ? std::string("nothing") : lines.front();
   };
   EXPECT_EQ(found(R"({"rule": "gaussian", "mean_m": [3, 4], "deviation_m": [2, 2]})"), "nothing");
-  EXPECT_EQ(found(R"({"rule": "poisson_disc", "distance_m": 0.5, "region_m": [[0, 0], [20, 20]]})"), "nothing");
+  EXPECT_EQ(found(R"({"rule": "poisson_disc", "distance_m": 0.5, "region_m": [[0, 0], [20, 20]]})"),
+            "nothing");
   EXPECT_EQ(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [20, 0], [0, 20]]})"), "nothing");
   EXPECT_EQ(found(R"({"rule": "free_floor", "region_m": [[0, 0], [9, 9]], "from_m": [1, 1], "cell_m": 0.2})"),
             "nothing");
-  EXPECT_THAT(found(R"({"rule": "poisson_disc", "distance_m": 1, "region_m": [[0, 0], [5, 5]]})"),
-              ::testing::MatchesRegex("maze.json:3: error: /populations/0/place: placed [12][0-9] of 200 bodies: "
-                                      "1000 draws found no free place for the next"));
+  EXPECT_THAT(
+      found(R"({"rule": "poisson_disc", "distance_m": 1, "region_m": [[0, 0], [5, 5]]})"),
+      ::testing::MatchesRegex("maze.json:3: error: /populations/0/place: placed [12][0-9] of 200 bodies: "
+                              "1000 draws found no free place for the next"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4], "deviation_m": [0, 0]})"),
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));
   EXPECT_THAT(found(R"({"rule": "uniform"})"), HasSubstr("or \"polygon_m\", as there is no floor plan"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
-  EXPECT_THAT(found(R"({"rule": "poison_disc"})"), HasSubstr("known: free_floor, gaussian, grid, poisson_disc, "
-                                                             "uniform (did you mean \"poisson_disc\"?)"));
+  EXPECT_THAT(found(R"({"rule": "poison_disc"})"),
+              HasSubstr("known: free_floor, gaussian, grid, poisson_disc, "
+                        "uniform (did you mean \"poisson_disc\"?)"));
   EXPECT_THAT(found(R"({"rule": "free_floor", "region_m": [[0, 0], [90000, 90000]]})"),
               HasSubstr("give a larger \"cell_m\""));
   EXPECT_THAT(found(R"({"rule": "uniform", "region_m": [[0, 0], [9, 9]], "pitch_m": 1})"),

@@ -358,12 +358,19 @@ WorldSpec full_spec() {
       {4, move, {By::model, "r17", {}, {}}, Pose{0.1, -0.0, 0.3, 1.0 / 3}, {}, {}, {file, 24}},
       {5, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::drive, 0, faster}, {}},
       {6, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::device, 0, named}, {}},
-      {7, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::controller, 1, {0.1}}, {}}};
+      {7,
+       set,
+       {},
+       {},
+       {},
+       engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::controller, 1, {0.1}},
+       {}}};
   spec.experiment.at.back().setting->params.resize(registry.controller("expand")->params.fields.size());
-  spec.experiment.faults = {{{By::type, "bot", {}, 0.1},
-                             1.0 / 7,
-                             {{"dead_sensors", {"ranger:0"}}, {"slow_wheels", {0.3}}, {"drop_out", {0.01, 5.0}}},
-                             {file, 30}}};
+  spec.experiment.faults = {
+      {{By::type, "bot", {}, 0.1},
+       1.0 / 7,
+       {{"dead_sensors", {"ranger:0"}}, {"slow_wheels", {0.3}}, {"drop_out", {0.01, 5.0}}},
+       {file, 30}}};
   return spec;
 }
 
