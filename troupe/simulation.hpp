@@ -208,8 +208,8 @@ class Simulation {
   void run_for(double seconds);
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
-  /// allocates nothing, so that thousands of trials of one world cost what their steps cost. A step that
-  /// threw is forgotten.
+  /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
+  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten.
   void reset();
 
   /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it
