@@ -31,10 +31,14 @@ std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
 }
 
-/// "r17" is of population "r"; so may "r2" be called that has "r217".
-bool is_of_population(std::string_view name, std::string_view population) {
-  return name.size() > population.size() && name.starts_with(population) &&
-         without_number(name).size() <= population.size();
+/// "r17" is of population "r"; so is "r217" of one that is called "r2".
+bool is_of_population(const Names& names, Name name, std::string_view population) {
+  const std::string& word = names.words()[name.word];
+  if (word == population) return name.number != Name::k_no_number;  // of most there is no text to be made
+  if (!word.starts_with(population) && !population.starts_with(word)) return false;
+  const std::string text = names.text(name);
+  return text.size() > population.size() && text.starts_with(population) &&
+         without_number(text).size() <= population.size();
 }
 
 /// The heap's order: the earliest on top; of one tick in the order of the file, and of ids.
@@ -85,28 +89,29 @@ std::string fault_of(const DriveKind& kind, const Record& before, const Record& 
 
 std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
   std::vector<Row> rows;
+  if (group.by == By::model) {
+    const BodyId body = find(group.name);
+    if (body.valid() && row(body).valid()) return {row(body)};
+    if (body.valid()) {
+      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: nothing can be done to it "
+                                           "while the world runs",
+                                           group.name));
+      return rows;
+    }
+  }
+  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
+    const Row row = body_rows_[b];
+    if (!row.valid() || group.by == By::model) continue;
+    if (group.by == By::type ? type(row).name == group.name
+                             : is_of_population(spec_.names, spec_.bodies[b].name, group.name))
+      rows.push_back(row);
+  }
+  if (!rows.empty()) return rows;
   std::set<std::string> known;
   for (std::size_t b = 1; b < body_rows_.size(); ++b) {
     const Row row = body_rows_[b];
     if (!row.valid()) continue;
-    if (group.by == By::type) {
-      if (type(row).name == group.name) rows.push_back(row);
-      continue;
-    }
     const std::string name = spec_.name(BodyId(b));
-    if (group.by == By::model ? name == group.name : is_of_population(name, group.name)) rows.push_back(row);
-  }
-  if (!rows.empty()) return rows;
-  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
-    const Row row = body_rows_[b];
-    const std::string name = spec_.name(BodyId(b));
-    if (group.by == By::model && !row.valid() && name == group.name) {
-      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: nothing can be done to it "
-                                           "while the world runs",
-                                           name));
-      return rows;
-    }
-    if (!row.valid()) continue;
     if (group.by == By::type) known.insert(type(row).name);
     if (group.by == By::model) known.insert(name);
     if (group.by == By::population && without_number(name).size() < name.size())

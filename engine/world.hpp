@@ -207,6 +207,8 @@ class World {
     const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
     return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
   }
+  /// Whether anybody may be disabled or fail here. Only then has the world the component `condition`.
+  bool has_conditions() const { return condition_table_.has_value(); }
   /// Rows that are not sound.
   std::size_t ailing_count() const { return ailing_; }
 

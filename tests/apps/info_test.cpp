@@ -169,8 +169,7 @@ TEST_F(Info, OfAnExperiment) {
   EXPECT_THAT(outcome.out, HasSubstr("covered >= 0.9\n"));
   EXPECT_THAT(outcome.out,
               HasSubstr("move at 5 s, disable at 10 s, enable at 15 s, remove at 20 s, set at 25 s\n"));
-  EXPECT_THAT(outcome.out,
-              HasSubstr("slow_wheels of rover, dead_sensors of rover, drop_out of rover\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("slow_wheels of rover, dead_sensors of rover, drop_out of rover\n"));
 }
 
 TEST_F(Info, WrongWorldsTellWhatIsWrong) {

@@ -2,6 +2,7 @@
 // whatever the threads, and again after a reset or from the middle of it.
 
 #include "base/random.hpp"
+#include "engine/events.hpp"
 #include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
@@ -184,6 +185,23 @@ TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
   EXPECT_FALSE(world->is_out(r0));
   EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it goes on as it was told before";
   EXPECT_FLOAT_EQ(range("r0"), 5 - 1.9f);
+}
+
+TEST(Experiment, EventsTellWhoFailsAndRecovers) {
+  Squad row(3);
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, model("r0")),
+                                  at(0.1, Action::disable, model("r2")), at(0.2, Action::enable, model("r0")),
+                                  at(0.2, Action::remove, model("r2"))};
+  const auto world = row.world();
+  EventWatch watch(*world);
+  std::vector<std::string> lines;
+  for (int tick = 0; tick < 4; ++tick) {
+    world->step();
+    for (const Event& event : watch.see(*world))
+      lines.push_back(
+          fmt::format("{} {} {}", world->tick(), event_name(event.type), world->spec().name(event.body)));
+  }
+  EXPECT_THAT(lines, ElementsAre("2 fails r0", "2 fails r2", "3 recovers r0", "3 death r2"));
 }
 
 TEST(Experiment, OfThoseDisabledSomeAreEnabled) {
