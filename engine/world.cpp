@@ -82,6 +82,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
   build_links();
+  build_experiment(registry, diagnostics);
   build_scene();
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
@@ -255,6 +256,7 @@ void World::build_tables() {
   }
 
   build_lives();
+  build_conditions();
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
@@ -307,6 +309,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
+  begin_experiment(0);
   effects_.clear();
   begin_placing();
   placed_before_.clear();
@@ -353,6 +356,7 @@ void World::derive() {
   std::ranges::fill(free_circles_, FreeCircle());
   count_stalls();
   derive_lives();
+  count_ailing();
   derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
@@ -584,11 +588,13 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return static_cast<std::size_t>(command.mode) < k_control_modes;
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
-      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !links_hold()) {
+      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !conditions_hold() ||
+      !links_hold()) {
     start();
     return false;
   }
   tick_ = tick;
+  begin_experiment(tick);
   beams_ = counters.beams;
   conflict_rounds_ = counters.conflict_rounds;
   derive();

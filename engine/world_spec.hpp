@@ -4,7 +4,9 @@
 #include "base/diagnostics.hpp"
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
+#include "engine/experiment_spec.hpp"
 #include "engine/fields.hpp"
+#include "engine/measure_spec.hpp"
 #include "engine/names.hpp"
 #include "engine/ranging_engine.hpp"
 #include "engine/watch_spec.hpp"
@@ -118,15 +120,6 @@ struct TypeSpec {
   std::vector<ControllerSpec> controllers;
 };
 
-/// A measure to be taken of the run (engine/measure_kind.hpp).
-struct MeasureSpec {
-  std::string kind;
-  std::string name;  ///< of its column, without the unit; empty: the kind's, with `:of` behind it
-  std::string of;    ///< a type, a population or a robot; empty: all robots
-  Record params;     ///< by the kind's field table
-  Where where;
-};
-
 struct BodySpec {
   Name name;  ///< of WorldSpec::names
   TypeId type;
@@ -188,6 +181,7 @@ struct WorldSpec {
   double measure_every_s = 1;
   WatchSpec watch;
   std::optional<Record> window;  ///< by window_fields()
+  ExperimentSpec experiment;
 
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
   /// Whether it is there at tick 0.

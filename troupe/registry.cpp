@@ -8,6 +8,7 @@
 #include "models/depots.hpp"
 #include "models/drives.hpp"
 #include "models/expand.hpp"
+#include "models/faults.hpp"
 #include "models/flags.hpp"
 #include "models/flocking.hpp"
 #include "models/forager.hpp"
@@ -72,6 +73,7 @@ engine::Registry make_registry() {
                        models::path_length_measure(), models::mean_speed_measure(),
                        models::order_measure(),       models::spread_measure(),
                        models::alive_measure()};
+  registry.faults = {models::dead_sensors_fault(), models::slow_wheels_fault(), models::drop_out_fault()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;
 }

@@ -105,6 +105,7 @@ std::string world_format_reference(const engine::Registry& registry) {
   append_kinds("Sensor", registry.sensors(), text);
   append_kinds("Device", registry.other_devices(), text);
   append_kinds("Controller", registry.controllers, text);
+  append_kinds("Fault", registry.faults, text);
   for (const engine::Registry::Preset& preset : registry.presets) {
     text += fmt::format("### Controller `{}`\n\n{}: `{}` with other defaults.\n\n", preset.name, preset.text,
                         preset.kind);

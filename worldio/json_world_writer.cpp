@@ -1,3 +1,4 @@
+#include "worldio/experiment_json.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/floor_image.hpp"
 #include "worldio/json_parts.hpp"
@@ -121,6 +122,7 @@ JsonNode WorldWriter::document(const JsonChecks& checks, FloorPlans floor_plans)
   for (const engine::MeasureSpec& measure : spec_.measures)
     measures.push_back(measure_node(measure, registry_));
   if (!measures.empty()) add_member(object, "measures", std::move(measures));
+  write_experiment(spec_, keys_, registry_, object);
   return json_node(std::move(object), {spec_.resolution_where.file, 0});
 }
 

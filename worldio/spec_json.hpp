@@ -39,9 +39,12 @@ StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& reg
 /// that is no UTF-8.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
+/// What its types are called in a stored world: "0", "1", ...
+std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
+
 /// What a change of a stored world may name: whatever keeps the shape of the state.
 inline constexpr std::string_view k_changeable =
-    "/seed, /quit_time_s, /ranging, /resolution_m, /bounds_m; of /types/N: /drive/period_s, "
+    "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; of /types/N: /drive/period_s, "
     "/drive/params/..., "
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 

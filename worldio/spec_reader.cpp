@@ -1,3 +1,4 @@
+#include "worldio/experiment_json.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/spec_json.hpp"
 
@@ -34,8 +35,8 @@ bool is_changeable(std::string_view pointer) {
   const std::vector<std::string_view> tokens = tokens_of(pointer);
   const auto token = [&tokens](std::size_t i) { return i < tokens.size() ? tokens[i] : std::string_view(); };
   if (tokens.size() == 1)
-    return token(0) == "seed" || token(0) == "quit_time_s" || token(0) == "ranging" ||
-           token(0) == "resolution_m" || token(0) == "bounds_m";
+    return token(0) == "seed" || token(0) == "quit_time_s" || token(0) == "stop_when" ||
+           token(0) == "ranging" || token(0) == "resolution_m" || token(0) == "bounds_m";
   if (token(0) == "bounds_m") return tokens.size() == 2;
   if (token(0) != "types") return false;
   const bool is_drive = token(2) == "drive";
@@ -486,6 +487,7 @@ engine::WorldSpec SpecReader::read(const JsonNode& document) {
     each_of(object, "reserves", [&](const JsonCursor& at) { spec.reserves.push_back(reserve(at)); });
   if (object.find("mortal")) spec.mortal = boolean(object, "mortal");
   each_of(object, "types", [&](const JsonCursor& at) { spec.types.push_back(type(at)); });
+  read_experiment(object, numbers_of_types(spec), registry_, spec);
   object.finish();
   return spec;
 }

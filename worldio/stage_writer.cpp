@@ -88,6 +88,9 @@ void WorldText::refuse_what_stage_lacks() {
     lacks(document_ && document_->find("populations") ? "populations" : "models",
           "Stage has no bodies that are yet to be born, as in a \"reserve\"");
   if (spec_.mortal) lacks("mortal", "Stage has no deaths");
+  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
+  if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
   if (document_ && document_->find("bounds_m"))
     lacks("bounds_m", "it reaches 100 km in each direction");
   else if (spec_.bounds)

@@ -29,6 +29,30 @@ std::string box_text(const Box& box) {
   return fmt::format("x {:g} to {:g}, y {:g} to {:g} m", box.min.x(), box.max.x(), box.min.y(), box.max.y());
 }
 
+/// When its run is over, what is done to it, how its robots fail; nothing of a world that says no such thing.
+void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) {
+  constexpr std::size_t k_most = 8;  // listed
+  const auto add = [&](const char* what, std::size_t count, auto&& text_of) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(count, k_most); ++i)
+      text += fmt::format("{}{}", i == 0 ? "" : ", ", text_of(i));
+    if (count > k_most) text += fmt::format(", and {} more", count - k_most);
+    if (count > 0) summary.emplace_back(what, text);
+  };
+  add("over when", experiment.stop_when.size(),
+      [&](std::size_t i) { return engine::text_of(experiment.stop_when[i]); });
+  add("done to it", experiment.at.size(), [&](std::size_t i) {
+    const engine::InterventionSpec& at = experiment.at[i];
+    return fmt::format("{} at {:g} s", engine::k_actions[static_cast<std::size_t>(at.action)], at.time_s);
+  });
+  add("faults", experiment.faults.size(), [&](std::size_t i) {
+    std::string kinds;
+    for (const engine::FaultSpec::Ailment& ailment : experiment.faults[i].ailments)
+      kinds += (kinds.empty() ? "" : " and ") + ailment.kind;
+    return fmt::format("{} of {}", kinds, experiment.faults[i].whom.name);
+  });
+}
+
 }  // namespace
 
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
@@ -80,6 +104,7 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
     measures += fmt::format("{}{}{}{}", measures.empty() ? "" : ", ", measure.kind,
                             measure.of.empty() ? "" : ":", measure.of);
   if (!measures.empty()) summary.emplace_back("measures", measures);
+  add_experiment(spec.experiment, summary);
   if (const std::size_t warnings = diagnostics.warnings().size(); warnings > 0)
     summary.emplace_back("warnings", fmt::format("{}; troupe lint tells them", warnings));
   return summary;

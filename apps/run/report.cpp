@@ -48,8 +48,12 @@ std::string summary_text(const Report& report) {
     fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
   };
 
-  text += report.stopped ? fmt::format("stopped early, at {:g} of {:g} s\n", s.time_s, report.end_s)
-                         : "finished\n";
+  if (report.stopped)
+    text += fmt::format("stopped early, at {:g} of {:g} s\n", s.time_s, report.end_s);
+  else if (!report.stopped_by.empty())
+    text += fmt::format("finished at {:g} of {:g} s: {}\n", s.time_s, report.end_s, report.stopped_by);
+  else
+    text += "finished\n";
   line("robots", grouped(s.robots));
   line("ticks", fmt::format("{} of {:g} s", grouped(s.ticks), report.tick_s));
   line("simulated", fmt::format("{:.10g} s", s.time_s));
@@ -87,6 +91,7 @@ std::string summary_json(const Report& report) {
   json["sim_s"] = s.time_s;
   json["end_s"] = report.end_s;
   json["stopped_early"] = report.stopped;
+  if (!report.stopped_by.empty()) json["stopped_by"] = report.stopped_by;
   json["wall_s"] = report.wall_s;
   json["load_s"] = report.load_s;
   json["times_real_time"] = report.times_real_time();

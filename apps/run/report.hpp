@@ -20,6 +20,7 @@ struct Report {
   double tick_s = 0;
   double end_s = 0;  ///< where the run was to end, s of world time
   bool stopped = false;
+  std::string stopped_by;  ///< the condition of the world with which it was over; empty: it went to end_s
   unsigned threads = 0;
   double load_s = 0;    ///< wall time from the file to the first tick
   double wall_s = 0;    ///< wall time of all ticks, with what watches them (hash log, progress)

@@ -160,6 +160,7 @@ void WorldRun::finish() {
   simulation_.on_task(nullptr);
   report_.phase_s = phases_.seconds();
   report_.stopped = !is_done();
+  report_.stopped_by = simulation_.stopped().value_or("");
   report_.statistics = simulation_.statistics();
   report_.hashes = simulation_.hashes();
   report_.waited_s = pacer_ ? pacer_->waited_s() : 0;

@@ -48,7 +48,7 @@ class WorldRun {
   /// Observes the tick it stands at; then a tick each time.
   void begin();
   void step();
-  bool is_done() const { return simulation_.tick() >= ticks_; }
+  bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
   std::uint64_t ticks() const { return ticks_; }
   /// World time at the end of its next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }

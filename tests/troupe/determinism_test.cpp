@@ -104,6 +104,8 @@ std::vector<GoldenRun> runs() {
           {"lift.world", {}, 50},
           {"magpies.json", {}, 50},
           {"minimal.world", {}, 50},
+          {"door.json", {}, 50},
+          {"failures.json", {}, 300},
           {"noise.world", {}, 50},
           {"perception.json", {}, 50}};
 }
