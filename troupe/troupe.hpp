@@ -5,3 +5,4 @@
 #include "troupe/measures.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/simulation.hpp"
+#include "troupe/swarm.hpp"
