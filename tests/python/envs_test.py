@@ -5,6 +5,7 @@ import copy
 import inspect
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import textwrap
@@ -12,7 +13,7 @@ import unittest
 
 import numpy as np
 import troupe
-from support import ROOM, InAFolder
+from support import HOSPITAL, ROOM, ROOT, InAFolder
 from troupe.envs import AutoresetMode, Box, ParallelEnv, Task, VectorEnv
 
 # Name -> parameters behind self: of pettingzoo.ParallelEnv 1.24, and of gymnasium.vector.VectorEnv 1.0 to 1.2.
@@ -319,6 +320,19 @@ class TheVectorInterface(InAFolder):
             VectorEnv("none.json", 1)
         with self.assertRaisesRegex(ValueError, "needs a robot"):
             ParallelEnv({"troupe": 1})
+
+
+class TheExample(unittest.TestCase):
+    def test_learns_the_same_each_time(self):
+        example = ROOT / "python" / "examples" / "learn_to_roam.py"
+        runs = [
+            subprocess.run([sys.executable, example, "3", HOSPITAL], check=True, stdout=subprocess.PIPE, text=True).stdout
+            for _ in range(2)
+        ]
+        self.assertEqual(runs[0], runs[1])
+        best = [float(value) for value in re.findall(r"best +(-?[\d.]+)", runs[0])]
+        self.assertEqual(len(best), 3)
+        self.assertGreater(best[-1], 5)
 
 
 class Boxes(unittest.TestCase):
