@@ -124,7 +124,7 @@ class Running(InAFolder):
         stepper.start()
         while stepper.is_alive():
             turns += 1
-            for use in (world.step, world.state_hash, swarm.ranges, lambda: world.tick):
+            for use in (world.state_hash, swarm.ranges, lambda: world.tick):
                 try:
                     use()
                 except RuntimeError as error:
@@ -132,9 +132,9 @@ class Running(InAFolder):
             time.sleep(0.001)
         stepper.join()
         self.assertGreater(turns, 5)
-        self.assertTrue(refused)
+        self.assertGreater(len(refused), turns)
         self.assertIn("is being stepped by another thread", refused[0])
-        self.assertGreaterEqual(world.tick, 300)
+        self.assertEqual(world.tick, 300)
 
     def test_control_c_ends_it_between_two_ticks(self):
         code = f"""
