@@ -81,11 +81,8 @@ void Lookout::first_met(std::span<const SightLine> rays, std::span<Sighting> fou
 
 Sighting Lookout::first_met(const SightLine& ray) {
   if (size_ > k_crowd)
-    return engine::first_met(*world_, {.origin = origin_,
-                                       .direction = ray.direction,
-                                       .length = ray.length,
-                                       .own = own_,
-                                       .z = z_});
+    return engine::first_met(
+        *world_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
   Sighting nearest{.range = ray.length};
   const std::span<Hit> hits(hits_.data(), find_hits(ray));
   std::ranges::sort(hits, {}, &Hit::near);

@@ -16,9 +16,9 @@ struct SightLine {
 };
 
 /// What stands about a point, looked up once for all rays that a sensor casts from there. Each meets what
-/// first_met() finds, bit for bit: that walks along every ray through the grid, while here all circles that are
-/// near are held against it at once, and what is left is met from near to far.
-/// A thread keeps one: its arrays only grow.
+/// first_met() finds, bit for bit: that walks along every ray through the grid, while here all circles that
+/// are near are held against it at once, and what is left is met from near to far. A thread keeps one: its
+/// arrays only grow.
 class Lookout {
  public:
   /// Finds the bodies. reach: no ray is longer, m; own, z: as in SightRay. The world must not change while it

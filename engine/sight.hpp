@@ -32,7 +32,7 @@ void for_each_edge(const OutlineChain& chain, Visit&& visit) {
 inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
                                 std::uint32_t piece) {
   const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
-  return {outlines.chain(piece), false, solid.solid.z,          solid.body, solid.part,
+  return {outlines.chain(piece), false, solid.solid.z,      solid.body, solid.part,
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
@@ -105,8 +105,8 @@ Color color_of(const World& world, const Sighting& sighting);
 /// ties    of two surfaces at one range the lower (body, part)
 /// errors  none; a ray that starts on an outline meets it at 0
 /// cost    a walk along the ray that looks at what lies near it and ends where it meets something; doubles
-///         throughout. Who casts several from one point has a Lookout (engine/lookout.hpp); rangers, which cast
-///         many beams at a time, have kernels (partition/ranging.hpp).
+///         throughout. Who casts several from one point has a Lookout (engine/lookout.hpp); rangers, which
+///         cast many beams at a time, have kernels (partition/ranging.hpp).
 Sighting first_met(const World& world, const SightRay& ray);
 
 /// Where a vertex lies as seen along a ray: m, left of it negative, and onwards.
@@ -117,8 +117,8 @@ struct SeenVertex {
       : to(vertex - origin), side(cross(to, direction)) {}
 };
 
-/// Where the ray along the unit vector `direction` meets the closed edge, m from its origin; negative: it does
-/// not. Of edges that share a vertex it misses none between them.
+/// Where the ray along the unit vector `direction` meets the closed edge, m from its origin; negative: it
+/// does not. Of edges that share a vertex it misses none between them.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;

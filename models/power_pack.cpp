@@ -14,8 +14,8 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
-// To itself, while it is charged: whether that goes on. Controllers read of the last tick after act() has run,
-// so `charging` changes only with the transfers, which come before this or behind it.
+// To itself, while it is charged: whether that goes on. Controllers read of the last tick after act() has
+// run, so `charging` changes only with the transfers, which come before this or behind it.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
 constexpr double k_watts_per_kg = 10;  // and m/s or rad/s: Stage's position model

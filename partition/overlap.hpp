@@ -18,10 +18,10 @@ PieceCircle circle_about(const Ring& outline);
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;
   std::vector<PieceCircle> circles;  ///< of the pieces
-  std::size_t vertices = 0;  ///< of all pieces
-  double radius = 0;         ///< of the circle about the body's origin that encloses every piece, m
-  double thinnest = 0;       ///< smallest width of any piece, m
-  ZInterval z;               ///< of all pieces
+  std::size_t vertices = 0;          ///< of all pieces
+  double radius = 0;                 ///< of the circle about the body's origin that encloses every piece, m
+  double thinnest = 0;               ///< smallest width of any piece, m
+  ZInterval z;                       ///< of all pieces
 
   bool empty() const { return pieces.empty(); }
 };

@@ -26,7 +26,7 @@ constexpr double k_rounding = 1e-9;  // of sines and cosines, and more
 struct Finder {
   Pose pose_body_sensor;
   Vec2 ahead = Vec2::UnitX();  // where it looks, body frame
-  double range_min = 0;  ///< nearer targets are not found
+  double range_min = 0;        ///< nearer targets are not found
   double range_max = 8;
   double range_max_id = 5;
   double fov = k_pi;
@@ -58,7 +58,8 @@ class Search {
     ahead_ = mount.transform.rotation * finder.ahead;
     found_.clear();
     lines_.clear();
-    const std::size_t room = std::min<std::size_t>(world.rows(), 1024);  // a crowd of that size takes it at once
+    const std::size_t room =
+        std::min<std::size_t>(world.rows(), 1024);  // a crowd of that size takes it at once
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
@@ -123,9 +124,9 @@ class Search {
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
   engine::Lookout lookout_;
-  std::vector<Target> found_;                // beside them, while they are only considered:
-  std::vector<engine::SightLine> lines_;     // the rays towards them
-  std::vector<engine::Sighting> first_;      // and what those meet
+  std::vector<Target> found_;             // beside them, while they are only considered:
+  std::vector<engine::SightLine> lines_;  // the rays towards them
+  std::vector<engine::Sighting> first_;   // and what those meet
   std::uint64_t rays_ = 0;
 };
 

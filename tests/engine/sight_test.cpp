@@ -122,8 +122,8 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
   EXPECT_GT(met, k_worlds * k_rays / 4);
 }
 
-/// From one point, with more rays than a fan has beams, and again from the next: what first_met() says, bit for
-/// bit. Also in a crowd of which the nearest hide the rest, and far from the origin.
+/// From one point, with more rays than a fan has beams, and again from the next: what first_met() says, bit
+/// for bit. Also in a crowd of which the nearest hide the rest, and far from the origin.
 TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
   constexpr int k_worlds = test::k_slow_build ? 2 : 12;
   constexpr int k_points = test::k_slow_build ? 6 : 40;
@@ -175,8 +175,11 @@ TEST(Sight, ALookoutKnowsWhoIsInReach) {
   SceneBuilder scene;
   const TypeId robot = scene.robot("robot", {box(0.2, 0.2)});
   const TypeId barge = scene.robot("barge", {box(6, 6)});  // lies in many cells
-  const auto add = [&](const char* name, TypeId type, double x) { return scene.body(name, type, {x, 0, 0, 0}); };
-  const std::vector<BodyId> near{add("own", robot, 0), add("a", robot, 1), add("b", robot, -2.05), add("c", barge, 5)};
+  const auto add = [&](const char* name, TypeId type, double x) {
+    return scene.body(name, type, {x, 0, 0, 0});
+  };
+  const std::vector<BodyId> near{add("own", robot, 0), add("a", robot, 1), add("b", robot, -2.05),
+                                 add("c", barge, 5)};
   add("far", robot, 2.3);
   const World world = scene.world();
   Lookout lookout;
