@@ -53,6 +53,9 @@ BEFORE = {
 # Subcommands and options that are not in every state of the program. As soon as it knows them, they are run.
 WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "--camera", "--snapshot-at", "--color-by"}
 
+# Pages to which others may lead before they are there.
+WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experiments.md", "sweeps.md"}
+
 # Python listings of a page that another test runs: page -> test.
 PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
 
@@ -64,12 +67,12 @@ CPP_BEFORE = {
     "docs/checkpoints.md": """
         troupe::Simulation simulation("worlds/hospital.json");""",
     "docs/determinism.md": """
-        #include <troupe/engine/controller_check.hpp>
-        #include <troupe/troupe/registry.hpp>
+        #include <engine/controller_check.hpp>
+        #include <troupe/registry.hpp>
         struct Patrol { void operator()(const troupe::engine::Percept&, troupe::Random&, troupe::engine::Actions&) const {} };""",
     "docs/measures.md": """
-        #include <troupe/engine/measure_kind.hpp>
-        #include <troupe/troupe/registry.hpp>
+        #include <engine/measure_kind.hpp>
+        #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
           Crowding(const troupe::engine::World&, const troupe::engine::Record&, std::vector<troupe::Row>) {}
           double value(troupe::engine::World&) override { return 0; }
