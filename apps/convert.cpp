@@ -80,7 +80,7 @@ ExitCode convert(const ConvertOptions& options) {
     for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
     for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
     try {
-      worldio::write_whole(options.out, world.text);
+      worldio::write_whole(options.out, {world.text});
     } catch (const std::system_error& error) {
       refuse_output(options.out, error.code().message());
     }

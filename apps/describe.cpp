@@ -194,6 +194,7 @@ std::vector<std::string_view> kind_names(const Registry& registry) {
   add(registry.controllers);
   add(registry.presets);
   add(registry.measures);
+  add(registry.faults);
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
@@ -203,8 +204,8 @@ std::string list_kinds(const Registry& registry) {
   return listed("models", registry.models) + listed("sensors", registry.sensors()) +
          listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
          listed("controllers", registry.controllers) + listed("presets of controllers", registry.presets) +
-         listed("measures", registry.measures) + listed("events", engine::event_kinds()) +
-         "`troupe describe KIND` tells what each takes.\n";
+         listed("measures", registry.measures) + listed("faults", registry.faults) +
+         listed("events", engine::event_kinds()) + "`troupe describe KIND` tells what each takes.\n";
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
@@ -216,6 +217,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
+  if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.empty()) {
     std::string fault = unknown_name("kind", name, kind_names(registry));
     if (registry.other_controllers) registry.other_controllers(name, fault);  // which knows why, too

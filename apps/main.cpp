@@ -1,16 +1,19 @@
-#include "apps/check.hpp"
+#include "apps/check/check.hpp"
 #include "apps/command_table.hpp"
 #include "apps/completion.hpp"
 #include "apps/convert.hpp"
 #include "apps/describe.hpp"
-#include "apps/diff.hpp"
-#include "apps/info.hpp"
+#include "apps/diff/diff.hpp"
+#include "apps/info/info.hpp"
 #include "apps/lint.hpp"
 #include "apps/manual.hpp"
 #include "apps/options.hpp"
+#include "apps/pictures/render.hpp"
 #include "apps/repair.hpp"
-#include "apps/run.hpp"
-#include "apps/run_options.hpp"
+#include "apps/replay.hpp"
+#include "apps/run/run.hpp"
+#include "apps/run/run_options.hpp"
+#include "apps/sweep/sweep.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -34,6 +37,7 @@ constexpr const char* k_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
+  troupe render worlds/cave-simple.json -o cave.png --camera perspective
   troupe lint worlds/hospital.json
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
@@ -88,6 +92,8 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* run_command = add_run_command(app, options);
   RunOptions resume_options;
   const CLI::App* resume_command = add_resume_command(app, resume_options);
+  SweepOptions sweep_options;
+  const CLI::App* sweep_command = add_sweep_command(app, sweep_options);
   CheckOptions check_options;
   const CLI::App* check_command = add_check_command(app, check_options);
   DiffOptions diff_options;
@@ -96,6 +102,10 @@ int troupe_main(int argc, char** argv) {
   const CLI::App* repair_command = add_repair_command(app, cut_off);
   ConvertOptions conversion;
   const CLI::App* convert_command = add_convert_command(app, conversion);
+  RenderOptions rendered;
+  const CLI::App* render_command = add_render_command(app, rendered);
+  ReplayOptions replayed;
+  const CLI::App* replay_command = add_replay_command(app, replayed);
   LintOptions linted;
   const CLI::App* lint_command = add_lint_command(app, linted);
   InfoOptions shown;
@@ -134,10 +144,13 @@ int troupe_main(int argc, char** argv) {
 
   if (run_command->parsed()) return run(options);
   if (resume_command->parsed()) return run(resume_options);
+  if (sweep_command->parsed()) return sweep(sweep_options);
   if (check_command->parsed()) return check(check_options, make_registry());
   if (diff_command->parsed()) return diff(diff_options);
+  if (render_command->parsed()) return render_pictures(rendered);
   if (repair_command->parsed()) return repair(cut_off);
   if (convert_command->parsed()) return convert(conversion);
+  if (replay_command->parsed()) return replay(replayed);
   if (lint_command->parsed()) return lint_world(linted);
   if (info_command->parsed()) return info(shown);
   if (completion_command->parsed()) {

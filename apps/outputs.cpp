@@ -108,13 +108,6 @@ void check_folder(const fs::path& folder) {
   if (access((is_there ? folder : above).c_str(), W_OK) != 0) refuse_output(folder, std::strerror(errno));
 }
 
-void rehearse_snapshot(const Simulation& simulation, const fs::path& png) {
-  const fs::path thumbnail = fs::path(png).concat(fmt::format(".{}.png", getpid()));
-  simulation.snapshot(thumbnail, 16, 16);
-  std::error_code ignored;
-  fs::remove(thumbnail, ignored);
-}
-
 HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(file) {
   std::error_code ignored;
   const bool goes_on = simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/observer.hpp"
+#include "apps/observers/observer.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>
@@ -37,10 +37,6 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<std::file
 void check_folder(const std::filesystem::path& folder);
 /// Whether two names stand for one file, that may not be there yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// Draws a thumbnail beside `png` and removes it, so that what a picture needs (OSMesa, room on the disk) is
-/// known to be there before the run and not missed after it. Throws what Simulation::snapshot throws.
-void rehearse_snapshot(const Simulation& simulation, const std::filesystem::path& png);
 
 /// A hash log, streamed: each line is in the file when its tick has ended.
 class HashLog : public Observer {

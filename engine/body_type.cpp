@@ -72,20 +72,6 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   type.radius = sqrt(radius2);
 }
 
-/// What a sensor's memory grows with, known before any is taken: the sum of what its lists of blocks say in
-/// `samples`.
-double samples_asked_for(const FieldTable& table, const Record& params) {
-  double sum = 0;
-  for (std::size_t f = 0; f < table.fields.size() && f < params.size(); ++f) {
-    const Field& field = table.fields[f];
-    if (field.type == FieldType::integer && field.name == "samples" && params[f].given())
-      sum += static_cast<double>(params[f].integer());
-    if (field.type == FieldType::records && field.record && params[f].given())
-      for (const Record& record : params[f].records()) sum += samples_asked_for(*field.record, record);
-  }
-  return sum;
-}
-
 /// What runs on which supply: that of its own part, or else of the nearest one below.
 void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -130,6 +116,18 @@ double BodyType::row_bytes() const {
     sum += static_cast<double>(device.prepared.command_bytes);
   }
   for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);
+  return sum;
+}
+
+double samples_asked_for(const FieldTable& table, const Record& params) {
+  double sum = 0;
+  for (std::size_t f = 0; f < table.fields.size() && f < params.size(); ++f) {
+    const Field& field = table.fields[f];
+    if (field.type == FieldType::integer && field.name == "samples" && params[f].given())
+      sum += static_cast<double>(params[f].integer());
+    if (field.type == FieldType::records && field.record && params[f].given())
+      for (const Record& record : params[f].records()) sum += samples_asked_for(*field.record, record);
+  }
   return sum;
 }
 

@@ -96,6 +96,10 @@ struct BodyType {
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
+/// What a device's memory grows with, known before any is taken: the sum of what its lists of blocks say in
+/// `samples`.
+double samples_asked_for(const FieldTable& table, const Record& params);
+
 /// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
 /// among them. Why it cannot have what it needs stands in `fault`.
 ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,

@@ -56,6 +56,8 @@ class Mover {
       : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
+  /// No vertex is ever farther from where it was, m.
+  double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {
     if (samples_ == 0) samples_ = motion_samples(length(), motion.turn, shape);
@@ -263,7 +265,8 @@ class Conflicts::Settling {
     return scene_.crossed(mover.there(), already_in) >= 0;
   }
 
-  /// visit(row) for all whose motions may come near that of the mover, and some more, perhaps more than once.
+  /// visit(row) for all whose motions may come near that of the mover, and some more; of many, some perhaps
+  /// more than once.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
@@ -275,6 +278,14 @@ class Conflicts::Settling {
     const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
     const auto x = static_cast<float>(middle.x());
     const auto y = static_cast<float>(middle.y());
+    const bool has_wide = index_.has_wide();  // they lie in several cells
+    std::array<std::uint32_t, 32> visited;
+    std::size_t visits = 0;
+    const auto is_repeat = [&](std::uint32_t row) {
+      if (std::find(visited.begin(), visited.begin() + visits, row) != visited.begin() + visits) return true;
+      if (visits < visited.size()) visited[visits++] = row;
+      return false;
+    };
     index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
       // Sifted without branches, which nobody could predict; hardly any come through.
       std::array<std::uint32_t, 64> near;
@@ -290,7 +301,7 @@ class Conflicts::Settling {
         }
         run = run.subspan(some);
         for (std::size_t i = 0; i < count; ++i)
-          if (far_.empty() || !goes_far(near[i])) visit(near[i]);
+          if ((far_.empty() || !goes_far(near[i])) && !(has_wide && is_repeat(near[i]))) visit(near[i]);
       }
     });
     for (const std::uint32_t row : far_) visit(row);
@@ -332,6 +343,11 @@ class Conflicts::Settling {
       if (!theirs) theirs.emplace(shape, at, z);
       return first ? overlap(mine, *theirs) : overlap(*theirs, mine);
     };
+    // Most of what comes near a body of many parts comes near none of them.
+    if (mover.shape.pieces.size() + shape.pieces.size() > 2 &&
+        !partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
+                                    mover.displacement() + partition::k_rounding_m))
+      return false;
     const std::size_t n = mover.samples();
     const auto [first_k, last_k] = samples_near(mover, at.position, mover.shape.radius + shape.radius);
     for (std::size_t k = first_k; k <= last_k; ++k) {

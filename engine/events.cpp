@@ -8,7 +8,7 @@ namespace troupe::engine {
 
 std::span<const EventKind> event_kinds() {
   using enum EventType;
-  static constexpr std::array<EventKind, 8> kinds{{
+  static constexpr std::array<EventKind, 10> kinds{{
       {stall_ends, "stall_ends", "the robot moved, or was not asked to, after its motions had been refused"},
       {held_ends, "held_ends", "the robot moved, or was not asked to, after it had been held at the bounds"},
       {stall_begins, "stall_begins", "the robot's motion was refused: something stood in its way"},
@@ -17,6 +17,8 @@ std::span<const EventKind> event_kinds() {
       {grip, "grip", "the body took hold of another, and carries it from now on"},
       {birth, "birth", "the body of a reserve was born, here"},
       {death, "death", "the body died, here"},
+      {fails, "fails", "all of the body stopped: it was disabled, or a fault has it drop out"},
+      {recovers, "recovers", "it works again"},
   }};
   return kinds;
 }
@@ -40,9 +42,24 @@ void EventWatch::remember(const World& world) {
     stalls_[r] = stall_of(world, Row(r));
     carriers_[r] = carrier_of(world, Row(r));
   }
+  if (world.has_conditions()) {
+    outs_.resize(world.rows());
+    for (std::size_t r = 0; r < world.rows(); ++r) outs_[r] = world.is_out(Row(r));
+  }
   if (!world.has_lives()) return;
   lives_.resize(world.rows());
   for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
+}
+
+/// Of the dead nothing more is told.
+void EventWatch::see_failures(const World& world) {
+  for (std::size_t r = 0; r < outs_.size(); ++r) {
+    const bool now = world.is_out(Row(r));
+    if (now == outs_[r]) continue;
+    if (world.is_there(Row(r)))
+      events_.push_back({now ? EventType::fails : EventType::recovers, world.body(Row(r)), {}});
+    outs_[r] = now;
+  }
 }
 
 void EventWatch::see_lives(const World& world) {
@@ -80,6 +97,7 @@ std::span<const Event> EventWatch::see(const World& world) {
     }
   }
   see_lives(world);
+  see_failures(world);
   std::ranges::sort(events_, {},
                     [](const Event& event) { return std::tuple(event.body, event.type, event.other); });
   return events_;

@@ -18,7 +18,9 @@ enum class EventType : std::uint8_t {
   release,
   grip,
   birth,
-  death
+  death,
+  fails,
+  recovers
 };
 
 struct EventKind {
@@ -53,12 +55,14 @@ class EventWatch {
   static Stall stall_of(const World& world, Row row);
   static BodyId carrier_of(const World& world, Row row);
   void see_lives(const World& world);
+  void see_failures(const World& world);
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
   std::vector<Stall> stalls_;     // a row each
   std::vector<BodyId> carriers_;  // a row each; not valid: nobody carries it
   std::vector<Presence> lives_;   // a row each; empty where nobody comes and goes
+  std::vector<bool> outs_;        // a row each; empty where nobody fails
   std::vector<Event> events_;
 };
 

@@ -47,6 +47,7 @@ std::vector<std::string_view> Registry::controller_names() const {
 }
 const Registry::Preset* Registry::preset(std::string_view name) const { return find(presets, name); }
 const MeasureKind* Registry::measure(std::string_view name) const { return find(measures, name); }
+const FaultKind* Registry::fault(std::string_view name) const { return find(faults, name); }
 
 std::vector<DeviceKind> Registry::sensors() const {
   std::vector<DeviceKind> kinds = devices;

@@ -5,6 +5,7 @@
 #include "base/pose.hpp"
 #include "base/random.hpp"
 #include "engine/effects.hpp"
+#include "engine/fault_kind.hpp"
 #include "engine/fields.hpp"
 #include "engine/localization.hpp"
 #include "engine/measure_kind.hpp"
@@ -387,6 +388,7 @@ struct Registry {
   std::vector<DriveKind> drives;
   std::vector<ControllerKind> controllers;
   std::vector<MeasureKind> measures;
+  std::vector<FaultKind> faults;
 
   /// A controller with its parameters already chosen, under a name of its own (Stage's expand_swarm).
   struct Preset {
@@ -412,6 +414,7 @@ struct Registry {
   std::vector<std::string_view> controller_names() const;
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;
+  const FaultKind* fault(std::string_view name) const;
 
   /// The devices that only look, and those that do more.
   std::vector<DeviceKind> sensors() const;

@@ -360,6 +360,9 @@ double World::aim_joints(const Limb& limb, std::size_t round, double t, double r
 double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   links_.samples[c] = 0;
   links_.refused[c] = 0;
+  const auto is_asked = [](const Links::Joint& joint) { return joint.state == Links::Goal::asked; };
+  const bool carries = links_.first_cargo[root.index()] != Links::k_none;
+  if (!carries && std::ranges::none_of(joints(root), is_asked)) return 0;
   const double way = aim_joints({root, Mount()}, round, 1, row_shapes_[root.index()]->radius);
   if (way == 0) return 0;
   double thinnest = std::numeric_limits<double>::infinity();

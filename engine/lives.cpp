@@ -24,7 +24,11 @@ void World::build_lives() {
     return std::ranges::any_of(type.devices,
                                [](const BodyType::Device& device) { return device.prepared.ends_lives; });
   };
-  if (spec_.reserves.empty() && !spec_.mortal && std::ranges::none_of(types_, ends_lives)) return;
+  const bool experiment_ends_them = std::ranges::any_of(
+      spec_.experiment.at, [](const auto& at) { return at.action == InterventionSpec::Action::remove; });
+  if (spec_.reserves.empty() && !spec_.mortal && !experiment_ends_them &&
+      std::ranges::none_of(types_, ends_lives))
+    return;
   life_table_ = tables_.size();
   tables_.emplace_back(
       "life", HashGroup::pose, StateTable::Layout::rows,
@@ -164,6 +168,7 @@ void World::die(Row row) {
   }
   const Pose pose = poses()[row.index()];
   const Life life = this->life(row);
+  if (ailing_ > 0) ailing_ -= !condition(row).is_sound();
   clear(row);
   as<Pose>(k_pose)[row.index()] = pose;
   this->life(row) = life;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace troupe::engine {
 namespace {
@@ -62,11 +63,16 @@ class Candidates {
     }
     if (!draws()) return pose;
     Random random(seed_, stream_, body, trial);
-    const double u = random.uniform();
-    const double v = random.uniform();
-    const Vec2 size = rule_.region.size();
-    pose.x += is_grid_ ? (2 * u - 1) * rule_.jitter_m : u * size.x();
-    pose.y += is_grid_ ? (2 * v - 1) * rule_.jitter_m : v * size.y();
+    if (rule_.kind == PlacementRule::Kind::gaussian) {
+      pose.x = rule_.mean.x() + rule_.deviation.x() * random.normal();
+      pose.y = rule_.mean.y() + rule_.deviation.y() * random.normal();
+    } else {
+      const double u = random.uniform();
+      const double v = random.uniform();
+      const Vec2 size = rule_.region.size();
+      pose.x += is_grid_ ? (2 * u - 1) * rule_.jitter_m : u * size.x();
+      pose.y += is_grid_ ? (2 * v - 1) * rule_.jitter_m : v * size.y();
+    }
     if (!rule_.heading) pose.heading = random.uniform(-k_pi, k_pi);
     return pose;
   }
@@ -78,6 +84,130 @@ class Candidates {
   bool is_grid_;
   std::uint64_t cells_ = 0;
   std::uint64_t region_cells_ = 0;
+};
+
+double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& shape) {
+  constexpr double k_least_m = 0.02;
+  return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius, k_least_m);
+}
+
+/// The floor of one piece on which a disc as wide as a body can stand, in square cells.
+class Floor {
+ public:
+  Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
+        partition::Parallel& parallel)
+      : region_(rule.region), cell_m_(floor_cell(rule, shape)) {
+    columns_ = static_cast<std::size_t>(std::ceil(region_.size().x() / cell_m_)) + 1;
+    rows_ = static_cast<std::size_t>(std::ceil(region_.size().y() / cell_m_)) + 1;
+    cells_.assign(columns_ * rows_, k_blocked);
+    const partition::ObstacleShape disc = disc_about(shape);
+    parallel.for_each(columns_, [&](std::size_t column) {
+      for (std::size_t row = 0; row < rows_; ++row) {
+        const Vec2 at = region_.min + cell_m_ * Vec2(static_cast<double>(column), static_cast<double>(row));
+        if (disc.empty() || !scene.blocked(disc, {at.x(), at.y(), rule.z, 0}))
+          cells_[column * rows_ + row] = k_open;
+      }
+    });
+    if (rule.from) {
+      if (region_.contains(*rule.from)) fill(cell_at(*rule.from), k_floor);
+      return;
+    }
+    std::size_t most = 0;
+    std::size_t best = cells_.size();
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (cells_[i] != k_open) continue;
+      const std::size_t size = fill(i, k_seen);
+      if (size > most) best = i;
+      most = std::max(most, size);
+    }
+    for (State& cell : cells_)
+      if (cell == k_seen) cell = k_open;
+    if (best < cells_.size()) fill(best, k_floor);
+  }
+
+  bool contains(const Vec2& point) const {
+    return region_.contains(point) && cells_[cell_at(point)] == k_floor;
+  }
+
+ private:
+  enum State : std::uint8_t { k_blocked, k_open, k_seen, k_floor };
+
+  static partition::ObstacleShape disc_about(const partition::ObstacleShape& shape) {
+    if (shape.empty()) return {};
+    constexpr int k_corners = 8;
+    const double radius = shape.radius / cos(k_pi / k_corners);  // its sides touch the circle
+    ConvexPrism prism{{}, shape.z};
+    for (int i = 0; i < k_corners; ++i) {
+      const SinCos at = sincos(2 * k_pi * (i + 0.5) / k_corners);
+      prism.outline.emplace_back(radius * at.cos, radius * at.sin);
+    }
+    return partition::make_obstacle_shape({&prism, 1});
+  }
+
+  /// The cell whose middle is nearest to a point of the region.
+  std::size_t cell_at(const Vec2& point) const {
+    const Vec2 from = (point - region_.min) / cell_m_;
+    const auto column = static_cast<std::size_t>(from.x() + 0.5);
+    const auto row = static_cast<std::size_t>(from.y() + 0.5);
+    return std::min(column, columns_ - 1) * rows_ + std::min(row, rows_ - 1);
+  }
+
+  /// Sets a cell and all open ones that it is joined to. How many.
+  std::size_t fill(std::size_t start, State state) {
+    if (cells_[start] != k_open) return 0;
+    std::size_t count = 0;
+    std::vector<std::size_t> open{start};
+    cells_[start] = state;
+    const auto visit = [&](std::size_t cell) {
+      if (cells_[cell] != k_open) return;
+      cells_[cell] = state;
+      open.push_back(cell);
+    };
+    while (!open.empty()) {
+      const std::size_t cell = open.back();
+      open.pop_back();
+      ++count;
+      const std::size_t row = cell % rows_;
+      if (row > 0) visit(cell - 1);
+      if (row + 1 < rows_) visit(cell + 1);
+      if (cell >= rows_) visit(cell - rows_);
+      if (cell + rows_ < cells_.size()) visit(cell + rows_);
+    }
+    return count;
+  }
+
+  Box region_;
+  double cell_m_;
+  std::size_t columns_ = 0;
+  std::size_t rows_ = 0;
+  std::vector<State> cells_;  // column by column
+};
+
+/// Points no two of which are nearer than a distance.
+class Spaced {
+ public:
+  explicit Spaced(double distance_m) : distance_m_(distance_m), grid_{distance_m, k_tile_bits} {}
+
+  bool takes(const Vec2& point) const {
+    const partition::Cell middle = grid_.cell(point);
+    for (std::int32_t x = -1; x <= 1; ++x)
+      for (std::int32_t y = -1; y <= 1; ++y)
+        if (const auto found = cells_.find(key_of({middle.x + x, middle.y + y})); found != cells_.end())
+          for (const Vec2& other : found->second)
+            if ((other - point).squaredNorm() < distance_m_ * distance_m_) return false;
+    return true;
+  }
+  void add(const Vec2& point) { cells_[key_of(grid_.cell(point))].push_back(point); }
+
+ private:
+  static std::uint64_t key_of(const partition::Cell& cell) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.x)) << 32 |
+           static_cast<std::uint32_t>(cell.y);
+  }
+
+  double distance_m_;
+  partition::GridGeometry grid_;
+  std::unordered_map<std::uint64_t, std::vector<Vec2>> cells_;
 };
 
 /// A candidate that was looked at before its turn.
@@ -170,16 +300,34 @@ double grid_cells(const PlacementRule& rule) {
   return box_cells(rule.region, rule.pitch_m) + box_cells(rule.spill, rule.pitch_m);
 }
 
+double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape) {
+  const Vec2 size = rule.region.size() / floor_cell(rule, shape);
+  return (std::ceil(size.x()) + 1) * (std::ceil(size.y()) + 1);
+}
+
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel) {
   const Candidates candidates(rule, seed, stream_id("place", population));
+  const Solid polygon{{rule.polygon}, {}};
+  std::optional<Floor> floor;
+  if (rule.kind == PlacementRule::Kind::free_floor && count > 0) floor.emplace(rule, shape, scene, parallel);
+  std::optional<Spaced> spaced;
+  if (rule.kind == PlacementRule::Kind::poisson_disc) spaced.emplace(rule.distance_m);
+  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // the region
   const auto is_open = [&](const Pose& pose) {
-    return (!bounds || bounds->contains(pose.position())) && !scene.blocked(shape, pose);
+    const Vec2 at = pose.position();
+    return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
+           (rule.polygon.empty() || contains(polygon, at)) && (!floor || floor->contains(at)) &&
+           !scene.blocked(shape, pose);
+  };
+  const auto is_free = [&](const Pose& pose) {
+    return (!spaced || spaced->takes(pose.position())) && crowd.free(shape, pose);
   };
   std::vector<Pose> poses;
   const auto add = [&](const Pose& pose) {
     crowd.add(shape, pose);
+    if (spaced) spaced->add(pose.position());
     poses.push_back(pose);
   };
 
@@ -195,7 +343,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   };
   constexpr std::size_t k_most_ahead = 16384;
 
-  if (rule.kind == PlacementRule::Kind::uniform) {
+  if (rule.kind != PlacementRule::Kind::grid) {
     const auto next_open = [&](std::uint32_t body, std::uint32_t trial) {
       for (; trial < rule.trials; ++trial)
         if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
@@ -211,7 +359,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
         i = 0;
       }
       Ahead found = ahead[i];
-      while (found.is_open && !crowd.free(shape, found.pose)) found = next_open(body, found.trial + 1);
+      while (found.is_open && !is_free(found.pose)) found = next_open(body, found.trial + 1);
       if (!found.is_open) break;
       add(found.pose);
     }

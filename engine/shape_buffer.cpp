@@ -7,6 +7,7 @@ namespace troupe::engine {
 
 void ShapeBuffer::reserve(std::size_t pieces, std::size_t corners) {
   shape_.pieces.reserve(pieces);
+  shape_.circles.reserve(pieces);
   spare_.reserve(pieces);
   while (spare_.size() < pieces) spare_.emplace_back().reserve(corners);
 }
@@ -34,8 +35,10 @@ void ShapeBuffer::finish(double thinnest) {
   }
   double radius2 = 0;
   shape_.vertices = 0;
+  shape_.circles.clear();
   shape_.z = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const ConvexPrism& piece : shape_.pieces) {
+    shape_.circles.push_back(partition::circle_about(piece.outline));
     shape_.vertices += piece.outline.size();
     for (const Vec2& v : piece.outline) radius2 = std::max(radius2, v.squaredNorm());
     shape_.z.min = std::min(shape_.z.min, piece.z.min);

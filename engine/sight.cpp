@@ -1,5 +1,7 @@
 #include "engine/sight.hpp"
 
+#include "engine/shown_color.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -41,12 +43,7 @@ class Nearest {
     if (ray_.stops != nullptr &&
         !ray_.stops(Sighting{.body = chain.body, .part = chain.part}.part_spec(world_).returns))
       return;
-    for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
-      const double range = range_to_edge(ray_.origin, ray_.direction, a, b);
-      if (range < 0 || range >= ray_.length || range > best_.range) return;
-      const bool is_lower = chain.body != best_.body ? chain.body < best_.body : chain.part < best_.part;
-      if (range < best_.range || is_lower) best_ = {range, chain.body, chain.part};
-    });
+    meet_chain(chain, ray_.origin, ray_.direction, ray_.length, best_);
   }
 
  private:
@@ -58,23 +55,9 @@ class Nearest {
 }  // namespace
 
 Color color_of(const World& world, const Sighting& sighting) {
+  if (const Row row = world.row(sighting.body); row.valid())
+    if (const std::optional<Color> shown = shown_color(world, row, sighting.part)) return *shown;
   return sighting.part_spec(world).color.value_or(world.spec().bodies[sighting.body.index()].color);
-}
-
-double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
-  constexpr double k_missed = -1;
-  const Vec2 to_a = a - origin;
-  const Vec2 to_b = b - origin;
-  const double side_a = cross(to_a, direction);
-  const double side_b = cross(to_b, direction);
-  if (std::min(side_a, side_b) > 0 || std::max(side_a, side_b) < 0) return k_missed;
-  const double along_a = to_a.dot(direction);
-  const double along_b = to_b.dot(direction);
-  const double near = std::min(along_a, along_b);
-  const double far = std::max(along_a, along_b);
-  if (side_a == side_b) return far < 0 ? k_missed : std::max(near, 0.0);  // the edge runs along the ray
-  const double range = along_a + side_a / (side_a - side_b) * (along_b - along_a);
-  return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
 }
 
 Sighting first_met(const World& world, const SightRay& ray) {

@@ -2,6 +2,7 @@
 
 #include "engine/world.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -27,6 +28,14 @@ void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
 }
 
+/// A piece of the outlines of what never moves, as a chain.
+inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
+                                std::uint32_t piece) {
+  const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
+  return {outlines.chain(piece), false, solid.solid.z,      solid.body, solid.part,
+          outlines.solid(piece), piece, solid.ranger_return};
+}
+
 /// visit(chain) for the outlines of what never moves whose circles may touch the box and are `wanted`
 /// (circle -> bool), each once or more.
 template <class Wanted, class Visit>
@@ -35,32 +44,34 @@ void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, V
   for (const partition::FixedOutlines* outlines : {&scene.outlines(), &scene.hidden_outlines()}) {
     const Box centres = box.expanded(outlines->largest_radius());
     const partition::GridGeometry& grid = outlines->geometry();
-    outlines->for_each_run(
-        grid.cell(centres.min), grid.cell(centres.max), [&](std::span<const partition::BodyCircle> circles) {
-          for (const partition::BodyCircle& circle : circles) {
-            if (!wanted(circle)) continue;
-            const partition::FixedSolid& solid = scene.solids()[outlines->solid(circle.row)];
-            visit(OutlineChain{outlines->chain(circle.row), false, solid.solid.z, solid.body, solid.part,
-                               outlines->solid(circle.row), circle.row, solid.ranger_return});
-          }
-        });
+    outlines->for_each_run(grid.cell(centres.min), grid.cell(centres.max),
+                           [&](std::span<const partition::BodyCircle> circles) {
+                             for (const partition::BodyCircle& circle : circles)
+                               if (wanted(circle)) visit(fixed_chain(scene, *outlines, circle.row));
+                           });
   }
 }
 
-/// The same of bodies that have rows, less those of one tree (not valid: of none).
+/// visit(chain) for the outlines of a body that has a row.
+template <class Visit>
+void for_each_chain_of(const World& world, Row row, Visit&& visit) {
+  const std::span<const Vec2> vertices = world.outline(row);
+  const double base = world.poses()[row.index()].z;
+  const BodyType& type = world.type(row);
+  for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
+    for (const RayOutline& outline : *outlines)
+      visit(OutlineChain{vertices.subspan(outline.first, outline.count), true,
+                         outline.z.shifted(base + world.lift(row, outline.joint)), world.body(row),
+                         outline.part, outline.solid, outline.first, outline.ranger_return});
+}
+
+/// for_each_fixed_chain() for bodies that have rows, less those of one tree (not valid: of none).
 template <class Wanted, class Visit>
 void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
     const Row row(circle.row);
     if (!wanted(circle) || (own.valid() && world.same_tree(row, own))) return;
-    const std::span<const Vec2> vertices = world.outline(row);
-    const double base = world.poses()[row.index()].z;
-    const BodyType& type = world.type(row);
-    for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
-      for (const RayOutline& outline : *outlines)
-        visit(OutlineChain{vertices.subspan(outline.first, outline.count), true,
-                           outline.z.shifted(base + world.lift(row, outline.joint)), world.body(row),
-                           outline.part, outline.solid, outline.first, outline.ranger_return});
+    for_each_chain_of(world, row, visit);
   });
 }
 
@@ -94,11 +105,54 @@ Color color_of(const World& world, const Sighting& sighting);
 /// ties    of two surfaces at one range the lower (body, part)
 /// errors  none; a ray that starts on an outline meets it at 0
 /// cost    a walk along the ray that looks at what lies near it and ends where it meets something; doubles
-///         throughout. Rangers, which cast many beams at a time, have kernels (partition/ranging.hpp).
+///         throughout. Who casts several from one point has a Lookout (engine/lookout.hpp); rangers, which
+///         cast many beams at a time, have kernels (partition/ranging.hpp).
 Sighting first_met(const World& world, const SightRay& ray);
 
-/// Where the ray from `origin` along the unit vector `direction` meets the closed edge, m from the origin;
-/// negative: it does not. Of edges that share a vertex it misses none between them.
-double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b);
+/// Where a vertex lies as seen along a ray: m, left of it negative, and onwards.
+struct SeenVertex {
+  Vec2 to;
+  double side;
+  SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
+      : to(vertex - origin), side(cross(to, direction)) {}
+};
+
+/// Where the ray along the unit vector `direction` meets the closed edge, m from its origin; negative: it
+/// does not. Of edges that share a vertex it misses none between them.
+inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
+  constexpr double k_missed = -1;
+  if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
+  const double along_a = a.to.dot(direction);
+  const double along_b = b.to.dot(direction);
+  const double near = std::min(along_a, along_b);
+  const double far = std::max(along_a, along_b);
+  if (a.side == b.side) return far < 0 ? k_missed : std::max(near, 0.0);  // the edge runs along the ray
+  const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
+  return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
+}
+inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
+  return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
+}
+
+/// Holds a chain against a ray of this length: `nearest` is what it meets first of this chain and of what it
+/// met before, of two surfaces at one range the lower (body, part).
+inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
+                       Sighting& nearest) {
+  if (chain.vertices.empty()) return;
+  const auto meet = [&](const SeenVertex& a, const SeenVertex& b) {
+    const double range = range_to_edge(direction, a, b);
+    if (range < 0 || range >= length || range > nearest.range) return;
+    const bool is_lower = chain.body != nearest.body ? chain.body < nearest.body : chain.part < nearest.part;
+    if (range < nearest.range || is_lower) nearest = {range, chain.body, chain.part};
+  };
+  const SeenVertex first(origin, direction, chain.vertices.front());
+  SeenVertex before = first;
+  for (const Vec2& vertex : chain.vertices.subspan(1)) {
+    const SeenVertex seen(origin, direction, vertex);
+    meet(before, seen);
+    before = seen;
+  }
+  if (chain.closed) meet(before, first);
+}
 
 }  // namespace troupe::engine

@@ -24,6 +24,8 @@ std::string_view asked_for(ControlMode mode) {
 
 bool due(std::uint64_t tick, std::uint64_t period) { return tick % period == 0; }
 
+Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
+
 }  // namespace
 
 std::string_view phase_name(Phase phase) {
@@ -41,6 +43,7 @@ std::string_view phase_name(Phase phase) {
 void World::step() {
   restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
                              // maths
+  if (tick_ >= experiment_.due) intervene();
   ++tick_;
   begin_placing();
   begin(Phase::sense);
@@ -89,9 +92,21 @@ void World::for_blocks(Work&& work) {
 template <class Work>
 void World::for_types(std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return row_types_[row.index()]; };
-  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); }))
-    std::ranges::sort(
-        rows, [&](Row a, Row c) { return type_of(a) != type_of(c) ? type_of(a) < type_of(c) : a < c; });
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
+    // Those of one type stay in the order they come in: neighbours share what they look up.
+    std::array<Row, k_block> mixed;
+    std::ranges::copy(rows, mixed.begin());
+    std::size_t done = 0;
+    for (std::uint32_t type = 0; done < rows.size();) {
+      std::uint32_t next = ~0u;
+      for (const Row row : std::span(mixed).first(rows.size())) {
+        const std::uint32_t t = type_of(row);
+        if (t == type) rows[done++] = row;
+        if (t > type) next = std::min(next, t);
+      }
+      type = next;
+    }
+  }
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
     while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;
@@ -117,11 +132,11 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
 }
 
 /// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones; but
-/// not those that have nothing left to run on.
+/// not those that have nothing left to run on, nor those that are broken.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
-    if (device.active && !device.supply && device.switch_bit == 0) return work(due_rows);
+    if (device.active && !device.supply && device.switch_bit == 0 && ailing_ == 0) return work(due_rows);
     for (std::size_t i = 0; i < due_rows.size();) {
       std::size_t end = i;
       while (end < due_rows.size() && runs(due_rows[end], device)) ++end;
@@ -147,7 +162,7 @@ void World::sense() {
 
 void World::decide() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
-  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+  const auto decide_for = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
       for_due(rows, type.drive->period, [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
@@ -157,6 +172,11 @@ void World::decide() {
                     [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
     for (const BodyType::Controller& controller : type.controllers)
       for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
+  };
+  for_blocks([&](std::span<const Row> rows, const BodyType& type) {
+    if (ailing_ == 0) return decide_for(rows, type);
+    std::array<Row, k_block> others;
+    decide_for(halt_those_out(rows, others), type);
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
@@ -189,6 +209,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
   bool speeds_only = true;
+  const bool is_anybody_slow = ailing_ > 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     commands[i] = as<Command>(k_command)[rows[i].index()];
     speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
@@ -204,12 +225,13 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     batch.estimates = {estimates.data(), rows.size()};
     for (std::size_t i = 0; i < rows.size(); ++i) {
       velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
+      if (is_anybody_slow) velocities[i] = scaled(velocities[i], 1 / slowness(rows[i]));
       estimates[i] = estimate(rows[i]);
     }
     drive.kind->drive(drive.data, batch);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Velocity& v = velocities[i];
+    const Velocity v = is_anybody_slow ? scaled(velocities[i], slowness(rows[i])) : velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;

@@ -1,6 +1,8 @@
 #include "engine/world.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/frame.hpp"
+#include "engine/shown_color.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -30,6 +32,7 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
                                         double tile_size_m) {
   double sum = 0;
   double widths = 0;
+  double widths2 = 0;
   double count = 0;
   double width = 0;
   for (const BodySpec& body : spec.bodies) {
@@ -41,11 +44,13 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
     widths += 2 * radius;
+    widths2 += 4 * radius * radius;
     width = std::max(width, 2 * radius);
     ++count;
   }
-  // As wide as most bodies, and never so small that one lies in more than some hundred cells.
-  const double least = std::max({0.05, count > 0 ? widths / count : 0, width / 8});
+  // As wide as the bodies that take most of the ground, so that few lie in several cells, and never so small
+  // that one lies in more than some hundred.
+  const double least = std::max({0.05, widths > 0 ? widths2 / widths : 0, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
   constexpr unsigned k_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_tile_bits};
@@ -77,6 +82,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
   build_links();
+  build_experiment(registry, diagnostics);
   build_scene();
   build_tables();
   if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
@@ -250,6 +256,7 @@ void World::build_tables() {
   }
 
   build_lives();
+  build_conditions();
 
   std::vector<std::vector<BodyId>> bodies(types_.size());
   for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
@@ -302,6 +309,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
+  begin_experiment(0);
   effects_.clear();
   begin_placing();
   placed_before_.clear();
@@ -348,6 +356,7 @@ void World::derive() {
   std::ranges::fill(free_circles_, FreeCircle());
   count_stalls();
   derive_lives();
+  count_ailing();
   derive_links();
   for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
   index_bodies();
@@ -579,11 +588,13 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return static_cast<std::size_t>(command.mode) < k_control_modes;
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
-      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !links_hold()) {
+      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !conditions_hold() ||
+      !links_hold()) {
     start();
     return false;
   }
   tick_ = tick;
+  begin_experiment(tick);
   beams_ = counters.beams;
   conflict_rounds_ = counters.conflict_rounds;
   derive();
@@ -655,10 +666,13 @@ FrameScene World::frame_scene() const {
   scene.title = spec_.title;
   for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
   scene.bounds = scene_.bounds();
+  scene.tile_m = geometry_.tile_m();
+  scene.cell_m = geometry_.cell_m;
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!body_rows_[b].valid())
-      scene.fixed.push_back({body.type.value, body.pose_world_body, body.color});
+      scene.fixed.push_back(
+          {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
     else if (spec_.starts(BodyId(b)))
       scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
   }
@@ -672,7 +686,9 @@ Frame World::frame() const {
     const BodySpec& body = spec_.bodies[b];
     const Row r = body_rows_[b];
     if (!r.valid() || !is_there(r)) continue;
-    frame.mobile.push_back({body.type.value, poses()[r.index()], body.color, stalled(r)});
+    const Color color = shown_color(*this, r, 0).value_or(body.color);
+    frame.mobile.push_back(
+        {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});
     const auto has_moved = [](const Links::Joint& joint) {
       return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
     };

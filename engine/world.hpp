@@ -2,8 +2,8 @@
 
 #include "engine/body_type.hpp"
 #include "engine/conflicts.hpp"
+#include "engine/experiment.hpp"
 #include "engine/fixed_targets.hpp"
-#include "engine/frame.hpp"
 #include "engine/kinds.hpp"
 #include "engine/links.hpp"
 #include "engine/phase.hpp"
@@ -18,6 +18,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -26,6 +27,11 @@
 #include <vector>
 
 namespace troupe::engine {
+
+// engine/frame.hpp, for those who look.
+struct Frame;
+struct FrameScene;
+struct FrameType;
 
 /// What a run is given beside its world. Nothing here changes a result.
 struct WorldOptions {
@@ -194,6 +200,22 @@ class World {
   /// anew.
   void remove(Row row);
 
+  // ---- experiments: engine/experiment.cpp
+  /// Whether all of the row's body has stopped, because it was disabled or a fault has it drop out: devices,
+  /// controllers and drive. It stands where it is, and is met and seen.
+  bool is_out(Row row) const { return ailing_ > 0 && condition(row).out != 0; }
+  /// Whether nothing keeps the row's device from working: see Condition.
+  bool works(Row row, const BodyType::Device& device) const {
+    if (ailing_ == 0) return true;
+    const Condition& now = condition(row);
+    const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
+    return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
+  }
+  /// Whether anybody may be disabled or fail here. Only then has the world the component `condition`.
+  bool has_conditions() const { return condition_table_.has_value(); }
+  /// Rows that are not sound.
+  std::size_t ailing_count() const { return ailing_; }
+
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
@@ -231,7 +253,7 @@ class World {
     return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
   }
   bool runs(Row row, const BodyType::Device& device) const {
-    return senses(row, device) && is_on(row, device) && is_supplied(row, device.supply);
+    return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
   }
   /// What is asked of a device that takes commands, a row a slot, from outside, between steps.
   StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
@@ -325,6 +347,40 @@ class World {
   void die(Row row);
   void settle_lives(std::span<const Effect> effects);
 
+  // engine/experiment.cpp
+  void build_experiment(const Registry& registry, Diagnostics& diagnostics);
+  /// types: those that settings have changed so far, as they are then.
+  void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
+                          std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
+  /// What is wrong with it; empty where nothing is.
+  std::string build_setting(const SettingSpec& setting, const Registry& registry,
+                            std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
+  void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
+  void build_conditions();
+  /// By id; none, and reported, where nobody is called so.
+  std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
+  /// What was to be done before this tick had ended is done, and what is to be done then is not.
+  void begin_experiment(std::uint64_t tick);
+  void find_due();
+  bool conditions_hold() const;
+  void count_ailing();
+  void intervene();
+  bool carry_out(Experiment::Intervention& intervention);
+  /// Of the candidates as many as the group asks for, by id.
+  std::span<const Experiment::Candidate> choose(const GroupSpec& group);
+  bool add(const Experiment::Intervention& intervention);
+  Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
+                    std::uint32_t trial) const;
+  bool is_setting(const Experiment::Intervention& intervention) const;
+  void swap_setting(Experiment::Intervention& intervention);
+  std::uint64_t next_strike(std::uint32_t fault, BodyId body, std::uint64_t from) const;
+  Experiment::Strike take_strike();
+  void befall(const Experiment::Strike& strike);
+  const Condition& condition(Row row) const { return tables_[*condition_table_].as<Condition>(row.index()); }
+  Condition& condition(Row row) { return tables_[*condition_table_].as<Condition>(row.index()); }
+  double slowness(Row row) const;
+  std::span<const Row> halt_those_out(std::span<const Row> rows, std::span<Row> others);
+
   // engine/links.cpp
   struct Limb;
   void build_links();
@@ -402,12 +458,14 @@ class World {
   Effects effects_;  // of the tick under way
   std::optional<std::size_t> carrier_table_;
   std::optional<std::size_t> life_table_;
+  std::optional<std::size_t> condition_table_;
 
   // Derived from the state each tick.
   std::vector<Transform> transforms_;
   std::vector<Vec2> outlines_;
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
+  std::size_t ailing_ = 0;
   std::vector<std::uint32_t> next_born_;  // of each reserve: who is the first that is unborn
   std::vector<Row> newborn_;              // that the index does not hold yet
   std::vector<std::uint8_t> not_drawn_;   // by the grid ray engine: a row each; empty where all are there
@@ -415,6 +473,7 @@ class World {
   std::vector<FreeCircle> free_circles_;
   Conflicts conflicts_;
   Links links_;
+  Experiment experiment_;
 
   std::vector<Placed> placed_;            // since the last step, each row once
   std::vector<Placed> placed_before_;     // that step

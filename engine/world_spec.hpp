@@ -4,7 +4,9 @@
 #include "base/diagnostics.hpp"
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
+#include "engine/experiment_spec.hpp"
 #include "engine/fields.hpp"
+#include "engine/measure_spec.hpp"
 #include "engine/names.hpp"
 #include "engine/ranging_engine.hpp"
 #include "engine/watch_spec.hpp"
@@ -25,9 +27,9 @@ inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model shows itself to others.
 struct Returns {
-  bool obstacle = true;           ///< takes part in collisions
-  float ranger = 1;               ///< below 0: rays pass; else the intensity a ranger reads
-  std::int32_t fiducial = 0;      ///< what fiducial finders read; 0: they do not find it
+  bool obstacle = true;       ///< takes part in collisions
+  float ranger = 1;           ///< below 0: rays pass; else the intensity a ranger reads
+  std::int32_t fiducial = 0;  ///< what fiducial finders read, or BodySpec::fiducial; 0: they do not find it
   std::int32_t fiducial_key = 0;  ///< of the finders that may find it
   bool gripper = false;           ///< grippers feel it, and can take it
   bool blob = true;               ///< blob finders see its colour; else it only hides what is behind
@@ -118,20 +120,14 @@ struct TypeSpec {
   std::vector<ControllerSpec> controllers;
 };
 
-/// A measure to be taken of the run (engine/measure_kind.hpp).
-struct MeasureSpec {
-  std::string kind;
-  std::string name;  ///< of its column, without the unit; empty: the kind's, with `:of` behind it
-  std::string of;    ///< a type, a population or a robot; empty: all robots
-  Record params;     ///< by the kind's field table
-  Where where;
-};
-
 struct BodySpec {
   Name name;  ///< of WorldSpec::names
   TypeId type;
   Pose pose_world_body;
   Color color;
+  /// What fiducial finders read of its root, where its type's root is marked (Returns::fiducial): so that
+  /// robots with numbers of their own are of one type. 0: what the type says.
+  std::int32_t fiducial = 0;
   Where where;
 };
 
@@ -185,6 +181,7 @@ struct WorldSpec {
   double measure_every_s = 1;
   WatchSpec watch;
   std::optional<Record> window;  ///< by window_fields()
+  ExperimentSpec experiment;
 
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
   /// Whether it is there at tick 0.
@@ -197,6 +194,13 @@ struct WorldSpec {
 
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.
 void add_ground(WorldSpec& spec);
+
+/// What fiducial finders read of a part of a body; 0: they do not find it.
+inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
+  const BodySpec& b = spec.bodies[body.index()];
+  const std::int32_t of_type = spec.types[b.type.index()].parts[part].returns.fiducial;
+  return part == 0 && of_type != 0 && b.fiducial != 0 ? b.fiducial : of_type;
+}
 
 /// True when bodies of the type can move.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }

@@ -2,8 +2,11 @@
 
 #include "engine/world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace troupe::models {
 namespace {
@@ -20,6 +23,7 @@ struct Actuator {
   double max = 1;
   double max_speed = 1;
   double start = 0;
+  std::string fault;
 
   Pose at(double position) const {
     if (rotational) return {0, 0, 0, position};
@@ -46,6 +50,10 @@ Actuator read(const Record& params) {
   if (length > 0) actuator.axis = Eigen::Vector3d(axis[0], axis[1], axis[2]) / length;
   actuator.min = params[2].number();
   actuator.max = std::max(actuator.min, params[3].number());
+  if (params[3].number() < actuator.min)
+    actuator.fault =
+        fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
+                    actuator.min, params[3].number());
   actuator.max_speed = params[4].number();
   actuator.start = std::clamp(params[5].number(), actuator.min, actuator.max);
   return actuator;
@@ -117,6 +125,9 @@ DeviceKind actuator_kind() {
                                 .watts = 2,  // as in Stage
                                 .joints = {actuator.at(actuator.start)},
                                 .joint_reach_m = actuator.reach()};
+  };
+  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) {
+    return std::any_cast<Actuator>(&data)->fault;
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;

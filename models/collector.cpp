@@ -7,6 +7,7 @@
 #include "models/evasion.hpp"
 #include "models/gripper.hpp"
 #include "models/power.hpp"
+#include "partition/box_grid.hpp"
 
 #include <fmt/format.h>
 
@@ -75,6 +76,7 @@ struct Collector {
   std::size_t samples = 0;
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
+  partition::BoxGrid sinks_about;  // where pucks are delivered
 
   static Collector make(const Record& p) {
     Collector collector;
@@ -101,6 +103,10 @@ struct Collector {
   }
   static std::uint8_t& order(const engine::Actions& actions) {
     return actions.device<GripperCommand>(k_gripper).order;
+  }
+  bool is_delivered(const Vec2& puck) const {
+    return sinks_about.any_near(Box::around(puck, 0),
+                                [&](std::uint32_t i) { return (sinks[i] - puck).norm() < k_delivered; });
   }
   std::optional<Puck> puck_in_sight(const engine::Percept& percept) const;
   void seek(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
@@ -131,13 +137,16 @@ std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std
     const Vec2 at = body.pose_world_body.position();
     const std::string name = world.name(BodyId(b));
     if (name.starts_with(sink) && is_number(std::string_view(name).substr(sink.size()))) sinks.push_back(at);
-    const auto& parts = world.types[body.type.index()].parts;
-    const auto is_charger = [this](const engine::PartSpec& part) {
-      return part.returns.fiducial == charger_mark;
-    };
-    if (has_pack && std::ranges::any_of(parts, is_charger)) chargers.push_back(at);
+    for (std::uint32_t p = 0; has_pack && p < world.types[body.type.index()].parts.size(); ++p)
+      if (engine::fiducial_of(world, BodyId(b), p) == charger_mark) {
+        chargers.push_back(at);
+        break;
+      }
   }
   if (sinks.empty()) return fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink);
+  std::vector<Box> boxes;
+  for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
+  sinks_about = partition::BoxGrid(boxes);
   return {};
 }
 
@@ -194,7 +203,7 @@ std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& p
     if (ids[i] != puck_mark) continue;
     const std::span<const double> pose = seen.field<double>(k_pose).subspan(4 * i, 4);
     const Vec2 at(pose[0], pose[1]);
-    if ((sinks[nearest(sinks, at)] - at).norm() < k_delivered) continue;
+    if (is_delivered(at)) continue;
     return Puck{seen.field<float>(k_range)[i], seen.field<float>(k_bearing)[i]};
   }
   return {};

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/device_choice.hpp"
 #include "models/fiducial_readings.hpp"
 
 #include <cmath>
@@ -29,30 +30,21 @@ struct Flocking {
 
   std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
-    std::vector<std::size_t> chosen;
-    const auto take = [&](auto&& fits) {
-      for (std::size_t d = 0; d < devices.size(); ++d)
-        if (!claimed[d] && fits(devices[d])) {
-          claimed[d] = true;
-          chosen.push_back(d);
-          return true;
-        }
-      return false;
-    };
+    DeviceChoice choice(devices, claimed);
     const bool has_ring =
-        take([](const DeviceInfo& d) { return d.prepared.transducers.size() >= k_front_ring; });
+        choice.take([](const DeviceInfo& d) { return d.prepared.transducers.size() >= k_front_ring; });
     if (!has_ring)
       fault = "needs a ranger of 8 or more transducers";
-    else if (!take([](const DeviceInfo& d) { return d.kind == "fiducial"; }))
+    else if (!choice.take_kind("fiducial"))
       fault = "needs a fiducial finder";
     if (!fault.empty()) return {};
-    finder = FiducialReadings(devices[chosen[1]].prepared);
-    const auto& layout = devices[chosen[0]].prepared;
+    finder = FiducialReadings(devices[choice.chosen()[1]].prepared);
+    const auto& layout = devices[choice.chosen()[0]].prepared;
     for (std::size_t i = 0; i < k_front_ring; ++i) {
       readings[i] = layout.transducers[i];
       directions[i] = sincos(layout.transducer_headings[i]);
     }
-    return chosen;
+    return choice.chosen();
   }
 
   void operator()(const engine::Percept& percept, Random& random, engine::Actions& actions) const {

@@ -162,8 +162,8 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
-    for (const engine::PartSpec& part : world.types[world.bodies[b].type.index()].parts)
-      if (part.returns.fiducial == k_charger_mark) {
+    for (std::uint32_t p = 0; p < world.types[world.bodies[b].type.index()].parts.size(); ++p)
+      if (engine::fiducial_of(world, BodyId(b), p) == k_charger_mark) {
         chargers.push_back(goal(BodyId(b)));
         break;
       }

@@ -14,6 +14,7 @@ using engine::Record;
 using engine::Unit;
 
 struct Blinking {
+  LightSource source;
   double period_s = 0;
   double dutycycle = 0;
   bool enabled = false;
@@ -46,10 +47,25 @@ void act(const DeviceBatch& batch) {
   }
 }
 
+engine::Field intensity_field() {
+  return {.name = "intensity",
+          .fallback = 1.0,
+          .min = 0,
+          .max = 1e6,
+          .text = "what a light sensor reads that faces it from 1 m"};
+}
+
+constexpr std::string_view k_blinkenlight = "blinkenlight";
+constexpr std::string_view k_lightindicator = "lightindicator";
+
 }  // namespace
 
+const LightSource& light_source(const std::any& data) { return std::any_cast<const Blinking&>(data).source; }
+
+bool is_light(const DeviceKind& kind) { return kind.name == k_blinkenlight || kind.name == k_lightindicator; }
+
 DeviceKind blinkenlight_kind() {
-  DeviceKind kind{.name = "blinkenlight", .text = "a light that blinks"};
+  DeviceKind kind{.name = k_blinkenlight, .text = "a light that blinks"};
   kind.params = {{
       {.name = "period",
        .unit = Unit::seconds,
@@ -66,17 +82,22 @@ DeviceKind blinkenlight_kind() {
        .type = FieldType::boolean,
        .fallback = true,
        .text = "whether it blinks before a controller switches it"},
+      intensity_field(),
   }};
-  kind.prepare = [](const Record& params, const Pose&) {
-    return prepare(Blinking{params[0].number(), params[1].number(), params[2].boolean()});
+  kind.prepare = [](const Record& params, const Pose& pose_body_light) {
+    return prepare(Blinking{
+        {pose_body_light, params[3].number()}, params[0].number(), params[1].number(), params[2].boolean()});
   };
   kind.act = act;
   return kind;
 }
 
 DeviceKind lightindicator_kind() {
-  DeviceKind kind{.name = "lightindicator", .text = "a light that controllers switch"};
-  kind.prepare = [](const Record&, const Pose&) { return prepare(Blinking{}); };
+  DeviceKind kind{.name = k_lightindicator, .text = "a light that controllers switch"};
+  kind.params = {{intensity_field()}};
+  kind.prepare = [](const Record& params, const Pose& pose_body_light) {
+    return prepare(Blinking{.source = {pose_body_light, params[0].number()}});
+  };
   kind.act = act;
   return kind;
 }

@@ -20,11 +20,22 @@ struct LightState {
 
 /// A light that blinks: lit for the first `dutycycle` of each `period`, from tick 0 on.
 ///
-/// parameters  period (s), dutycycle (0 to 1), enabled
+/// parameters  period (s), dutycycle (0 to 1), enabled, intensity
 /// state       LightState; commands: LightCommand, of which `on` and `off` end the blinking
 /// edges       a period of 0 shines for ever, as a dutycycle of 1 does; the moment at which the dutycycle
 ///             ends is dark
 engine::DeviceKind blinkenlight_kind();
+
+/// Where a light of one of these kinds is, frame of its body or of its joint, and how brightly it shines
+/// while it is lit: what a light sensor reads that faces it from 1 m. data: what the kind prepared.
+struct LightSource {
+  Pose pose_body_light;
+  double intensity = 1;
+};
+const LightSource& light_source(const std::any& data);
+
+/// Whether a device is one of these kinds.
+bool is_light(const engine::DeviceKind& kind);
 
 /// A light that is off until a controller switches it on.
 engine::DeviceKind lightindicator_kind();

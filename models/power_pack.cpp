@@ -14,6 +14,10 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
+// To itself, while it is charged: whether that goes on. Controllers read of the last tick after act() has
+// run, so `charging` changes only with the transfers, which come before this or behind it.
+constexpr std::uint32_t k_ask_whether_charging = 0;
+
 constexpr double k_watts_per_kg = 10;  // and m/s or rad/s: Stage's position model
 
 struct Pack {
@@ -38,7 +42,7 @@ std::vector<engine::StateField> state_fields() {
                                         "1: it was given something in the last tick"};
   static_assert(std::size(texts) == 7);
   for (std::size_t f = 0; f < fields.size(); ++f) {
-    if (fields[f].element == engine::Element::f64) fields[f].unit = "J";
+    if (fields[f].element == engine::Element::f64) fields[f].unit = std::string("J");
     fields[f].text = texts[f];
   }
   return fields;
@@ -57,8 +61,8 @@ void act(const DeviceBatch& batch) {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Row row = batch.rows[i];
     auto& state = batch.state.as<PowerPackState>(batch.slot(i));
-    state.charging = 0;
-    if (pack.kills && state.is_empty()) batch.emit_death(i, 0, batch.body(i));
+    if (state.charging != 0) batch.emit(i, 0, k_ask_whether_charging, batch.body(i), {state.received});
+    if (pack.kills && state.is_empty()) batch.emit_death(i, 1, batch.body(i));
     double watts = pack.draw;
     if (feeds_drive) watts += drive_watts(pack, batch.world.velocities()[row.index()]);
     for (const BodyType::Device& device : type.devices)
@@ -71,6 +75,12 @@ void act(const DeviceBatch& batch) {
     }
     state.dissipated += joules;
   }
+}
+
+void apply(engine::World& world, const std::any&, const engine::Effect& effect) {
+  const Row row = world.row(effect.source);
+  auto& state = world.state(world.type(row).devices[effect.device]).as<PowerPackState>(world.slot(row));
+  state.charging = state.received > effect.payload[0];
 }
 
 }  // namespace
@@ -135,7 +145,7 @@ DeviceKind power_pack_kind() {
     return DeviceKind::Prepared{.data = pack,
                                 .percepts = state_fields(),
                                 .percept_bytes = sizeof(PowerPackState),
-                                .most_effects = pack.kills ? std::size_t{1} : 0,
+                                .most_effects = pack.kills ? std::size_t{2} : 1,
                                 .ends_lives = pack.kills};
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
@@ -147,6 +157,7 @@ DeviceKind power_pack_kind() {
     row.stored = pack.stored;
   };
   kind.act = act;
+  kind.apply = apply;
   kind.is_spent = [](const std::any& data, const engine::StateTable& state, std::size_t slot) {
     return std::any_cast<Pack>(&data)->stops && state.as<PowerPackState>(slot).is_empty();
   };

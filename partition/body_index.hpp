@@ -101,6 +101,8 @@ class BodyIndex {
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }
   double largest_small_radius() const { return small_radius_; }
+  /// Whether some bodies lie in several cells, and so may come more than once in runs.
+  bool has_wide() const { return has_wide_; }
 
  private:
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }

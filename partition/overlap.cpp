@@ -7,6 +7,14 @@
 
 namespace troupe::partition {
 
+PieceCircle circle_about(const Ring& outline) {
+  const Box box = bounds(outline);
+  PieceCircle circle{box.center(), 0};
+  for (const Vec2& v : outline) circle.radius = std::max(circle.radius, (v - circle.centre).squaredNorm());
+  circle.radius = sqrt(circle.radius);
+  return circle;
+}
+
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
   ObstacleShape shape;
   shape.pieces.assign(pieces.begin(), pieces.end());
@@ -15,6 +23,7 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
   shape.z = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   double radius2 = 0;
   for (const ConvexPrism& piece : pieces) {
+    shape.circles.push_back(circle_about(piece.outline));
     shape.vertices += piece.outline.size();
     for (const Vec2& v : piece.outline) radius2 = std::max(radius2, v.squaredNorm());
     shape.thinnest = std::min(shape.thinnest, convex_width(piece.outline));
@@ -104,15 +113,44 @@ PlacedShape::PlacedShape(const ObstacleShape& shape, const Transform& transform_
 }
 
 bool overlap(const PlacedShape& a, const PlacedShape& b) {
-  if (!in_reach(a.position(), a.shape().radius, b.position(), b.shape().radius)) return false;
-  if (!a.shape().z.shifted(a.z()).overlaps(b.shape().z.shifted(b.z()))) return false;
+  const ObstacleShape& shape_a = a.shape();
+  const ObstacleShape& shape_b = b.shape();
+  if (!in_reach(a.position(), shape_a.radius, b.position(), shape_b.radius)) return false;
+  if (!shape_a.z.shifted(a.z()).overlaps(shape_b.z.shifted(b.z()))) return false;
+  const bool has_several = shape_a.pieces.size() + shape_b.pieces.size() > 2;
+  const auto circle_of = [](const PlacedShape& placed, const ConvexPrism& piece) {
+    const PieceCircle& circle =
+        placed.shape().circles[static_cast<std::size_t>(&piece - placed.shape().pieces.data())];
+    return PieceCircle{placed.transform() * circle.centre, circle.radius};
+  };
   return a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+    PieceCircle circle_a{Vec2::Zero(), 0};
+    if (has_several) {
+      circle_a = circle_of(a, piece_a);
+      if (!in_reach(circle_a.centre, circle_a.radius, b.position(), shape_b.radius)) return false;
+    }
     const ZInterval z = piece_a.z.shifted(a.z());
     return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
+      if (has_several) {
+        const PieceCircle circle_b = circle_of(b, piece_b);
+        if (!in_reach(circle_a.centre, circle_a.radius, circle_b.centre, circle_b.radius)) return false;
+      }
       return z.overlaps(piece_b.z.shifted(b.z())) && !separated_by_edges_of(ring_a, ring_b) &&
              !separated_by_edges_of(ring_b, ring_a);
     });
   });
+}
+
+bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
+                     const Transform& at_b, double distance) {
+  for (const PieceCircle& circle_a : a.circles) {
+    const Vec2 centre = at_a * circle_a.centre;
+    const double radius = circle_a.radius + distance;
+    if (!in_reach(centre, radius, at_b.position, b.radius)) continue;
+    for (const PieceCircle& circle_b : b.circles)
+      if (in_reach(centre, radius, at_b * circle_b.centre, circle_b.radius)) return true;
+  }
+  return false;
 }
 
 bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,

@@ -7,13 +7,21 @@
 
 namespace troupe::partition {
 
+/// A circle that encloses a piece, m, frame of its shape.
+struct PieceCircle {
+  Vec2 centre;
+  double radius;
+};
+PieceCircle circle_about(const Ring& outline);
+
 /// A body as the overlap predicate sees it: convex prisms in the body's frame.
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;
-  std::size_t vertices = 0;  ///< of all pieces
-  double radius = 0;         ///< of the circle about the body's origin that encloses every piece, m
-  double thinnest = 0;       ///< smallest width of any piece, m
-  ZInterval z;               ///< of all pieces
+  std::vector<PieceCircle> circles;  ///< of the pieces
+  std::size_t vertices = 0;          ///< of all pieces
+  double radius = 0;                 ///< of the circle about the body's origin that encloses every piece, m
+  double thinnest = 0;               ///< smallest width of any piece, m
+  ZInterval z;                       ///< of all pieces
 
   bool empty() const { return pieces.empty(); }
 };

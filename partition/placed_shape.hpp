@@ -68,6 +68,11 @@ class PlacedShape {
 /// overlap() of shapes that are placed already.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
+/// False only when no piece of one shape comes within `distance` (m) of a piece of the other: a look at the
+/// circles about the pieces, whatever their heights.
+bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
+                     const Transform& at_b, double distance);
+
 /// False only when shapes of these radii, at these places, do not overlap: the first thing overlap() asks.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;

@@ -89,6 +89,12 @@ void add_costs(Aims& aims) {
 
 void add_devices(Aims& aims) {
   aims.at_least("foragers/2000, one thread", 10, "x real time", aims.times_real_time("foragers/2000", 1));
+  const auto both = aims.ns("radios/10000");
+  const auto rangers = aims.ns("radios-off/10000");
+  const auto radios = aims.ns("rangers-off/10000");
+  if (both && rangers && radios)
+    aims.at_most("radios/10000, the radio against the ranging", 1, "times",
+                 (*both - *rangers) / (*both - *radios));
 }
 
 void add_threads(Aims& aims) {
@@ -149,6 +155,8 @@ void add_memory_and_loading(Aims& aims) {
                  *of_child(million, [](const ChildReport& r) { return r.peak_bytes; }) / 1e6);
   aims.at_most("100,000 robots of .world text, loading", 1.5, "s",
                of_child(child(report, "hospital-10cm/100000", true), load));
+  aims.at_most("100,000 robots with radios, loading", 2, "s",
+               of_child(child(report, "radios/100000", false), load));
   aims.at_most("a million robots of populations, loading", 2, "s", of_child(million, load));
 }
 

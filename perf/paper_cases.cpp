@@ -14,6 +14,7 @@ constexpr double k_tables_1_2_s = 600;
 constexpr double k_table_3_s = 60;
 // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
 constexpr double k_campus_s = 5;
+constexpr double k_radios_s = 10;
 // Clusters are timed after a minute, when they are tight, in pieces of 2 s.
 constexpr double k_cluster_skip_s = 60;
 constexpr double k_cluster_s = 2;
@@ -106,7 +107,10 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
        "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
        "pucks "
        "and carry them to mills. `finders`: 9 beams and a finder each, with some 16 others in its range; "
-       "`finders-off`: the same without their finders. Beams are those of finders, too."},
+       "`finders-off`: the same without their finders. Beams are those of finders, too. `radios`: a ring of "
+       "12 "
+       "infrared rangers and a radio each, with 20 others in its range; `radios-off` has the rangers alone, "
+       "`rangers-off` the radios."},
   };
   const double times = quick ? 0.01 : 1;
   const auto with_threads = [&](const Scene& scene) {
@@ -165,6 +169,19 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   without.load.set.emplace_back("/types/bot/sensors/1/active", "false");
   plan.cases.push_back({"devices", {{finders, threads.front()}, {without, threads.front()}}});
 
+  // Radios beside rangers, rangers alone, radios alone: what each costs is the first less one of the others.
+  const Scene radios = robots_of("radios", quick ? 200 : 10000, times * k_radios_s);
+  const auto without_sensor = [&](const char* name, std::size_t sensor) {
+    Scene scene = radios;
+    scene.name = fmt::format("{}/{}", name, radios.robots);
+    scene.load.set.emplace_back(fmt::format("/types/bot/sensors/{}/active", sensor), "false");
+    return scene;
+  };
+  plan.cases.push_back({"devices",
+                        {{radios, threads.front()},
+                         {without_sensor("radios-off", 1), threads.front()},
+                         {without_sensor("rangers-off", 0), threads.front()}}});
+
   const auto child = [&](Scene scene, bool as_text = false) {
     plan.children.push_back({std::move(scene), as_text, false});
   };
@@ -172,6 +189,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
   child(population("hospital-10cm", quick ? 1000 : 100000, 1));
   child(population("hospital-10cm", quick ? 1000 : 100000, 1), true);
   child(campus(quick ? 1600 : 1000000, 0.2));
+  child(robots_of("radios", quick ? 1000 : 100000, 1));
   return plan;
 }
 

@@ -1,6 +1,6 @@
 #include "perf/paper_timing.hpp"
 
-#include "apps/phase_clock.hpp"
+#include "apps/run/phase_clock.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
@@ -38,7 +38,7 @@ double seconds(Clock::duration d) { return std::chrono::duration<double>(d).coun
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
-  explicit Camera(const engine::World& world) : world_(world), scene_(world.frame_scene()) {
+  explicit Camera(const engine::World& world) : world_(world), painter_(world.frame_scene()) {
     draw();  // opens OSMesa, and loads what the driver needs
     frames_ = 0;
   }
@@ -52,12 +52,12 @@ class Camera {
 
  private:
   void draw() {
-    render::draw(scene_, world_.frame(), {});
+    painter_.draw(world_.frame(), {});
     ++frames_;
   }
 
   const engine::World& world_;
-  engine::FrameScene scene_;
+  render::Painter painter_;
   Clock::time_point next_;
 #else
   explicit Camera(const engine::World&) {

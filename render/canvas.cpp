@@ -12,6 +12,8 @@
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
 namespace troupe::render {
 namespace {
@@ -20,18 +22,22 @@ namespace {
 /// MB, so a poster of 16384^2 needs no more than that beside its own pixels.
 constexpr int k_tile = 2048;
 constexpr int k_samples = 4;
+/// How far shadows reach on the floor for each metre of height.
+constexpr float k_shadow_slope = 0.5F;
 
 // clang-format off
 #define TROUPE_GL_FUNCTIONS(X) \
   X(glAttachShader) X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray) \
   X(glBlendFuncSeparate) X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) \
-  X(glClear) X(glClearColor) X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDepthFunc) \
-  X(glDrawArraysInstanced) X(glEnable) X(glEnableVertexAttribArray) X(glFramebufferRenderbuffer) \
-  X(glGenBuffers) X(glGenFramebuffers) X(glGenRenderbuffers) X(glGenVertexArrays) X(glGetError) \
-  X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) X(glGetUniformLocation) \
-  X(glLinkProgram) X(glPixelStorei) X(glReadPixels) X(glRenderbufferStorageMultisample) \
-  X(glShaderSource) X(glUniform2f) X(glUseProgram) X(glVertexAttribDivisor) \
-  X(glVertexAttribIPointer) X(glVertexAttribPointer) X(glViewport)
+  X(glClear) X(glClearColor) X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDeleteBuffers) \
+  X(glDeleteFramebuffers) X(glDeleteRenderbuffers) X(glDeleteVertexArrays) X(glDepthFunc) X(glDepthMask) \
+  X(glDisable) X(glDrawArrays) X(glDrawArraysInstanced) X(glEnable) X(glEnableVertexAttribArray) \
+  X(glFramebufferRenderbuffer) X(glGenBuffers) X(glGenFramebuffers) X(glGenRenderbuffers) \
+  X(glGenVertexArrays) X(glGetError) X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) \
+  X(glGetUniformLocation) X(glLinkProgram) X(glPixelStorei) X(glPointSize) X(glReadPixels) \
+  X(glRenderbufferStorageMultisample) X(glShaderSource) X(glUniform1f) X(glUniform2f) X(glUniform3f) \
+  X(glUniformMatrix4fv) X(glUseProgram) X(glVertexAttribDivisor) X(glVertexAttribIPointer) \
+  X(glVertexAttribPointer) X(glViewport)
 // clang-format on
 
 struct Gl {
@@ -47,7 +53,7 @@ struct Gl {
 };
 
 // The picture's y points down and OpenGL's rows go up: turning y round here makes row 0 the top one.
-constexpr const char* k_vertex_shader = R"(#version 330 core
+constexpr const char* k_flat_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec2 offset;
 layout(location = 2) in vec4 own;
@@ -69,16 +75,84 @@ void main() {
 }
 )";
 
+// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke. Faces are lit from both sides
+// alike, as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from
+// above.
+constexpr const char* k_solid_shader = R"(#version 330 core
+layout(location = 0) in vec3 vertex;
+layout(location = 1) in vec4 a;
+layout(location = 2) in vec4 own;
+layout(location = 3) in uvec2 kind;
+layout(location = 4) in vec4 place;
+layout(location = 5) in vec2 turn;
+layout(location = 6) in vec4 body;
+layout(location = 7) in vec4 edge;
+layout(location = 8) in vec4 mark;
+uniform mat4 clip;
+uniform vec2 picture;
+uniform vec3 eye;
+uniform float nearest;
+uniform float bias;
+uniform float shadow;
+flat out vec4 color;
+const vec2 light = vec2(-0.894, 0.447);
+vec3 turned(vec3 v) { return vec3(v.x * turn.x - v.y * turn.y, v.x * turn.y + v.y * turn.x, v.z); }
+vec4 seen(vec3 v) {
+  vec3 p = turned(v * place.w) + place.xyz;
+  if (shadow > 0.0) p = vec3(p.xy - light * max(p.z, 0.0) * shadow, 0.0);
+  return clip * vec4(p, 1.0);
+}
+void main() {
+  color = kind.x == 0u ? own : kind.x == 1u ? body : kind.x == 2u ? edge : mark;
+  vec4 c = seen(vertex);
+  if (kind.y == 0u) {
+    vec3 normal = turned(a.xyz);
+    vec3 p = turned(vertex * place.w) + place.xyz;
+    if (dot(normal, eye - p) < 0.0) normal = -normal;
+    color.rgb *= mix(0.70 + 0.20 * dot(normal.xy, light), 1.0, max(normal.z, 0.0));
+  } else if (kind.y == 1u) {
+    c.z += bias;
+  } else {
+    vec4 d = seen(a.xyz);
+    if (c.w <= nearest && d.w <= nearest) {
+      gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+      return;
+    }
+    if (c.w < nearest && d.w > nearest) c = mix(c, d, (nearest - c.w) / (d.w - c.w));
+    if (d.w < nearest && c.w > nearest) d = mix(d, c, (nearest - d.w) / (c.w - d.w));
+    vec2 way = (d.xy / d.w - c.xy / c.w) * picture;
+    vec2 along = dot(way, way) > 0.0 ? normalize(way) : vec2(1.0, 0.0);
+    vec2 pixels = vec2(-along.y, along.x) * a.w - along * abs(a.w);
+    c.xy += pixels * 2.0 / picture * c.w;
+    c.z += bias;
+  }
+  if (shadow > 0.0) color = edge;
+  gl_Position = vec4(c.x, -c.y, c.z, c.w);
+}
+)";
+
+constexpr const char* k_point_shader = R"(#version 330 core
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec4 own;
+uniform mat4 clip;
+flat out vec4 color;
+void main() {
+  vec4 c = clip * vec4(place, 1.0);
+  gl_Position = vec4(c.x, -c.y, c.z, c.w);
+  color = own;
+}
+)";
+
 constexpr const char* k_fragment_shader = R"(#version 330 core
 flat in vec4 color;
 out vec4 pixel;
 void main() { pixel = color; }
 )";
 
-GLuint link_program(const Gl& gl) {
+GLuint link_program(const Gl& gl, const char* vertex_shader) {
   const GLuint program = gl.glCreateProgram();
   for (const auto& [kind, source] :
-       {std::pair{GL_VERTEX_SHADER, k_vertex_shader}, std::pair{GL_FRAGMENT_SHADER, k_fragment_shader}}) {
+       {std::pair{GL_VERTEX_SHADER, vertex_shader}, std::pair{GL_FRAGMENT_SHADER, k_fragment_shader}}) {
     const GLuint shader = gl.glCreateShader(static_cast<GLenum>(kind));
     gl.glShaderSource(shader, 1, &source, nullptr);
     gl.glCompileShader(shader);
@@ -95,116 +169,291 @@ GLuint link_program(const Gl& gl) {
   return program;
 }
 
-/// A framebuffer object with one colour and one depth buffer. `samples` 0 is a plain one.
-GLuint make_framebuffer(const Gl& gl, int width, int height, int samples) {
-  GLuint framebuffer = 0;
-  gl.glGenFramebuffers(1, &framebuffer);
-  gl.glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  for (const auto& [attachment, format] :
-       {std::pair{GL_COLOR_ATTACHMENT0, GL_RGBA8}, std::pair{GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24}}) {
-    GLuint buffer = 0;
-    gl.glGenRenderbuffers(1, &buffer);
-    gl.glBindRenderbuffer(GL_RENDERBUFFER, buffer);
-    gl.glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, static_cast<GLenum>(format), width, height);
-    gl.glFramebufferRenderbuffer(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_RENDERBUFFER, buffer);
+/// A framebuffer object with one colour and one depth buffer.
+struct Framebuffer {
+  GLuint name = 0;
+  std::array<GLuint, 2> buffers{};
+
+  /// `samples` 0 is a plain one. Throws where the driver gives none.
+  void make(const Gl& gl, int width, int height, int samples) {
+    gl.glGenFramebuffers(1, &name);
+    gl.glGenRenderbuffers(2, buffers.data());
+    gl.glBindFramebuffer(GL_FRAMEBUFFER, name);
+    constexpr std::array<GLenum, 2> k_attachments = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    constexpr std::array<GLenum, 2> k_formats = {GL_RGBA8, GL_DEPTH_COMPONENT24};
+    for (std::size_t i = 0; i < 2; ++i) {
+      gl.glBindRenderbuffer(GL_RENDERBUFFER, buffers[i]);
+      gl.glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, k_formats[i], width, height);
+      gl.glFramebufferRenderbuffer(GL_FRAMEBUFFER, k_attachments[i], GL_RENDERBUFFER, buffers[i]);
+    }
+    if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
+        gl.glGetError() != GL_NO_ERROR) {
+      throw std::runtime_error(
+          fmt::format("cannot draw: the driver gives no framebuffer of {} x {} pixels", width, height));
+    }
   }
-  if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
-      gl.glGetError() != GL_NO_ERROR) {
-    throw std::runtime_error(
-        fmt::format("cannot draw: the driver gives no framebuffer of {} x {} pixels", width, height));
+  void release(const Gl& gl) {
+    gl.glDeleteFramebuffers(1, &name);
+    gl.glDeleteRenderbuffers(2, buffers.data());
+    name = 0;
   }
-  return framebuffer;
-}
+};
 
 void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
 
-/// The buffers of a layer, behind one vertex array object.
-GLuint upload(const Gl& gl, const Layer& layer) {
-  GLuint array = 0;
-  std::array<GLuint, 2> buffers{};
-  gl.glGenVertexArrays(1, &array);
-  gl.glBindVertexArray(array);
-  gl.glGenBuffers(2, buffers.data());
+/// The buffers of a layer, behind one vertex array object, for the length of a picture.
+class Uploaded {
+ public:
+  template <class AnyLayerOfMeshes>
+  Uploaded(const Gl& gl, const AnyLayerOfMeshes& layer)
+      : gl_(gl),
+        vertices_(static_cast<GLsizei>(layer.mesh.size())),
+        instances_(static_cast<GLsizei>(layer.instances.size())) {
+    begin();
+    add(0, layer.mesh);
+    add(1, layer.instances);
+    for (GLuint location = 4; location <= 8; ++location) gl.glVertexAttribDivisor(location, 1);
+  }
+  Uploaded(const Gl& gl, const PointLayer& layer)
+      : gl_(gl), vertices_(static_cast<GLsizei>(layer.points.size())), instances_(0) {
+    begin();
+    add(0, layer.points);
+  }
+  ~Uploaded() {
+    gl_.glDeleteVertexArrays(1, &array_);
+    gl_.glDeleteBuffers(2, buffers_.data());
+  }
+  Uploaded(const Uploaded&) = delete;
+  Uploaded& operator=(const Uploaded&) = delete;
 
-  const auto floats = [&](GLuint location, GLint count, GLsizei stride, std::size_t offset) {
-    gl.glEnableVertexAttribArray(location);
-    gl.glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, stride, byte_offset(offset));
-  };
-  const auto color = [&](GLuint location, GLsizei stride, std::size_t offset) {
-    gl.glEnableVertexAttribArray(location);
-    gl.glVertexAttribPointer(location, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, byte_offset(offset));
-  };
+  void draw() const {
+    gl_.glBindVertexArray(array_);
+    if (instances_ > 0)
+      gl_.glDrawArraysInstanced(GL_TRIANGLES, 0, vertices_, instances_);
+    else
+      gl_.glDrawArrays(GL_POINTS, 0, vertices_);
+  }
 
-  gl.glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-  gl.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.mesh.size() * sizeof(Vertex)),
-                  layer.mesh.data(), GL_STATIC_DRAW);
-  floats(0, 3, sizeof(Vertex), offsetof(Vertex, x));
-  floats(1, 2, sizeof(Vertex), offsetof(Vertex, offset_x));
-  color(2, sizeof(Vertex), offsetof(Vertex, own));
-  gl.glEnableVertexAttribArray(3);
-  gl.glVertexAttribIPointer(3, 1, GL_UNSIGNED_INT, sizeof(Vertex), byte_offset(offsetof(Vertex, paint)));
+ private:
+  void begin() {
+    gl_.glGenVertexArrays(1, &array_);
+    gl_.glBindVertexArray(array_);
+    gl_.glGenBuffers(2, buffers_.data());
+  }
+  template <class Each>
+  void add(std::size_t buffer, const std::vector<Each>& data) const {
+    gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers_[buffer]);
+    gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(Each)), data.data(),
+                     GL_STREAM_DRAW);
+    describe(Each{});
+  }
+  void floats(GLuint location, GLint count, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
+                              byte_offset(offset));
+  }
+  void color(GLuint location, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribPointer(location, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLsizei>(stride),
+                              byte_offset(offset));
+  }
+  void integers(GLuint location, GLint count, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribIPointer(location, count, GL_UNSIGNED_INT, static_cast<GLsizei>(stride),
+                               byte_offset(offset));
+  }
+  void describe(const Vertex&) const {
+    floats(0, 3, sizeof(Vertex), offsetof(Vertex, x));
+    floats(1, 2, sizeof(Vertex), offsetof(Vertex, offset_x));
+    color(2, sizeof(Vertex), offsetof(Vertex, own));
+    integers(3, 1, sizeof(Vertex), offsetof(Vertex, paint));
+  }
+  void describe(const Instance&) const {
+    floats(4, 4, sizeof(Instance), offsetof(Instance, x));
+    floats(5, 2, sizeof(Instance), offsetof(Instance, z));
+    color(6, sizeof(Instance), offsetof(Instance, body));
+    color(7, sizeof(Instance), offsetof(Instance, edge));
+    color(8, sizeof(Instance), offsetof(Instance, mark));
+  }
+  void describe(const Point&) const {
+    floats(0, 3, sizeof(Point), offsetof(Point, x));
+    color(1, sizeof(Point), offsetof(Point, color));
+  }
+  void describe(const SolidVertex&) const {
+    floats(0, 3, sizeof(SolidVertex), offsetof(SolidVertex, x));
+    floats(1, 4, sizeof(SolidVertex), offsetof(SolidVertex, ax));
+    color(2, sizeof(SolidVertex), offsetof(SolidVertex, own));
+    integers(3, 2, sizeof(SolidVertex), offsetof(SolidVertex, paint));
+  }
+  void describe(const SolidInstance&) const {
+    floats(4, 4, sizeof(SolidInstance), offsetof(SolidInstance, x));
+    floats(5, 2, sizeof(SolidInstance), offsetof(SolidInstance, cos));
+    color(6, sizeof(SolidInstance), offsetof(SolidInstance, body));
+    color(7, sizeof(SolidInstance), offsetof(SolidInstance, edge));
+    color(8, sizeof(SolidInstance), offsetof(SolidInstance, mark));
+  }
 
-  gl.glBindBuffer(GL_ARRAY_BUFFER, buffers[1]);
-  gl.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.instances.size() * sizeof(Instance)),
-                  layer.instances.data(), GL_STATIC_DRAW);
-  floats(4, 4, sizeof(Instance), offsetof(Instance, x));
-  floats(5, 2, sizeof(Instance), offsetof(Instance, z));
-  color(6, sizeof(Instance), offsetof(Instance, body));
-  color(7, sizeof(Instance), offsetof(Instance, edge));
-  color(8, sizeof(Instance), offsetof(Instance, mark));
-  for (GLuint location = 4; location <= 8; ++location) gl.glVertexAttribDivisor(location, 1);
-  return array;
-}
+  const Gl& gl_;
+  GLuint array_ = 0;
+  std::array<GLuint, 2> buffers_{};
+  GLsizei vertices_;
+  GLsizei instances_;  // 0: points, which are none of anything
+};
 
-/// The interval of heights that the depth buffer has to tell apart.
-ZInterval heights_of(std::span<const Layer> layers) {
+/// The interval of heights that the depth buffer has to tell apart in flat layers.
+ZInterval heights_of(std::span<const AnyLayer> layers) {
   ZInterval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const Layer& layer : layers) {
-    if (layer.mesh.empty() || layer.instances.empty()) continue;
-    const auto [low, high] = std::ranges::minmax_element(layer.mesh, {}, &Vertex::z);
-    const auto [bottom, top] = std::ranges::minmax_element(layer.instances, {}, &Instance::z);
+  for (const AnyLayer& any : layers) {
+    if (const auto* points = std::get_if<PointLayer>(&any); points && points->on_map) {
+      for (const Point& point : points->points) {
+        all.min = std::min<double>(all.min, point.z);
+        all.max = std::max<double>(all.max, point.z);
+      }
+    }
+    const auto* layer = std::get_if<Layer>(&any);
+    if (!layer || layer->mesh.empty() || layer->instances.empty()) continue;
+    const auto [low, high] = std::ranges::minmax_element(layer->mesh, {}, &Vertex::z);
+    const auto [bottom, top] = std::ranges::minmax_element(layer->instances, {}, &Instance::z);
     all.min = std::min<double>(all.min, low->z + bottom->z);
     all.max = std::max<double>(all.max, high->z + top->z);
   }
   return all.min < all.max ? all : ZInterval{all.min, all.min + 1};
 }
 
-void check_size(const Gl& gl, int width, int height) {
-  std::array<GLint, 2> limit{};
-  gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
-  if (width < 1 || height < 1 || width > limit[0] || height > limit[1]) {
-    throw std::runtime_error(
-        fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
-                    "and this driver draws at most {} x {}",
-                    width, height, limit[0], limit[1]));
-  }
-}
+/// The context is the calling thread's for as long as this lives.
+class Current {
+ public:
+  explicit Current(OsmesaContext& context) : context_(context) { context_.make_current(); }
+  ~Current() { context_.release(); }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  OsmesaContext& context_;
+};
 
 }  // namespace
 
-Picture paint(int width, int height, Rgba ground, std::span<const Layer> layers) {
-  // Everything made in the context goes with it. It is not kept for the next picture: a context belongs to
-  // the thread that made it, and making one costs milliseconds.
-  const OsmesaContext context;
-  const Gl gl(context);
-  check_size(gl, width, height);
+struct Canvas::Impl {
+  OsmesaContext context;
+  Gl gl{context};
+  GLuint flat = 0;
+  GLuint solid = 0;
+  GLuint points = 0;
+  std::array<GLint, 2> limit{};
+  std::array<float, 16> in_world{};  // clip matrices of points
+  std::array<float, 16> on_map{};
+  int tile_width = 0;
+  int tile_height = 0;
+  Framebuffer drawn;
+  Framebuffer resolved;
 
-  const GLuint program = link_program(gl);
-  const ZInterval heights = heights_of(layers);
-  gl.glUseProgram(program);
-  gl.glUniform2f(gl.glGetUniformLocation(program, "picture"), static_cast<float>(width),
-                 static_cast<float>(height));
-  gl.glUniform2f(gl.glGetUniformLocation(program, "heights"), static_cast<float>(heights.min),
-                 static_cast<float>(heights.max - heights.min));
-  std::vector<GLuint> arrays;
-  for (const Layer& layer : layers) arrays.push_back(upload(gl, layer));
+  Impl() {
+    const Current current(context);
+    flat = link_program(gl, k_flat_shader);
+    solid = link_program(gl, k_solid_shader);
+    points = link_program(gl, k_point_shader);
+    gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
+  }
 
-  GLint samples = 0;
-  gl.glGetIntegerv(GL_MAX_SAMPLES, &samples);
-  const int tile_width = std::min(width, k_tile);
-  const int tile_height = std::min(height, k_tile);
-  const GLuint resolved = make_framebuffer(gl, tile_width, tile_height, 0);
-  const GLuint drawn = make_framebuffer(gl, tile_width, tile_height, std::min(k_samples, samples));
+  /// Tiles of this size, as they were left by the picture before where that was as large.
+  void make_tiles(int width, int height) {
+    if (drawn.name != 0 && width == tile_width && height == tile_height) return;
+    if (drawn.name != 0) drawn.release(gl);
+    if (resolved.name != 0) resolved.release(gl);
+    tile_width = 0;
+    GLint samples = 0;
+    gl.glGetIntegerv(GL_MAX_SAMPLES, &samples);
+    resolved.make(gl, width, height, 0);
+    drawn.make(gl, width, height, std::min(k_samples, samples));
+    tile_width = width;
+    tile_height = height;
+  }
+
+  GLint uniform(GLuint program, const char* name) const { return gl.glGetUniformLocation(program, name); }
+
+  void set_views(const Projection& projection, const ZInterval& heights) {
+    in_world = projection.clip_matrix();
+    // As in the flat shader.
+    const auto range = static_cast<float>(heights.max - heights.min);
+    on_map = {};
+    on_map[0] = 2.0F / static_cast<float>(projection.width());
+    on_map[5] = 2.0F / static_cast<float>(projection.height());
+    on_map[10] = -1.8F / range;
+    on_map[14] = 0.9F + 1.8F * static_cast<float>(heights.min) / range;
+    on_map[15] = 1;
+    const auto width = static_cast<float>(projection.width());
+    const auto height = static_cast<float>(projection.height());
+    gl.glUseProgram(flat);
+    gl.glUniform2f(uniform(flat, "picture"), width, height);
+    gl.glUniform2f(uniform(flat, "heights"), static_cast<float>(heights.min),
+                   static_cast<float>(heights.max - heights.min));
+    gl.glUseProgram(solid);
+    const Eigen::Vector3f eye = projection.viewer_from_origin().cast<float>();
+    gl.glUniformMatrix4fv(uniform(solid, "clip"), 1, GL_FALSE, in_world.data());
+    gl.glUniform2f(uniform(solid, "picture"), width, height);
+    gl.glUniform3f(uniform(solid, "eye"), eye.x(), eye.y(), eye.z());
+    gl.glUniform1f(uniform(solid, "nearest"), static_cast<float>(projection.nearest()));
+    gl.glUniform1f(uniform(solid, "bias"), projection.clip_bias());
+  }
+
+  void set_up(const Layer& layer) const {
+    if (layer.on_top) gl.glClear(GL_DEPTH_BUFFER_BIT);
+    gl.glUseProgram(flat);
+  }
+
+  void set_up(const SolidLayer& layer) const {
+    gl.glUseProgram(solid);
+    gl.glUniform1f(uniform(solid, "shadow"), layer.shadow ? k_shadow_slope : 0.0F);
+    if (layer.depth != SolidLayer::Depth::solid) gl.glDepthMask(GL_FALSE);
+    if (layer.depth == SolidLayer::Depth::floor) gl.glDisable(GL_DEPTH_TEST);
+  }
+
+  void set_up(const PointLayer& layer) const {
+    if (layer.on_top) gl.glClear(GL_DEPTH_BUFFER_BIT);
+    gl.glUseProgram(points);
+    gl.glUniformMatrix4fv(uniform(points, "clip"), 1, GL_FALSE, (layer.on_map ? on_map : in_world).data());
+    gl.glPointSize(layer.size);
+  }
+
+  /// One tile of the picture: its lower left corner is that of the framebuffer.
+  void draw_tile(std::span<const AnyLayer> layers,
+                 const std::vector<std::unique_ptr<Uploaded>>& uploaded) const {
+    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      std::visit([this](const auto& layer) { set_up(layer); }, layers[i]);
+      uploaded[i]->draw();
+      gl.glDepthMask(GL_TRUE);
+      gl.glEnable(GL_DEPTH_TEST);
+    }
+  }
+};
+
+Canvas::Canvas() : impl_(std::make_unique<Impl>()) {}
+Canvas::~Canvas() = default;
+
+void Canvas::check_size(int width, int height) const {
+  const auto& [widest, highest] = impl_->limit;
+  if (width >= 1 && height >= 1 && width <= widest && height <= highest) return;
+  throw std::runtime_error(
+      fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
+                  "and this driver draws at most {} x {}",
+                  width, height, widest, highest));
+}
+
+Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers) {
+  const int width = projection.width();
+  const int height = projection.height();
+  check_size(width, height);
+  const Current current(impl_->context);
+  const Gl& gl = impl_->gl;
+  impl_->make_tiles(std::min(width, k_tile), std::min(height, k_tile));
+  impl_->set_views(projection, heights_of(layers));
+
+  std::vector<std::unique_ptr<Uploaded>> uploaded;
+  for (const AnyLayer& any : layers)
+    uploaded.push_back(
+        std::visit([&](const auto& layer) { return std::make_unique<Uploaded>(gl, layer); }, any));
 
   gl.glEnable(GL_BLEND);
   gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
@@ -214,22 +463,16 @@ Picture paint(int width, int height, Rgba ground, std::span<const Layer> layers)
   gl.glPixelStorei(GL_PACK_ROW_LENGTH, width);
 
   Picture picture{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height)};
-  for (int top = 0; top < height; top += tile_height) {
-    for (int left = 0; left < width; left += tile_width) {
-      const int columns = std::min(tile_width, width - left);
-      const int rows = std::min(tile_height, height - top);
-      gl.glBindFramebuffer(GL_FRAMEBUFFER, drawn);
+  for (int top = 0; top < height; top += impl_->tile_height) {
+    for (int left = 0; left < width; left += impl_->tile_width) {
+      const int columns = std::min(impl_->tile_width, width - left);
+      const int rows = std::min(impl_->tile_height, height - top);
+      gl.glBindFramebuffer(GL_FRAMEBUFFER, impl_->drawn.name);
       gl.glViewport(-left, -top, width, height);
-      gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        if (layers[i].on_top) gl.glClear(GL_DEPTH_BUFFER_BIT);
-        gl.glBindVertexArray(arrays[i]);
-        gl.glDrawArraysInstanced(GL_TRIANGLES, 0, static_cast<GLsizei>(layers[i].mesh.size()),
-                                 static_cast<GLsizei>(layers[i].instances.size()));
-      }
-      gl.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved);
+      impl_->draw_tile(layers, uploaded);
+      gl.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, impl_->resolved.name);
       gl.glBlitFramebuffer(0, 0, columns, rows, 0, 0, columns, rows, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-      gl.glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved);
+      gl.glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->resolved.name);
       gl.glReadPixels(0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE,
                       picture.rgba.data() + 4 * (static_cast<std::size_t>(top) * width + left));
     }

@@ -1,16 +1,18 @@
 #include "render/draw.hpp"
 
-#include "base/assert.hpp"
 #include "render/canvas.hpp"
 #include "render/framing.hpp"
 #include "render/map_furniture.hpp"
 #include "render/mesh.hpp"
-
-#include <fmt/format.h>
+#include "render/overlays.hpp"
+#include "render/scene_layers.hpp"
+#include "render/solid_mesh.hpp"
+#include "render/value_colors.hpp"
 
 #include <algorithm>
 #include <cfenv>
-#include <iterator>
+#include <cstddef>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -20,22 +22,10 @@ namespace {
 using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
-using engine::FrameType;
-
-constexpr Rgba k_paper = {250, 247, 240, 255};
-constexpr Rgba k_shadow = {226, 220, 207, 255};
-constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
 
 constexpr double k_rows_of_one_stroke = 900;  // a picture of so many rows has strokes of one pixel
 constexpr double k_margin = 0.03;             // around the scene's bounds, of the picture's smaller side
 constexpr double k_furniture_band = 40;       // below the scene's bounds, strokes
-
-/// A robot is drawn at least this wide, strokes: a swarm stays visible in a large world.
-constexpr double k_smallest_robot = 3.5;
-/// Robots narrower than this, strokes, are plain dots: an outline would hide their colour.
-constexpr double k_smallest_outlined = 7;
-/// Robots narrower than this, strokes, have no heading mark: it would be a speck.
-constexpr double k_smallest_marked = 9;
 
 /// Keeps what the driver does to rounding and denormals from the calling thread.
 class KeepFpEnvironment {
@@ -49,118 +39,192 @@ class KeepFpEnvironment {
   std::fenv_t environment_;
 };
 
-Framing frame_view(const FrameScene& scene, const View& view) {
-  Framing framing{view.width, view.height};
-  const double smaller = std::min(view.width, view.height);
-  framing.stroke = std::max(1.0, smaller / k_rows_of_one_stroke);
+bool is_from_above(const Camera& camera) {
+  return !camera.perspective && camera.pitch == 0 && camera.yaw == 0;
+}
 
+/// What has to be seen where the camera says nothing else: never empty.
+Box shown_bounds(const FrameScene& scene, const View& view) {
   Box shown = view.region.value_or(scene.bounds);
-  double margin = 0;
-  double band = 0;  // more margin below
   if (view.region) {
-    if (!shown.min.allFinite() || !shown.max.allFinite() || !((shown.size().array() > 0).all())) {
+    if (!shown.min.allFinite() || !shown.max.allFinite() || !((shown.size().array() > 0).all()))
       throw std::runtime_error("cannot draw: the region of the view must be finite and of positive size");
-    }
-  } else {
-    if (shown.empty()) shown = Box::around(Vec2::Zero(), 5);  // an empty world has a floor
-    if ((shown.size().array() <= 0).any()) shown = shown.expanded(0.5);
-    margin = k_margin * smaller;
-    if (framing.has_furniture()) band = std::max(0.0, k_furniture_band * framing.stroke - margin);
+    return shown;
   }
+  if (shown.empty()) shown = Box::around(Vec2::Zero(), 5);  // an empty world has a floor
+  if ((shown.size().array() <= 0).any()) shown = shown.expanded(0.5);
+  return shown;
+}
+
+/// Size and strokes; what it shows is yet to be said.
+Framing empty_framing(const View& view) {
+  Framing framing{view.width, view.height};
+  framing.stroke = std::max(1.0, std::min(view.width, view.height) / k_rows_of_one_stroke);
+  return framing;
+}
+
+/// The furniture's room below the scene, beyond the margin around it; pixels.
+double furniture_band(const Framing& framing, double margin) {
+  return framing.has_furniture() ? std::max(0.0, k_furniture_band * framing.stroke - margin) : 0;
+}
+
+Framing frame_from_above(const FrameScene& scene, const View& view) {
+  Framing framing = empty_framing(view);
+  const Box shown = shown_bounds(scene, view);
+  const double margin = view.region ? 0 : k_margin * std::min(view.width, view.height);
+  const double band = view.region ? 0 : furniture_band(framing, margin);
   const double wide = view.width - 2 * margin;
   const double high = view.height - 2 * margin - band;
   framing.pixels_per_metre = std::min(wide / shown.size().x(), high / shown.size().y());
   framing.center = shown.center() - Vec2(0, 0.5 * band / framing.pixels_per_metre);
+  if (view.camera.across_m) {
+    framing.pixels_per_metre = view.width / *view.camera.across_m;
+    framing.center = shown.center();
+  }
+  if (view.camera.center) framing.center = {view.camera.center->x(), view.camera.center->y()};
   return framing;
 }
 
-/// Bodies by type, without those that lie outside the picture.
-std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
-                                                     const std::vector<FrameBody>& bodies,
-                                                     const Framing& framing, double smallest) {
-  std::vector<double> scales;  // of each type: how much its bodies are enlarged
-  for (const FrameType& type : scene.types) {
-    const double across = 2 * type.radius * framing.pixels_per_metre;
-    scales.push_back(across > 0 && across < smallest ? smallest / across : 1.0);
+/// Heights of the floor, of bodies, and of whatever may stand on the floor; world frame.
+ZInterval heights_in(const FrameScene& scene, const std::vector<FrameBody>& bodies) {
+  ZInterval heights{0, 0.01};
+  std::vector<ZInterval> of_types;
+  for (const engine::FrameType& type : scene.types) {
+    of_types.push_back(heights_of(type));
+    heights.max = std::max(heights.max, of_types.back().max);
   }
-  const Box world = framing.world();
-  std::vector<std::vector<Instance>> instances(scene.types.size());
   for (const FrameBody& body : bodies) {
-    TROUPE_ASSERT(body.type < scene.types.size());
-    const double scale = scales[body.type];
-    const Vec2 position = body.pose_world_body.position();
-    const double reach =
-        scene.types[body.type].radius * scale + 2 * framing.stroke / framing.pixels_per_metre;
-    if (!Box::around(position, reach).touches(world)) continue;
-    const Vec2 place = framing.to_pixels(position);
-    const SinCos heading = sincos(body.pose_world_body.heading);
-    const Rgba color = to_rgba(body.color);
-    instances[body.type].push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
-                                    static_cast<float>(heading.cos), static_cast<float>(heading.sin),
-                                    static_cast<float>(body.pose_world_body.z),
-                                    static_cast<float>(scale * framing.pixels_per_metre), color,
-                                    body.stalled ? k_stalled_edge : darker(color), contrasting(color)});
+    heights.min = std::min(heights.min, body.pose_world_body.z + of_types[body.type].min);
+    heights.max = std::max(heights.max, body.pose_world_body.z + of_types[body.type].max);
   }
-  return instances;
+  return heights;
 }
 
-/// What lies flat on the picture rather than in the world.
-Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
-
-/// The floor plan and whatever else never moves, with a shadow on the floor that lifts it off the paper.
-void add_fixed(std::vector<Layer>& layers, const FrameScene& scene, const Framing& framing) {
-  const auto by_type = instances_by_type(scene, scene.fixed, framing, 0);
-  std::vector<Layer> shadows;
-  std::vector<Layer> bodies;
-  for (std::size_t type = 0; type < by_type.size(); ++type) {
-    if (by_type[type].empty()) continue;
-    const MeshStyle style{static_cast<float>(framing.stroke), false};
-    bodies.push_back({body_mesh(scene.types[type], style), by_type[type], bodies.empty()});
-    shadows.push_back({silhouette(bodies.back().mesh), by_type[type], shadows.empty()});
-    for (Instance& instance : shadows.back().instances) {
-      instance.x += static_cast<float>(2 * framing.stroke);
-      instance.y -= static_cast<float>(2 * framing.stroke);
-      instance.body = k_shadow;
-    }
-  }
-  std::ranges::move(shadows, std::back_inserter(layers));
-  std::ranges::move(bodies, std::back_inserter(layers));
+std::vector<Vec3> corners_of(const Box& box, const ZInterval& z) {
+  std::vector<Vec3> corners;
+  for (const double x : {box.min.x(), box.max.x()})
+    for (const double y : {box.min.y(), box.max.y()})
+      for (const double height : {z.min, z.max}) corners.emplace_back(x, y, height);
+  return corners;
 }
 
-void add_mobile(std::vector<Layer>& layers, const FrameScene& scene, const Frame& frame,
-                const Framing& framing) {
-  const auto by_type = instances_by_type(scene, frame.mobile, framing, k_smallest_robot * framing.stroke);
-  bool first = true;
-  for (std::size_t type = 0; type < by_type.size(); ++type) {
-    if (by_type[type].empty()) continue;
-    const double across = 2 * scene.types[type].radius * framing.pixels_per_metre / framing.stroke;
-    MeshStyle style;
-    if (across >= k_smallest_outlined) {
-      style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across, 0.8, 1.6));
-    }
-    style.mark = scene.types[type].mobile && across >= k_smallest_marked;
-    // Robots lie on top of the floor plan at any height: a map that hides its robots is of no use.
-    layers.push_back({body_mesh(scene.types[type], style), by_type[type], std::exchange(first, false)});
+Projection project(const FrameScene& scene, const Frame& frame, const View& view, const Framing& framing) {
+  const Camera& camera = view.camera;
+  Projection projection(view.width, view.height, framing.stroke, camera.pitch, camera.yaw,
+                        camera.perspective ? camera.fov : 0);
+  ZInterval heights = heights_in(scene, scene.fixed);
+  const Box shown = shown_bounds(scene, view);
+  const double margin = k_margin * std::min(view.width, view.height);
+  projection.fit(corners_of(shown, heights), margin, furniture_band(framing, margin));
+  if (camera.eye && camera.perspective) {
+    projection.stand_at(*camera.eye);
+  } else if (camera.center || camera.across_m) {
+    const Vec3 center = camera.center.value_or(Vec3(shown.center().x(), shown.center().y(), 0));
+    // As far away as where all is seen.
+    const double scale = projection.pixels_per_metre(projection.floor_center());
+    const double across = scale > 0 ? view.width / scale : shown.size().norm();
+    projection.look_at(center, camera.across_m.value_or(across));
   }
+  Box everything = shown;
+  if (scene.bounds.min.allFinite() && !scene.bounds.empty()) everything.extend(scene.bounds);
+  for (const FrameBody& body : frame.mobile) {
+    everything.extend(body.pose_world_body.position());
+    heights.max = std::max(heights.max, body.pose_world_body.z + 1);
+  }
+  projection.reach(corners_of(everything, heights));
+  return projection;
 }
 
 }  // namespace
 
-Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {
-  const KeepFpEnvironment keep;
-  const Framing framing = frame_view(scene, view);
-  std::vector<Layer> layers;
-  layers.push_back(flat(floor_grid(framing), true));
-  add_fixed(layers, scene, framing);
-  if (frame.types.empty()) {
-    add_mobile(layers, scene, frame, framing);
-  } else {
-    FrameScene all{.types = scene.types};
-    all.types.insert(all.types.end(), frame.types.begin(), frame.types.end());
-    add_mobile(layers, all, frame, framing);
+struct Painter::Impl {
+  FrameScene scene;
+  SceneMeshes meshes{scene, {}};
+  std::optional<Canvas> canvas;  // made with the first picture
+
+  explicit Impl(FrameScene of) : scene(std::move(of)) {
+    const KeepFpEnvironment keep;
+    for (const engine::FrameType& type : scene.types) meshes.pieces.push_back(pieces_of(type));
   }
-  layers.push_back(flat(scale_and_time(framing, frame.time_s), true));
-  return paint(view.width, view.height, k_paper, layers);
+};
+
+namespace {
+
+/// A frame's own types stand behind the scene's while it is drawn.
+class WithTypesOf {
+ public:
+  WithTypesOf(const Frame& frame, FrameScene& scene, std::vector<Pieces>& pieces)
+      : scene_(scene), pieces_(pieces), own_(scene.types.size()) {
+    for (const engine::FrameType& type : frame.types) {
+      scene_.types.push_back(type);
+      pieces_.push_back(pieces_of(type));
+    }
+  }
+  ~WithTypesOf() {
+    scene_.types.erase(scene_.types.begin() + static_cast<std::ptrdiff_t>(own_), scene_.types.end());
+    pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(own_), pieces_.end());
+  }
+  WithTypesOf(const WithTypesOf&) = delete;
+  WithTypesOf& operator=(const WithTypesOf&) = delete;
+
+ private:
+  FrameScene& scene_;
+  std::vector<Pieces>& pieces_;
+  std::size_t own_;
+};
+
+}  // namespace
+
+Painter::Painter(FrameScene scene) : impl_(std::make_unique<Impl>(std::move(scene))) {}
+Painter::~Painter() {
+  const KeepFpEnvironment keep;
+  impl_.reset();
+}
+Painter::Painter(Painter&&) noexcept = default;
+Painter& Painter::operator=(Painter&&) noexcept = default;
+
+const FrameScene& Painter::scene() const { return impl_->scene; }
+
+Picture Painter::draw(const Frame& frame, const View& view) {
+  const KeepFpEnvironment keep;
+  const FrameScene& scene = impl_->scene;
+  const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
+  const Layers& shown = view.layers;
+  if (!impl_->canvas) impl_->canvas.emplace();
+  impl_->canvas->check_size(view.width, view.height);
+  std::vector<Rgba> colors;  // empty: the bodies' own
+  if (!frame.values.empty())
+    colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
+
+  std::vector<AnyLayer> layers;
+  std::optional<Projection> projection;
+  Framing framing = empty_framing(view);
+  if (is_from_above(view.camera)) {
+    framing = frame_from_above(scene, view);
+    projection = Projection::from_above(framing, heights_in(scene, frame.mobile));
+    if (shown.grid) layers.emplace_back(flat(floor_grid(framing), true));
+    // Below the walls: beams are wider than the one ray that says where they end.
+    add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
+    add_flat_fixed(layers, impl_->meshes, framing, shown);
+    add_on_floor(layers, scene, frame, colors, *projection, shown);
+    add_flat_mobile(layers, impl_->meshes, frame, colors, framing, shown);
+  } else {
+    projection = project(scene, frame, view, framing);
+    std::vector<AnyLayer> on_floor;
+    if (shown.grid) on_floor.emplace_back(solid_grid(scene, *projection, grid_pitch(*projection)));
+    add_on_floor(on_floor, scene, frame, colors, *projection, shown);
+    std::vector<AnyLayer> in_air;
+    add_in_air(in_air, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
+    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, std::move(on_floor),
+               std::move(in_air));
+  }
+  add_ties(layers, frame, *projection, shown);
+  layers.emplace_back(flat(written(scene, frame, *projection, framing, view), true));
+  return impl_->canvas->paint(*projection, k_paper, layers);
+}
+
+Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {
+  return Painter(scene).draw(frame, view);
 }
 
 }  // namespace troupe::render

@@ -19,8 +19,15 @@ struct RoundLength {
 
 /// The lines of a floor grid, one pixel wide where strokes are, in pixels about the picture's middle.
 Mesh floor_grid(const Framing& framing);
-/// The scale bar with its length on the left, the simulated time on the right, in the picture's lower
-/// corners.
-Mesh scale_and_time(const Framing& framing, double time_s);
+/// What is written along the picture's lower edge.
+struct Furniture {
+  bool scale = true;  ///< a bar with its length, in the left corner
+  std::string left;   ///< behind it
+  std::string right;  ///< in the right corner: the time
+};
+/// "12.5 s", "12.5 s  40 x real time"; 0 times real time is not told.
+std::string clock_text(double time_s, double times_real_time = 0);
+/// All of it, in pixels about the picture's middle; nothing where the picture is too small.
+Mesh furniture(const Framing& framing, const Furniture& shown);
 
 }  // namespace troupe::render

@@ -1,7 +1,7 @@
 #include "render/mesh.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
 
 namespace troupe::render {
 namespace {
@@ -78,10 +78,7 @@ void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
 }  // namespace
 
 Rgba to_rgba(const Color& color) {
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0F, 1.0F)));
-  };
-  return {byte(color.r), byte(color.g), byte(color.b), byte(color.a)};
+  return {to_byte(color.r), to_byte(color.g), to_byte(color.b), to_byte(color.a)};
 }
 
 Rgba darker(Rgba fill) {
@@ -95,14 +92,20 @@ Rgba contrasting(Rgba fill) {
   return luma > 150 ? k_ink : k_white;
 }
 
-Mesh body_mesh(const FrameType& type, const MeshStyle& style) {
+Pieces pieces_of(const FrameType& type) {
+  Pieces pieces;
+  for (const FrameShape& shape : type.shapes) pieces.push_back(convex_pieces(shape.solid));
+  return pieces;
+}
+
+Mesh body_mesh(const FrameType& type, const Pieces& pieces, const MeshStyle& style) {
   Mesh mesh;
   const std::vector<const FrameShape*> shapes = upwards(type);
   for (const FrameShape* shape : shapes) {
     const Rgba own = shape->color ? to_rgba(*shape->color) : Rgba{};
     const Paint fill = shape->color ? Paint::own : Paint::body;
     const Paint edge = shape->color ? Paint::own : Paint::edge;
-    for (const ConvexPrism& piece : convex_pieces(shape->solid)) {
+    for (const ConvexPrism& piece : pieces[static_cast<std::size_t>(shape - type.shapes.data())]) {
       add_convex(mesh, piece.outline, shape->solid.z.max, fill, own);
     }
     if (style.edge > 0) add_outlines(mesh, shape->solid, style.edge, edge, darker(own));

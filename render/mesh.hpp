@@ -15,8 +15,13 @@ Rgba darker(Rgba fill);
 /// White on dark colours, near black on light ones.
 Rgba contrasting(Rgba fill);
 
-/// The top faces of a type in its body frame, metres; the lower shapes come first.
-Mesh body_mesh(const engine::FrameType& type, const MeshStyle& style);
+/// Convex pieces of each of a type's shapes, in their order: they take a while to make where a floor plan is
+/// large.
+using Pieces = std::vector<std::vector<ConvexPrism>>;
+Pieces pieces_of(const engine::FrameType& type);
+
+/// The top faces of a type in its body frame, metres; the lower shapes come first, the mark last.
+Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
 /// The same without its strokes, all in the body's colour.
 Mesh silhouette(Mesh mesh);
 

@@ -79,17 +79,19 @@ OsmesaContext::OsmesaContext() {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const OSMesaContext context = osmesa().create(k_attributes.data(), nullptr);
   if (!context) throw std::runtime_error("cannot draw: this OSMesa gives no OpenGL 3.3 core context");
-  if (!osmesa().make_current(context, window_.data(), GL_UNSIGNED_BYTE, 16, 16)) {
-    osmesa().destroy(context);
-    throw std::runtime_error("cannot draw: OSMesa does not make its context current");
-  }
   context_ = context;
 }
 
-OsmesaContext::~OsmesaContext() {
-  osmesa().make_current(nullptr, nullptr, 0, 0, 0);
-  osmesa().destroy(static_cast<OSMesaContext>(context_));
+OsmesaContext::~OsmesaContext() { osmesa().destroy(static_cast<OSMesaContext>(context_)); }
+
+void OsmesaContext::make_current() {
+  [[maybe_unused]] const ForgiveLeaks forgive;
+  const auto context = static_cast<OSMesaContext>(context_);
+  if (!osmesa().make_current(context, window_.data(), GL_UNSIGNED_BYTE, 16, 16))
+    throw std::runtime_error("cannot draw: OSMesa does not make its context current");
 }
+
+void OsmesaContext::release() { osmesa().make_current(nullptr, nullptr, 0, 0, 0); }
 
 OsmesaContext::Procedure OsmesaContext::procedure(const char* name) const {
   const auto found = osmesa().get_procedure(name);

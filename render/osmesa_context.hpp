@@ -6,7 +6,7 @@
 
 namespace troupe::render {
 
-/// An OpenGL 3.3 core context without a window, current on the calling thread while the object lives.
+/// An OpenGL 3.3 core context without a window.
 /// OSMesa is loaded when the first one is made and stays loaded. It is never linked: that would cost every
 /// run without pictures 57 MB and 26 ms.
 class OsmesaContext {
@@ -17,8 +17,14 @@ class OsmesaContext {
   OsmesaContext(const OsmesaContext&) = delete;
   OsmesaContext& operator=(const OsmesaContext&) = delete;
 
+  /// From here on OpenGL of the calling thread is this context's, until release(); of one thread at a time.
+  /// Throws std::runtime_error.
+  void make_current();
+  void release();
+
   using Procedure = void (*)();
-  /// An OpenGL entry point by its name, "glClear". Throws std::runtime_error when the library has none.
+  /// An OpenGL entry point by its name, "glClear", of all contexts. Throws std::runtime_error when the
+  /// library has none.
   Procedure procedure(const char* name) const;
 
  private:

@@ -1,6 +1,6 @@
 #include "sensors/fiducial.hpp"
 
-#include "engine/sight.hpp"
+#include "engine/lookout.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,15 +17,20 @@ using engine::Element;
 using engine::FieldType;
 using engine::PartSpec;
 using engine::Record;
+using engine::TypeSpec;
 using engine::Unit;
 using engine::World;
 
+constexpr double k_rounding = 1e-9;  // of sines and cosines, and more
+
 struct Finder {
   Pose pose_body_sensor;
-  double range_min = 0;  ///< nearer targets are not found
+  Vec2 ahead = Vec2::UnitX();  // where it looks, body frame
+  double range_min = 0;        ///< nearer targets are not found
   double range_max = 8;
   double range_max_id = 5;
   double fov = k_pi;
+  double least_cos = 0;  // of the bearing of what it finds
   std::int32_t key = 0;
   bool ignore_zloc = false;
   std::size_t most_targets = 16;
@@ -37,6 +42,7 @@ struct Target {
   BodyId body;
   std::uint32_t part = 0;
   double bearing = 0;
+  const PartSpec* spec = nullptr;
   Pose pose_world_part;
 };
 
@@ -49,60 +55,83 @@ class Search {
                                const engine::Mount& mount) {
     world_ = &world;
     finder_ = &finder;
-    own_ = own;
     sensor_ = compose(mount, finder.pose_body_sensor);
+    ahead_ = mount.transform.rotation * finder.ahead;
     found_.clear();
-    found_.reserve(std::min<std::size_t>(world.rows(), 1024));  // a crowd of that size grows it at once
+    lines_.clear();
+    const std::size_t room =
+        std::min<std::size_t>(world.rows(), 1024);  // a crowd of that size takes it at once
+    found_.reserve(room);
+    lines_.reserve(room);
+    first_.resize(std::max(first_.size(), room));
+
+    lookout_.stand(world, sensor_.position(), finder.range_max, own, sensor_.z);
+    const std::vector<TypeSpec>& types = world.spec().types;
     const Box box = Box::around(sensor_.position(), finder.range_max);
     world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
-      consider(target.body, target.part, target.pose_world_part, 0);
+      const TypeSpec& type = types[world.spec().bodies[target.body.index()].type.index()];
+      consider(target.body, target.part, type.parts[target.part], target.pose_world_part, 0);
     });
-    world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
-      const Row row(circle.row);
+    for (const std::uint32_t r : lookout_.bodies()) {
+      const Row row(r);
       const engine::BodyType& type = world.type(row);
-      if (type.targets.empty() || world.same_tree(row, own)) return;
       for (const std::uint32_t part : type.targets) {
-        const PartSpec& spec = part_spec(world.body(row), part);
-        consider(world.body(row), part, compose(world.mount(row, spec.joint), spec.pose_body_part),
+        const PartSpec& spec = types[static_cast<std::size_t>(&type - world.types().data())].parts[part];
+        consider(world.body(row), part, spec, compose(world.mount(row, spec.joint), spec.pose_body_part),
                  2 * world.radius(row));
       }
-    });
+    }
+    keep_seen();
     std::ranges::sort(found_, {}, [](const Target& t) { return std::tuple(t.range, t.body, t.part); });
     return found_;
   }
   std::uint64_t rays() const { return rays_; }
   const Pose& sensor() const { return sensor_; }
-  const PartSpec& part_spec(BodyId body, std::uint32_t part) const {
-    return world_->spec().types[world_->spec().bodies[body.index()].type.index()].parts[part];
+  std::int32_t fiducial_of(const Target& target) const {
+    return engine::fiducial_of(world_->spec(), target.body, target.part);
   }
 
  private:
   /// extent: no surface of the target is farther than this from its origin, m; 0: not known.
-  void consider(BodyId body, std::uint32_t part, const Pose& pose_world_part, double extent) {
-    if (part_spec(body, part).returns.fiducial_key != finder_->key) return;
+  void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
+                double extent) {
+    if (spec.returns.fiducial_key != finder_->key) return;
     const Vec2 way = pose_world_part.position() - sensor_.position();
     const double range = way.norm();
     if (!(range < finder_->range_max) || range < finder_->range_min) return;
+    if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // most are sure to lie beside
     const double bearing = range > 0 ? wrap_angle(atan2(way.y(), way.x()) - sensor_.heading) : 0;
     if (std::abs(bearing) > finder_->fov / 2) return;
     const Vec2 direction = range > 0 ? Vec2(way / range) : Rotation(sensor_.heading) * Vec2::UnitX();
     const double length = extent > 0 ? std::min(finder_->range_max, range + extent) : finder_->range_max;
-    ++rays_;
-    const engine::Sighting first = engine::first_met(*world_, {.origin = sensor_.position(),
-                                                               .direction = direction,
-                                                               .length = length,
-                                                               .own = own_,
-                                                               .z = sensor_.z});
-    const bool is_itself = first.met() && first.body == body && first.part == part;
-    const bool passed_by = finder_->ignore_zloc && (!first.met() || first.range >= range);
-    if (is_itself || passed_by) found_.push_back({range, body, part, bearing, pose_world_part});
+    lines_.push_back({direction, length});
+    found_.push_back({range, body, part, bearing, &spec, pose_world_part});
+  }
+
+  /// Keeps of what was considered what no other surface hides.
+  void keep_seen() {
+    rays_ += lines_.size();
+    first_.resize(std::max(first_.size(), lines_.size()));
+    lookout_.first_met(lines_, std::span(first_).first(lines_.size()));
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      const engine::Sighting& first = first_[i];
+      const Target& target = found_[i];
+      const bool is_itself = first.met() && first.body == target.body && first.part == target.part;
+      const bool passed_by = finder_->ignore_zloc && (!first.met() || first.range >= target.range);
+      if (is_itself || passed_by) found_[kept++] = target;
+    }
+    found_.resize(kept);
   }
 
   const World* world_ = nullptr;
   const Finder* finder_ = nullptr;
-  Row own_;
   Pose sensor_;  // world frame
-  std::vector<Target> found_;
+  Vec2 ahead_ = Vec2::UnitX();
+  engine::Lookout lookout_;
+  std::vector<Target> found_;             // beside them, while they are only considered:
+  std::vector<engine::SightLine> lines_;  // the rays towards them
+  std::vector<engine::Sighting> first_;   // and what those meet
   std::uint64_t rays_ = 0;
 };
 
@@ -119,9 +148,9 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
     std::int32_t id = 0;
     double heading = 0;
     if (is_there) {
-      const PartSpec& part = search.part_spec(target.body, target.part);
+      const PartSpec& part = *target.spec;
       size = part.size;
-      id = target.range < finder.range_max_id ? part.returns.fiducial : 0;
+      id = target.range < finder.range_max_id ? search.fiducial_of(target) : 0;
       heading = wrap_angle(target.pose_world_part.heading - search.sensor().heading);
     }
     const auto set = [&](std::size_t field, double value) {
@@ -155,10 +184,12 @@ std::uint64_t sense(const DeviceBatch& batch) {
 
 DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
   const Finder finder{.pose_body_sensor = pose_body_sensor,
+                      .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
                       .range_min = params[1].boolean() ? params[0].number() : 0,
                       .range_max = params[2].number(),
                       .range_max_id = params[3].number(),
                       .fov = params[4].number(),
+                      .least_cos = cos(params[4].number() / 2),
                       .key = static_cast<std::int32_t>(params[5].integer()),
                       .ignore_zloc = params[6].boolean(),
                       .most_targets = static_cast<std::size_t>(params[7].integer())};

@@ -3,21 +3,18 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "models/flags.hpp"
 #include "models/power.hpp"
 #include "models/wheels.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
-#include "worldio/png.hpp"
-
-#ifdef TROUPE_HAS_RENDER
-#include "render/draw.hpp"
-#endif
 
 #include <fmt/format.h>
 
@@ -112,6 +109,16 @@ struct Simulation::Impl {
   /// What it remembered that looked on then, and who remembers now.
   worldio::Memories memories;
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
+  /// Where the world has conditions with which its run is over.
+  std::unique_ptr<engine::StopConditions> stop;
+
+  /// Once the world is made.
+  void watch_for_the_end(Diagnostics& diagnostics) {
+    const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
+    if (conditions.empty()) return;
+    stop = std::make_unique<engine::StopConditions>(*world, registry, conditions, diagnostics);
+    diagnostics.throw_if_errors();
+  }
 };
 
 /// A body of a world and one of its parts.
@@ -297,6 +304,7 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
   impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,
                                                  engine::WorldOptions{options.threads, options.tile_size_m},
                                                  diagnostics);
+  impl_->watch_for_the_end(diagnostics);
   impl_->warnings = diagnostics.warnings();
   append(impl_->warnings, impl_->plugins->warnings());
 }
@@ -329,6 +337,12 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   checkpoint.restore(*impl->world);
   impl->resumed_at = checkpoint.tick();
   impl->memories = checkpoint.memories();
+  impl->watch_for_the_end(diagnostics);
+  if (impl->stop) {
+    const auto memory = impl->memories.find(impl->stop->memory_name());
+    if (memory != impl->memories.end()) impl->stop->remember(memory->second);
+    if (impl->world->tick() > 0) impl->stop->ask();
+  }
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ")) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -344,6 +358,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   header.emplace_back("title", title());
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
+  if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
   worldio::write_checkpoint(checkpoint, *impl_->world, impl_->registry, header, memories);
 }
 
@@ -389,6 +404,13 @@ void Simulation::step() {
   // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
   if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
   impl_->world->step();
+  if (impl_->stop) impl_->stop->see();
+}
+
+std::optional<std::string> Simulation::stopped() const {
+  const auto holding = impl_->stop ? impl_->stop->holding() : std::nullopt;
+  if (!holding) return std::nullopt;
+  return engine::text_of(impl_->world->spec().experiment.stop_when[*holding]);
 }
 
 void Simulation::run_for(double seconds) {
@@ -396,10 +418,13 @@ void Simulation::run_for(double seconds) {
     throw std::invalid_argument(
         fmt::format("run_for({}): give a time in seconds from 0 to {:g}", seconds, k_longest_run_s));
   const std::uint64_t ticks = engine::ticks_until(seconds, tick_s());
-  for (std::uint64_t i = 0; i < ticks; ++i) step();
+  for (std::uint64_t i = 0; i < ticks && !(impl_->stop && impl_->stop->holding()); ++i) step();
 }
 
-void Simulation::reset() { impl_->world->reset(); }
+void Simulation::reset() {
+  impl_->world->reset();
+  if (impl_->stop) impl_->stop->begin();
+}
 
 double Simulation::time_s() const { return impl_->world->time_s(); }
 std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
@@ -568,22 +593,8 @@ const engine::World& Simulation::world() const { return *impl_->world; }
 const engine::Registry& Simulation::registry() const { return impl_->registry; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
-#ifdef TROUPE_HAS_RENDER
-  const engine::World& world = *impl_->world;
-  render::Picture picture =
-      render::draw(world.frame_scene(), world.frame(), {.width = width, .height = height, .region = {}});
-  worldio::write_png(png, {picture.width, picture.height, std::move(picture.rgba)},
-                     {{"Software", version_line()},
-                      {"world", impl_->file.string()},
-                      {"time_s", fmt::format("{}", time_s())},
-                      {"seed", fmt::format("{}", world.spec().seed)},
-                      {"state_hash", hex(state_hash())}});
-#else
-  static_cast<void>(png);
-  static_cast<void>(width);
-  static_cast<void>(height);
-  throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
-#endif
+  Pictures pictures(*this, {.width = width, .height = height});
+  pictures.write(pictures.take(*this), png);
 }
 
 std::string version_line() {

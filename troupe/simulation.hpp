@@ -194,16 +194,22 @@ class Simulation {
   /// Options as they took effect, `key=value` each, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
-  /// One tick: sense, decide, move, index. Throws std::runtime_error that names tick and robot where a
-  /// commanded speed is not a finite number; the state is then no longer of use.
+  /// The condition of the world's `stop_when` that holds, as `coverage >= 0.9`: the run is over
+  /// (docs/experiments.md). Asked after each step, and of a run that was resumed at once; nothing before the
+  /// first step.
+  std::optional<std::string> stopped() const;
+
+  /// One tick: sense, decide, move, index. Also where the run is over. Throws std::runtime_error that names
+  /// tick and robot where a commanded speed is not a finite number; the state is then no longer of use.
   void step();
-  /// Steps until `seconds` more of world time have passed: a time between two ticks is rounded up. Throws
+  /// Steps until `seconds` more of world time have passed, or the run is over: see stopped(). A time between
+  /// two ticks is rounded up. Throws
   /// std::invalid_argument for what is no time (negative, not a number, beyond 1e12 s).
   void run_for(double seconds);
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
-  /// allocates nothing, so that thousands of trials of one world cost what their steps cost. A step that
-  /// threw is forgotten.
+  /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
+  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten.
   void reset();
 
   /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it

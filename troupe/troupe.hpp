@@ -3,5 +3,6 @@
 /// The public face of Troupe: one include for programs that use the library.
 #include "base/diagnostics.hpp"
 #include "troupe/measures.hpp"
+#include "troupe/pictures.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/simulation.hpp"

@@ -104,6 +104,8 @@ void write_spec(Hdf5File& file, const StoredSpec& spec) {
   write(bodies, "line", c.line);
   bodies.create_dataset("pose", Element::f64, {c.type.size(), 4}).write(std::span(c.pose));
   bodies.create_dataset("color", Element::f32, {c.type.size(), 4}).write(std::span(c.color));
+  if (!c.fiducial.empty())
+    bodies.create_dataset("fiducial", Element::i32, {c.type.size()}).write(std::span(c.fiducial));
   Hdf5Group aliases = file.create_group("aliases");
   write(aliases, "word", c.alias_word);
   write(aliases, "number", c.alias_number);
@@ -120,6 +122,7 @@ BodyColumns read_columns(const Hdf5File& file) {
   c.line = bodies.dataset("line").read<std::uint32_t>();
   c.pose = bodies.dataset("pose").read<double>();
   c.color = bodies.dataset("color").read<float>();
+  if (bodies.has("fiducial")) c.fiducial = bodies.dataset("fiducial").read<std::int32_t>();
   const Hdf5Group aliases = file.group("aliases");
   c.alias_word = aliases.dataset("word").read<std::uint32_t>();
   c.alias_number = aliases.dataset("number").read<std::uint32_t>();

@@ -18,9 +18,8 @@ struct ConvertedWorld {
 
 /// The world in `from` as the text of `to`, each in the format that its name ends in: `.world` or `.json`.
 /// Nothing is written: `to` is where the text will lie, which the paths of images are made relative to.
-/// - as JSON: a run of it has the same hash log. Nothing of a `.world` is lost but its macros, and of JSON
-/// its
-///   populations, which are listed one by one, and its presets.
+/// - as JSON: a run of it has the same hash log. Nothing of a `.world` is lost but its macros, of JSON its
+///   presets, and its populations, which are listed one by one.
 /// - as `.world`: the same, as far as Stage has words for it. What it has none for is an error at its place;
 ///   what comes out otherwise in its last bits, a warning.
 /// The result is meaningless when `diagnostics` has errors.

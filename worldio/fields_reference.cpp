@@ -95,13 +95,17 @@ std::string world_format_reference(const engine::Registry& registry) {
   text += "### `watch{}`: how the world is watched\n\nNothing of it changes a result.\n\n";
   append_table(engine::watch_fields(), text);
   text +=
-      "### `window{}`: the view it asks for\n\nKept for who shows the world; runs and pictures do not use it "
-      "yet.\n\n";
+      "### `window{}`: the view it asks for\n\nThat of `--camera window` ([pictures.md](pictures.md)). What "
+      "is drawn is asked for "
+      "by `--layers`, beside `show_grid`, `show_clock`, `show_footprints`, `show_occupancy` and, with "
+      "`show_data`, "
+      "`show_ranger_ranges` and `show_fiducial`.\n\n";
   append_table(engine::window_fields(), text);
   append_kinds("Drive", registry.drives, text);
   append_kinds("Sensor", registry.sensors(), text);
   append_kinds("Device", registry.other_devices(), text);
   append_kinds("Controller", registry.controllers, text);
+  append_kinds("Fault", registry.faults, text);
   for (const engine::Registry::Preset& preset : registry.presets) {
     text += fmt::format("### Controller `{}`\n\n{}: `{}` with other defaults.\n\n", preset.name, preset.text,
                         preset.kind);

@@ -316,6 +316,20 @@ JsonNode points_node(std::span<const Vec2> points) {
   return json_node(std::move(list));
 }
 
+std::optional<Box> read_box(JsonObject& object, std::string_view key) {
+  const JsonNode* node = object.find(key);
+  if (!node) return std::nullopt;
+  const JsonCursor at(object.at(), key, *node);
+  const std::vector<Vec2> corners = read_points(at, 2, 2);
+  if (corners.empty()) return std::nullopt;
+  Box box;
+  box.min = corners[0];
+  box.max = corners[1];
+  if (!box.empty()) return box;
+  at.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
+  return std::nullopt;
+}
+
 std::string outline_fault(const Ring& ring) {
   const std::size_t n = ring.size();
   const auto at = [&](std::size_t i) -> const Vec2& { return ring[i % n]; };

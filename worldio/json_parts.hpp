@@ -42,6 +42,10 @@ std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 JsonNode points_node(std::span<const Vec2> points);
 
+/// A box under a key: [[x_min, y_min], [x_max, y_max]], m. Nothing where it is not there, or is wrong, which
+/// is reported.
+std::optional<Box> read_box(JsonObject& object, std::string_view key);
+
 /// What is wrong with a ring as the outline of a block: repeated points, crossing edges, no area. Empty:
 /// nothing.
 std::string outline_fault(const Ring& ring);

@@ -69,21 +69,6 @@ void read_resolution(JsonObject& object, WorldSpec& spec) {
   if (resolution.given()) spec.resolution_m = resolution.number();
 }
 
-void read_bounds(JsonObject& object, WorldSpec& spec) {
-  const JsonNode* node = object.find("bounds_m");
-  if (!node) return;
-  const JsonCursor at(object.at(), "bounds_m", *node);
-  const std::vector<Vec2> corners = read_points(at, 2, 2);
-  if (corners.empty()) return;
-  Box bounds;
-  bounds.min = corners[0];
-  bounds.max = corners[1];
-  if (bounds.empty())
-    at.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
-  else
-    spec.bounds = bounds;
-}
-
 /// The ground is a body, too, and may have another name, as in Stage.
 void read_ground(JsonObject& object, WorldSpec& spec) {
   const JsonNode* node = object.find("ground");
@@ -118,7 +103,7 @@ JsonChecks read_settings(JsonObject& object, const LoadOptions& options, WorldSp
     spec.ranging =
         static_cast<engine::RangingEngine>(std::ranges::find(names, ranging.text()) - names.begin());
   read_resolution(object, spec);
-  read_bounds(object, spec);
+  spec.bounds = read_box(object, "bounds_m");
   read_ground(object, spec);
   if (const JsonNode* node = object.find("record"))
     spec.record = read_record(JsonCursor(object.at(), "record", *node));

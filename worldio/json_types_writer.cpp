@@ -2,6 +2,7 @@
 #include "worldio/fields_json.hpp"
 #include "worldio/json_text.hpp"
 #include "worldio/json_types.hpp"
+#include "worldio/spec_difference.hpp"
 
 #include <fmt/format.h>
 
@@ -174,14 +175,8 @@ std::optional<TypeWriter::Brought> TypeWriter::brought(std::uint32_t p, std::siz
     if (!needs_extent) measure_part(read.parts[p]);
     const std::size_t parts = read.parts.size() - p - 1;
     bool is_same = read.parts.size() <= type_.parts.size();
-    for (std::size_t q = p; is_same && q < read.parts.size(); ++q) {
-      const PartSpec& a = read.parts[q];
-      const PartSpec& b = type_.parts[q];
-      is_same = a.name == b.name && a.alias == b.alias && a.kind == b.kind && a.parent == b.parent &&
-                a.joint == b.joint && a.pose_body_part == b.pose_body_part && a.size == b.size &&
-                a.solids == b.solids && a.returns == b.returns && a.floor_plan == b.floor_plan &&
-                a.color == b.color;
-    }
+    for (std::size_t q = p; is_same && q < read.parts.size(); ++q)
+      is_same = same_part(read.parts[q], type_.parts[q]);
     if (is_same) return Brought{parts, read.parts[p].size, needs_extent};
   }
   return std::nullopt;

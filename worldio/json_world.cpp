@@ -2,6 +2,7 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/placement.hpp"
+#include "worldio/experiment_json.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/floor_image.hpp"
 #include "worldio/json_document.hpp"
@@ -15,6 +16,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -29,11 +32,58 @@ using engine::Unit;
 using engine::Value;
 using engine::WorldSpec;
 
-constexpr double k_max_cells = 100000000;  // of a grid rule: each may be looked at
+constexpr double k_max_cells = 100000000;       // of a grid rule: each may be looked at
+constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
 const partition::ObstacleShape k_no_shape;
+
+/// In the order of PlacementRule::Kind.
+const std::vector<std::string_view> k_rules{"grid", "uniform", "gaussian", "poisson_disc", "free_floor"};
+const engine::FieldTable k_rule{{{.name = "rule",
+                                  .type = FieldType::text,
+                                  .text = "grid, uniform, gaussian, poisson_disc or free_floor",
+                                  .choices = k_rules}}};
+const engine::FieldTable k_grid{{
+    {.name = "pitch",
+     .unit = Unit::meters,
+     .min = 0,
+     .max = k_max_size_m,
+     .text = "the distance between neighbours",
+     .above_min = true},
+    {.name = "jitter", .unit = Unit::meters, .fallback = 0.0, .min = 0, .max = k_max_size_m},
+}};
+const engine::FieldTable k_gaussian{{
+    {.name = "mean",
+     .type = FieldType::numbers,
+     .unit = Unit::meters,
+     .min = -k_max_size_m,
+     .max = k_max_size_m,
+     .text = "[x, y], about which they are normally distributed",
+     .columns = 2},
+    {.name = "deviation",
+     .type = FieldType::numbers,
+     .unit = Unit::meters,
+     .min = 0,
+     .max = k_max_size_m,
+     .text = "the standard deviations, [x, y]",
+     .columns = 2},
+}};
+const engine::FieldTable k_poisson_disc{{
+    {.name = "distance",
+     .unit = Unit::meters,
+     .min = 0.001,
+     .max = k_max_size_m,
+     .text = "how near two of the population may be to one another"},
+}};
+const Field k_from{.name = "from",
+                   .type = FieldType::numbers,
+                   .unit = Unit::meters,
+                   .min = -k_max_size_m,
+                   .max = k_max_size_m,
+                   .columns = 2};
+const Field k_cell{.name = "cell", .unit = Unit::meters, .min = 0.001, .max = k_max_size_m};
 
 struct Model {
   BodySpec body;
@@ -82,6 +132,9 @@ class WorldReader {
     each(object, "measures", [&](const JsonCursor& at) {
       if (auto measure = read_measure(at, registry_)) spec_.measures.push_back(std::move(*measure));
     });
+    std::vector<std::string> type_keys(spec_.types.size());
+    for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
+    read_experiment(object, type_keys, registry_, spec_);
     object.finish();
     // Bodies are placed only in a world that is otherwise right: their findings would follow from the others.
     if (!diagnostics_.has_errors()) place_bodies();
@@ -110,8 +163,13 @@ class WorldReader {
   std::optional<Walls> read_walls(JsonObject& object);
   void read_types(JsonObject& object);
   void read_model(const JsonCursor& at);
+  void read_mark(JsonObject& object, engine::BodySpec& body);
   void read_population(const JsonCursor& at);
   PlacementRule read_rule(const JsonCursor& at);
+  void read_region(JsonObject& object, PlacementRule& rule);
+  void read_grid(JsonObject& object, PlacementRule& rule);
+  void read_gaussian(JsonObject& object, PlacementRule& rule);
+  void read_free_floor(JsonObject& object, PlacementRule& rule);
   void read_heading(JsonObject& object, PlacementRule& rule);
   void place_bodies();
   void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
@@ -206,6 +264,23 @@ void WorldReader::read_types(JsonObject& object) {
   type_colors_.resize(spec_.types.size());
 }
 
+/// A number of its own for fiducial finders, of a body whose type is marked.
+void WorldReader::read_mark(JsonObject& object, engine::BodySpec& body) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const JsonNode* node = object.find("fiducial_return");
+  const engine::Value value = read_field(object, {.name = "fiducial_return",
+                                                  .type = engine::FieldType::integer,
+                                                  .min = Limits::min(),
+                                                  .max = Limits::max()});
+  if (!node || !value.given()) return;
+  body.fiducial = static_cast<std::int32_t>(value.integer());
+  const JsonCursor at(object.at(), "fiducial_return", *node);
+  if (body.fiducial == 0)
+    at.error("must not be 0: only a type without one is not marked");
+  else if (spec_.types[body.type.index()].parts.front().returns.fiducial == 0)
+    at.error("needs a type with a \"fiducial_return\", which says that its robots are marked");
+}
+
 void WorldReader::read_model(const JsonCursor& at) {
   JsonObject object(at);
   Model model;
@@ -232,6 +307,7 @@ void WorldReader::read_model(const JsonCursor& at) {
   if (const JsonNode* node = object.find("reserve_of"))
     if (const std::string* of = read_text(JsonCursor(at, "reserve_of", *node), "the name of a population"))
       model.reserve_of = *of;
+  read_mark(object, model.body);
   object.finish();
   models_.push_back(std::move(model));
 }
@@ -273,60 +349,79 @@ void WorldReader::read_population(const JsonCursor& at) {
 PlacementRule WorldReader::read_rule(const JsonCursor& at) {
   JsonObject object(at);
   PlacementRule rule;
-  const engine::FieldTable table{
-      {{.name = "rule", .type = FieldType::text, .text = "grid or uniform", .choices = {"grid", "uniform"}}}};
-  const Value kind = read_fields(object, table)[0];
+  const Value kind = read_fields(object, k_rule)[0];
   const bool known = kind.given();
-  if (known && kind.text() == "uniform") rule.kind = PlacementRule::Kind::uniform;
-
-  const auto read_region = [&](std::string_view key, Box& box) {
-    const JsonNode* node = object.find(key);
-    if (!node) return false;
-    const JsonCursor cursor(at, key, *node);
-    const std::vector<Vec2> corners = read_points(cursor, 2, 2);
-    if (!corners.empty() && (corners[0].x() > corners[1].x() || corners[0].y() > corners[1].y()))
-      cursor.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
-    for (const Vec2& corner : corners) box.extend(corner);
-    return true;
-  };
-  if (!read_region("region_m", rule.region)) {
-    if (spec_.bounds)
-      rule.region = *spec_.bounds;
-    else
-      object.missing("region_m", "[[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill");
-  }
-  if (rule.kind == PlacementRule::Kind::grid && known) {
-    read_region("spill_m", rule.spill);
-    const engine::FieldTable grid{{
-        {.name = "pitch",
-         .unit = Unit::meters,
-         .min = 0,
-         .max = k_max_size_m,
-         .text = "the distance between neighbours",
-         .above_min = true},
-        {.name = "jitter", .unit = Unit::meters, .fallback = 0.0, .min = 0, .max = k_max_size_m},
-    }};
-    const engine::Record record = read_fields(object, grid);
-    rule.jitter_m = record[1].number();
-    if (record[0].given() && !rule.region.empty()) {
-      rule.pitch_m = record[0].number();
-      const double cells = grid_cells(rule);
-      cells_ += cells;
-      if (cells > k_max_cells)
-        at.error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at", cells,
-                             rule.pitch_m, k_max_cells));
-      else if (cells_ > k_max_cells)
-        at.error(fmt::format(
-            "the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at", cells_,
-            k_max_cells));
+  if (known)
+    rule.kind = static_cast<PlacementRule::Kind>(std::ranges::find(k_rules, kind.text()) - k_rules.begin());
+  read_region(object, rule);
+  if (known) switch (rule.kind) {
+      case PlacementRule::Kind::grid: read_grid(object, rule); break;
+      case PlacementRule::Kind::uniform: break;
+      case PlacementRule::Kind::gaussian: read_gaussian(object, rule); break;
+      case PlacementRule::Kind::poisson_disc: {
+        const Value distance = read_fields(object, k_poisson_disc)[0];
+        if (distance.given()) rule.distance_m = distance.number();
+        break;
+      }
+      case PlacementRule::Kind::free_floor: read_free_floor(object, rule); break;
     }
-  }
   read_heading(object, rule);
   const Value z =
       read_field(object, {.name = "z", .unit = Unit::meters, .min = -k_max_size_m, .max = k_max_size_m});
   if (z.given()) rule.z = z.number();
   if (known) object.finish();
   return rule;
+}
+
+/// Where the bodies' origins may lie: in a box, a polygon, or both; else where robots may be.
+void WorldReader::read_region(JsonObject& object, PlacementRule& rule) {
+  if (const JsonNode* node = object.find("polygon_m")) {
+    const JsonCursor at(object.at(), "polygon_m", *node);
+    rule.polygon = read_points(at, 3);
+    if (const std::string fault = rule.polygon.empty() ? "" : outline_fault(rule.polygon); !fault.empty())
+      at.error(fault);
+    for (const Vec2& corner : rule.polygon) rule.region.extend(corner);
+  }
+  const bool has_box = object.find("region_m") != nullptr;
+  if (const auto box = read_box(object, "region_m")) rule.region = *box;
+  if (has_box || !rule.polygon.empty()) return;
+  if (spec_.bounds)
+    rule.region = *spec_.bounds;
+  else if (rule.kind == PlacementRule::Kind::gaussian)
+    rule.region = Box::around(Vec2::Zero(), k_max_size_m);
+  else
+    object.missing("region_m",
+                   "[[x_min, y_min], [x_max, y_max]], or \"polygon_m\", as there is no floor plan to fill");
+}
+
+void WorldReader::read_grid(JsonObject& object, PlacementRule& rule) {
+  rule.spill = read_box(object, "spill_m").value_or(Box());
+  const engine::Record record = read_fields(object, k_grid);
+  rule.jitter_m = record[1].number();
+  if (!record[0].given() || rule.region.empty()) return;
+  rule.pitch_m = record[0].number();
+  const double cells = grid_cells(rule);
+  cells_ += cells;
+  if (cells > k_max_cells)
+    object.at().error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at",
+                                  cells, rule.pitch_m, k_max_cells));
+  else if (cells_ > k_max_cells)
+    object.at().error(
+        fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at",
+                    cells_, k_max_cells));
+}
+
+void WorldReader::read_gaussian(JsonObject& object, PlacementRule& rule) {
+  const engine::Record record = read_fields(object, k_gaussian);
+  if (record[0].given()) rule.mean = {record[0].numbers()[0], record[0].numbers()[1]};
+  if (record[1].given()) rule.deviation = {record[1].numbers()[0], record[1].numbers()[1]};
+}
+
+void WorldReader::read_free_floor(JsonObject& object, PlacementRule& rule) {
+  const Value from = read_field(object, k_from);
+  if (from.given()) rule.from = Vec2(from.numbers()[0], from.numbers()[1]);
+  const Value cell = read_field(object, k_cell);
+  if (cell.given()) rule.cell_m = cell.number();
 }
 
 void WorldReader::read_heading(JsonObject& object, PlacementRule& rule) {
@@ -445,6 +540,16 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
 
 void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
                                    engine::Crowd& crowd, partition::Parallel& parallel) {
+  const bool on_floor = population.rule.kind == PlacementRule::Kind::free_floor;
+  const double cells =
+      on_floor ? engine::floor_cells(population.rule, shapes_[population.type.index()]) : 0.0;
+  if (cells > k_max_floor_cells) {
+    diagnostics_.error(population.where_place,
+                       fmt::format("{}/place: the region has {:.4g} cells; at most {:.0f} are looked at: "
+                                   "give a larger \"cell_m\"",
+                                   population.pointer, cells, k_max_floor_cells));
+    return;
+  }
   const std::vector<Pose> poses =
       engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
                     population.name, spec_.bounds, scene, crowd, parallel);
@@ -456,7 +561,8 @@ void WorldReader::place_population(const Population& population, const partition
                     population.count,
                     grid ? fmt::format("the region has no more free cells (of {:.0f})",
                                        engine::grid_cells(population.rule))
-                         : fmt::format("{} draws found no free place for the next", population.rule.trials)));
+                         : fmt::format("{} draws found no free place for the next{}", population.rule.trials,
+                                       on_floor ? " on the floor that is reached" : "")));
   }
   if (population.reserve > 0)
     spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),

@@ -1,3 +1,4 @@
+#include "worldio/experiment_json.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/floor_image.hpp"
 #include "worldio/json_parts.hpp"
@@ -121,6 +122,7 @@ JsonNode WorldWriter::document(const JsonChecks& checks, FloorPlans floor_plans)
   for (const engine::MeasureSpec& measure : spec_.measures)
     measures.push_back(measure_node(measure, registry_));
   if (!measures.empty()) add_member(object, "measures", std::move(measures));
+  write_experiment(spec_, keys_, registry_, object);
   return json_node(std::move(object), {spec_.resolution_where.file, 0});
 }
 
@@ -167,6 +169,7 @@ JsonNode WorldWriter::model_node(std::size_t b) const {
     if (b - reserve.first.index() < reserve.count) add_member(object, "reserve_of", reserve.population);
   write_place(body.pose_world_body, object);
   if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
+  if (body.fiducial != 0) add_member(object, "fiducial_return", std::int64_t{body.fiducial});
   if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {
     JsonNode::List names;
     for (const std::string& name : parts->second) names.push_back(json_node(name));

@@ -90,7 +90,7 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
 void write_rows(const std::filesystem::path& file, const Rows& image,
                 const std::vector<std::pair<std::string, std::string>>& text) {
   try {
-    write_whole(file, encode(image, text));
+    write_whole(file, {encode(image, text)});
   } catch (const std::system_error& error) {
     throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.code().message()));
   } catch (const std::runtime_error& error) {

@@ -19,10 +19,12 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Which names of --record-fields choose all of a table; those of single fields are looked at besides.
+/// Which names of --record-fields choose all of a table; those of single fields are looked at besides. Who
+/// asks for poses means those of parts that move, too: without them nobody could draw the body.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
-  return name == "all" || name == component || name == component.substr(0, component.find('/'));
+  return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
+         (name == "pose" && component.starts_with("joint/"));
 }
 
 std::string frame_of(const StateTable& table) {

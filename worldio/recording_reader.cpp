@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 
 namespace troupe::worldio {
 namespace {
@@ -87,9 +88,14 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
       continue;
     }
     Hdf5Dataset dataset = group.dataset(name);
-    dataset.values();                 // throws where no file could hold them
-    if (component.empty()) continue;  // /state/alive is of no component
+    dataset.values();  // throws where no file could hold them
     const std::vector<std::size_t>& extent = dataset.extent();
+    if (component.empty()) {  // /state/alive is of no component
+      if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
+          dataset.element() == engine::Element::u8)
+        alive_ = std::move(dataset);
+      continue;
+    }
     if (extent.size() != 3 || extent[1] != bodies.size())
       dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
     Array array;
@@ -122,6 +128,46 @@ void RecordingReader::read_frames() {
   hashes_.resize(whole);
   if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
     frames.fail("has ticks that do not rise: the file is damaged");
+}
+
+std::optional<RecordingReader::Scene> RecordingReader::scene() const {
+  if (!hdf5_.has_group("scene")) return std::nullopt;
+  const Hdf5Group group = hdf5_.group("scene");
+  Scene scene{.word = group.dataset("word").read<std::uint32_t>(),
+              .number = group.dataset("number").read<std::uint32_t>(),
+              .type = group.dataset("type").read<std::uint32_t>(),
+              .pose = group.dataset("pose").read<double>(),
+              .color = group.dataset("color").read<float>()};
+  const std::size_t bodies = scene.type.size();
+  if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
+      scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))
+    group.fail("has not all of the bodies: the file is damaged");
+  return scene;
+}
+
+std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
+  std::vector<std::uint8_t> all(array.bodies.size(), 1);
+  if (array.component.starts_with("sensors/") || !hdf5_.group("bodies").has_group("has")) return all;
+  Hdf5Group group = hdf5_.group("bodies").group("has");
+  std::string_view path = array.component;
+  for (std::size_t slash = path.find('/'); slash != path.npos; slash = path.find('/')) {
+    const std::string step(path.substr(0, slash));
+    if (!group.has_group(step)) return all;
+    group = group.group(step);
+    path.remove_prefix(slash + 1);
+  }
+  const std::string name(path);
+  if (!group.has(name) || group.has_group(name)) return all;
+  std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
+  if (has.size() != all.size())
+    group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
+  return has;
+}
+
+std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame) const {
+  std::vector<std::uint8_t> alive(ids_.size(), 1);
+  if (alive_ && frame < alive_->rows()) alive_->read_rows(frame, std::span(alive));
+  return alive;
 }
 
 void RecordingReader::read(const Array& array, std::size_t frame, std::span<std::byte> into) const {

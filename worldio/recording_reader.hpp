@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,16 @@ class RecordingReader {
   std::span<const std::string> types() const { return types_; }
   std::span<const std::string> names() const { return names_; }
 
+  /// Every body of the world as it was loaded, by BodyId: an entry each, walls too.
+  struct Scene {
+    std::vector<std::uint32_t> word, number;  ///< engine::Name, of the words in /world
+    std::vector<std::uint32_t> type;          ///< index into the types of /world
+    std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
+    std::vector<float> color;                 ///< red, green, blue, opacity
+  };
+  /// Nothing where the recording is from before there was one.
+  std::optional<Scene> scene() const;
+
   /// Whole frames, and what is known of each.
   std::size_t frames() const { return ticks_.size(); }
   std::span<const std::uint64_t> ticks() const { return ticks_; }
@@ -52,6 +63,10 @@ class RecordingReader {
   };
   /// In the order in which a tick makes them: sensors, memories, velocities, poses.
   std::span<const Array> arrays() const { return arrays_; }
+  /// Whether each row of an array is of a body that has the component, 1 or 0: the others hold NaN, or 0.
+  std::vector<std::uint8_t> has(const Array& array) const;
+  /// Which bodies are there in a frame, 1 or 0 each.
+  std::vector<std::uint8_t> alive(std::size_t frame) const;
   /// One frame of an array, row-major; `into` takes as many bytes as its rows have.
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
@@ -71,6 +86,7 @@ class RecordingReader {
   std::vector<double> times_s_;
   std::vector<std::uint64_t> hashes_;
   std::vector<Array> arrays_;
+  std::optional<Hdf5Dataset> alive_;
 };
 
 }  // namespace troupe::worldio

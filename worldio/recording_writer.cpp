@@ -71,6 +71,29 @@ void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view fram
   dataset.set_text("text", text);
 }
 
+/// Every body as the world says it, walls too: what else it takes to draw a frame.
+void write_scene(Hdf5File& file, const engine::WorldSpec& spec) {
+  std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> numbers;
+  std::vector<std::uint32_t> types;
+  std::vector<double> poses;
+  std::vector<float> colors;
+  for (const engine::BodySpec& body : spec.bodies) {
+    words.push_back(body.name.word);
+    numbers.push_back(body.name.number);
+    types.push_back(body.type.value);
+    const Pose& pose = body.pose_world_body;
+    poses.insert(poses.end(), {pose.x, pose.y, pose.z, pose.heading});
+    colors.insert(colors.end(), {body.color.r, body.color.g, body.color.b, body.color.a});
+  }
+  Hdf5Group scene = file.create_group("scene");
+  scene.write("word", std::span<const std::uint32_t>(words));
+  scene.write("number", std::span<const std::uint32_t>(numbers));
+  scene.write("type", std::span<const std::uint32_t>(types));
+  scene.create_dataset("pose", Element::f64, {types.size(), 4}).write(std::span<const double>(poses));
+  scene.create_dataset("color", Element::f32, {types.size(), 4}).write(std::span<const float>(colors));
+}
+
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world,
@@ -147,6 +170,7 @@ void RecordingWriter::write_head(const World& world, const RecordingHead& head) 
   meta.set_text("record_fields", joined(head.fields));
   for (const auto& [key, value] : head.meta) meta.set_text(key, value);
   file_.write_text("world", head.world_json);
+  write_scene(file_, world.spec());
 
   Hdf5Group bodies = file_.create_group("bodies");
   const std::vector<std::string> type_names = recorded_type_names(world);

@@ -168,6 +168,69 @@ std::string difference(const engine::ReserveSpec& a, const engine::ReserveSpec& 
       .text();
 }
 
+bool same(const engine::GroupSpec& a, const engine::GroupSpec& b) {
+  const auto& [by, name, count, share] = a;
+  return by == b.by && name == b.name && count == b.count && share == b.share;
+}
+
+bool same(const std::optional<engine::SettingSpec>& a, const std::optional<engine::SettingSpec>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  const auto& [type, of, index, params] = *a;
+  return type == b->type && of == b->of && index == b->index && same(params, b->params);
+}
+
+std::string difference(const engine::StopSpec& a, const engine::StopSpec& b) {
+  const auto& [measure, comparison, value] = a;
+  return Difference(fmt::format("\"{}\"", engine::text_of(a)))
+      .is(difference(measure, b.measure))
+      .is(comparison == b.comparison && same(value, b.value), "comparison")
+      .text();
+}
+
+std::string difference(const engine::InterventionSpec& a, const engine::InterventionSpec& b) {
+  const auto& [time_s, action, whom, pose, region, setting, where] = a;
+  static_cast<void>(where);
+  const bool same_pose = pose && b.pose ? same(*pose, *b.pose) : pose.has_value() == b.pose.has_value();
+  const bool same_region = region && b.region
+                               ? same(region->min, b.region->min) && same(region->max, b.region->max)
+                               : region.has_value() == b.region.has_value();
+  return Difference(fmt::format("what is done at {:g} s", time_s))
+      .is(same(time_s, b.time_s), "time")
+      .is(action == b.action, "action")
+      .is(same(whom, b.whom), "bodies")
+      .is(same_pose, "pose")
+      .is(same_region, "region")
+      .is(same(setting, b.setting), "parameters")
+      .text();
+}
+
+std::string difference(const engine::FaultSpec& a, const engine::FaultSpec& b) {
+  const auto& [whom, from_s, ailments, where] = a;
+  static_cast<void>(where);
+  const auto compare = [](const engine::FaultSpec::Ailment& x, const engine::FaultSpec::Ailment& y) {
+    const auto& [kind, params] = x;
+    return Difference(fmt::format("fault \"{}\"", kind))
+        .is(kind == y.kind, "kind")
+        .is(same(params, y.params), "parameters")
+        .text();
+  };
+  return Difference("a fault")
+      .is(same(whom, b.whom), "bodies")
+      .is(same(from_s, b.from_s), "time")
+      .is(first_of(ailments, b.ailments, "kinds of it", compare))
+      .text();
+}
+
+std::string difference(const engine::ExperimentSpec& a, const engine::ExperimentSpec& b) {
+  const auto& [stop_when, at, faults] = a;
+  const auto compare = [](const auto& x, const auto& y) { return difference(x, y); };
+  return Difference({})
+      .is(first_of(stop_when, b.stop_when, "conditions", compare))
+      .is(first_of(at, b.at, "interventions", compare))
+      .is(first_of(faults, b.faults, "faults", compare))
+      .text();
+}
+
 bool same(const std::optional<engine::RecordSpec>& a, const std::optional<engine::RecordSpec>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
   const auto& [file, fields, every_s, where, where_fields] = *a;
@@ -180,7 +243,7 @@ std::string bodies_difference(const WorldSpec& a, const WorldSpec& b) {
   if (a.bodies.size() != b.bodies.size())
     return fmt::format("{} bodies, and not {}", a.bodies.size(), b.bodies.size());
   for (std::size_t i = 0; i < a.bodies.size(); ++i) {
-    const auto& [name, type, pose, color, where] = a.bodies[i];
+    const auto& [name, type, pose, color, fiducial, where] = a.bodies[i];
     static_cast<void>(where);
     const engine::BodySpec& other = b.bodies[i];
     const std::string text = a.names.text(name);
@@ -189,6 +252,7 @@ std::string bodies_difference(const WorldSpec& a, const WorldSpec& b) {
                             .is(type == other.type, "type")
                             .is(same(pose, other.pose_world_body), "pose")
                             .is(color == other.color, "color")
+                            .is(fiducial == other.fiducial, "number for fiducial finders")
                             .text();
     if (!found.empty()) return found;
   }
@@ -213,10 +277,12 @@ bool same_part_names(const WorldSpec& a, const WorldSpec& b) {
 
 }  // namespace
 
+bool same_part(const engine::PartSpec& a, const engine::PartSpec& b) { return difference(a, b).empty(); }
+
 std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
                bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
-               measure_every_s, watch, window] = a;
+               measure_every_s, watch, window, experiment] = a;
   static_cast<void>(files);
   static_cast<void>(resolution_where);
   static_cast<void>(names);
@@ -248,6 +314,7 @@ std::string spec_difference(const WorldSpec& a, const WorldSpec& b) {
       .is(same(measure_every_s, b.measure_every_s), "how often is measured")
       .is(watch == b.watch, "how it is watched")
       .is(same_window, "the window")
+      .is(difference(experiment, b.experiment))
       .text();
 }
 

@@ -11,4 +11,7 @@ namespace troupe::worldio {
 /// stand in files, files themselves (images too), and a title that is empty do not count.
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b);
 
+/// Whether two parts of a type are the same in the same sense.
+bool same_part(const engine::PartSpec& a, const engine::PartSpec& b);
+
 }  // namespace troupe::worldio

@@ -19,6 +19,7 @@ struct BodyColumns {
   std::vector<std::uint32_t> type;
   std::vector<double> pose;               ///< x, y, z (m) and heading (rad), world frame
   std::vector<float> color;               ///< red, green, blue, opacity
+  std::vector<std::int32_t> fiducial;     ///< BodySpec::fiducial; empty where all are 0
   std::vector<std::uint32_t> file, line;  ///< Where
   /// Other names of bodies, an entry each.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
@@ -38,9 +39,12 @@ StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& reg
 /// that is no UTF-8.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
+/// What its types are called in a stored world: "0", "1", ...
+std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
+
 /// What a change of a stored world may name: whatever keeps the shape of the state.
 inline constexpr std::string_view k_changeable =
-    "/seed, /quit_time_s, /ranging, /resolution_m, /bounds_m; of /types/N: /drive/period_s, "
+    "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; of /types/N: /drive/period_s, "
     "/drive/params/..., "
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 

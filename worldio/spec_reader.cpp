@@ -1,3 +1,4 @@
+#include "worldio/experiment_json.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/spec_json.hpp"
 
@@ -34,8 +35,8 @@ bool is_changeable(std::string_view pointer) {
   const std::vector<std::string_view> tokens = tokens_of(pointer);
   const auto token = [&tokens](std::size_t i) { return i < tokens.size() ? tokens[i] : std::string_view(); };
   if (tokens.size() == 1)
-    return token(0) == "seed" || token(0) == "quit_time_s" || token(0) == "ranging" ||
-           token(0) == "resolution_m" || token(0) == "bounds_m";
+    return token(0) == "seed" || token(0) == "quit_time_s" || token(0) == "stop_when" ||
+           token(0) == "ranging" || token(0) == "resolution_m" || token(0) == "bounds_m";
   if (token(0) == "bounds_m") return tokens.size() == 2;
   if (token(0) != "types") return false;
   const bool is_drive = token(2) == "drive";
@@ -486,6 +487,7 @@ engine::WorldSpec SpecReader::read(const JsonNode& document) {
     each_of(object, "reserves", [&](const JsonCursor& at) { spec.reserves.push_back(reserve(at)); });
   if (object.find("mortal")) spec.mortal = boolean(object, "mortal");
   each_of(object, "types", [&](const JsonCursor& at) { spec.types.push_back(type(at)); });
+  read_experiment(object, numbers_of_types(spec), registry_, spec);
   object.finish();
   return spec;
 }
@@ -494,8 +496,9 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   const std::size_t count = c.type.size();
   const std::size_t aliases = c.alias_body.size();
   if (c.word.size() != count || c.number.size() != count || c.pose.size() != 4 * count ||
-      c.color.size() != 4 * count || c.file.size() != count || c.line.size() != count ||
-      c.alias_word.size() != aliases || c.alias_number.size() != aliases)
+      c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
+      c.file.size() != count || c.line.size() != count || c.alias_word.size() != aliases ||
+      c.alias_number.size() != aliases)
     return error("the columns of the bodies have not all the same length");
   if (count == 0) return error("there is no body: the first of every world is the ground");
   const std::size_t words = spec.names.words().size();
@@ -516,6 +519,7 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
          .type = TypeId(c.type[b]),
          .pose_world_body = {c.pose[4 * b], c.pose[4 * b + 1], c.pose[4 * b + 2], c.pose[4 * b + 3]},
          .color = {c.color[4 * b], c.color[4 * b + 1], c.color[4 * b + 2], c.color[4 * b + 3]},
+         .fiducial = c.fiducial.empty() ? 0 : c.fiducial[b],
          .where = here(c.file[b], c.line[b])});
   for (std::size_t a = 0; a < aliases; ++a)
     spec.aliases.push_back({{c.alias_word[a], c.alias_number[a]}, BodyId(c.alias_body[a])});

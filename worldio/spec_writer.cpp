@@ -1,3 +1,5 @@
+#include "worldio/experiment_json.hpp"
+#include "worldio/json_text.hpp"
 #include "worldio/spec_json.hpp"
 
 #include <fmt/format.h>
@@ -265,6 +267,13 @@ Json measure_json(const engine::MeasureSpec& measure, const engine::Registry& re
   return json;
 }
 
+/// As JSON worlds say it, but that types are called by their numbers.
+Json experiment_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
+  JsonNode::Object object;
+  write_experiment(spec, numbers_of_types(spec), registry, object);
+  return Json::parse(json_text(json_node(std::move(object))));
+}
+
 Json files_json(const SourceFiles* files) {
   Json json = Json::array();
   for (std::uint32_t i = 0; files && i < files->size(); ++i) json.push_back(text_json(files->name(i)));
@@ -274,7 +283,7 @@ Json files_json(const SourceFiles* files) {
 BodyColumns body_columns(const engine::WorldSpec& spec) {
   BodyColumns columns;
   for (const engine::BodySpec& body : spec.bodies) {
-    const auto& [name, type, pose_world_body, color, where] = body;
+    const auto& [name, type, pose_world_body, color, fiducial, where] = body;
     const auto& [x, y, z, heading] = pose_world_body;
     const auto& [r, g, b, a] = color;
     columns.word.push_back(name.word);
@@ -282,9 +291,12 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
     columns.type.push_back(type.value);
     columns.pose.insert(columns.pose.end(), {x, y, z, heading});
     columns.color.insert(columns.color.end(), {r, g, b, a});
+    columns.fiducial.push_back(fiducial);
     columns.file.push_back(where.file);
     columns.line.push_back(where.line);
   }
+  if (std::ranges::all_of(columns.fiducial, [](std::int32_t mark) { return mark == 0; }))
+    columns.fiducial.clear();
   for (const engine::NamedBody& alias : spec.aliases) {
     const auto& [name, body] = alias;
     columns.alias_word.push_back(name.word);
@@ -296,10 +308,16 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
 
 }  // namespace
 
+std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec) {
+  std::vector<std::string> numbers;
+  for (std::size_t t = 0; t < spec.types.size(); ++t) numbers.push_back(std::to_string(t));
+  return numbers;
+}
+
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
   const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
                bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
-               measure_every_s, watch, window] = spec;
+               measure_every_s, watch, window, experiment] = spec;
   static_cast<void>(bodies);  // columns, as are:
   static_cast<void>(aliases);
   Json json;
@@ -334,6 +352,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   if (mortal) json["mortal"] = mortal;
   json["types"] = Json::array();
   for (const engine::TypeSpec& type : types) json["types"].push_back(type_json(type, registry));
+  if (!experiment.empty()) json.update(experiment_json(spec, registry));
   try {
     return json.dump();
   } catch (const Json::type_error&) {

@@ -114,6 +114,13 @@ void write_blob_colors(const DeviceSpec& device, const DeviceKind& kind, StageTe
   text.texts("colors", names);
 }
 
+void write_radio(const DeviceSpec& device, const DeviceKind& kind, StageText& text) {
+  const std::string& law = get(kind.params, device.params, "law").text();
+  text.text("model", std::ranges::find(stage_radio_laws(), law, &StageRadioLaw::law)->model);
+  text.text("walls", get(kind.params, device.params, "walls").text());
+  text.number("range", get(kind.params, device.params, "range").number());
+}
+
 /// As an argument of a controller; empty where a .world has no way to write it.
 std::optional<std::string> argument(const Value& value) {
   if (const bool* x = std::get_if<bool>(&value.v)) return *x ? "1" : "0";
@@ -139,6 +146,7 @@ void write_stage_device(const DeviceSpec& device, const DeviceKind& kind, StageT
   write_parameters(device, kind, text);
   if (device.kind == "bumper") write_bumpers(device, kind, text);
   if (device.kind == "blobfinder") write_blob_colors(device, kind, text);
+  if (device.kind == "radio") write_radio(device, kind, text);
   if (device.kind != "gripper") return;
   text.numbers("paddle_size", get(kind.params, device.params, "paddle_size").numbers());
   text.texts("paddle_state", std::array{get(kind.params, device.params, "paddles").text(),

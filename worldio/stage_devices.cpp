@@ -38,9 +38,33 @@ constexpr auto k_parameters = std::to_array<StageParameter>({
     {"fiducial", "fov", "fov", angle},
     {"fiducial", "ignore_zloc", "ignore_zloc"},
     {"fiducial", "fiducial_key", "key"},
+    {"radio", "hears", "hears", length},
+    {"radio", "essid", "channel"},
+    {"radio", "payload", "payload"},
+    {"radio", "most_heard", "most_heard"},
+    {"radio", "drop_rate", "drop_rate"},
+    {"radio", "bodies", "bodies"},
+    {"radio", "power", "power_dBm"},
+    {"radio", "sensitivity", "sensitivity_dBm"},
+    {"radio", "frequency", "frequency_GHz"},
+    {"radio", "plc", "power_loss_coefficient"},
+    {"radio", "ple", "path_loss_exponent"},
+    {"radio", "wall_factor", "wall_loss_dB"},
+    {"radio", "beacon", "beacon"},
+});
+
+// Of two that say the same the first is written.
+constexpr auto k_radio_laws = std::to_array<StageRadioLaw>({
+    {"simple", "disc", "pass"},
+    {"friis", "friis", "pass"},
+    {"ITU indoor", "itu_indoor", "pass"},
+    {"log distance", "log_distance", "pass"},
+    {"raytrace", "friis", "weaken"},
 });
 
 }  // namespace
+
+std::span<const StageRadioLaw> stage_radio_laws() { return k_radio_laws; }
 
 std::span<const StageParameter> stage_parameters() { return k_parameters; }
 

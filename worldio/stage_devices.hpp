@@ -20,4 +20,14 @@ struct StageParameter {
 };
 std::span<const StageParameter> stage_parameters();
 
+/// How radios weaken, by the names that the `wifi` models of Stage 2 had for it.
+struct StageRadioLaw {
+  std::string_view model;
+  std::string_view law;    ///< parameter of the radio
+  std::string_view walls;  ///< the same, where the file does not say it
+};
+std::span<const StageRadioLaw> stage_radio_laws();
+/// How far the radios of a law that has a limit of its own are heard, m, where the file does not say it.
+inline constexpr double k_stage_radio_range = 1000;
+
 }  // namespace troupe::worldio

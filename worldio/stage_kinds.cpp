@@ -294,6 +294,7 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   }
   if (kind.name == "blobfinder") is_right = add_blob_colors(model, kind, spec) && is_right;
   if (kind.name == "bumper") is_right = add_bumpers(model, kind, spec) && is_right;
+  if (kind.name == "radio") is_right = add_radio_law(model, kind, spec) && is_right;
   if (!is_right) return {};
   spec.period_s = period_s(model);
   spec.active = is_always_on(model);

@@ -47,6 +47,7 @@ class StageKinds {
   // worldio/stage_sensors.cpp; each says whether what it read is right.
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   bool add_bumpers(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
+  bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   std::optional<engine::Record> transducer(const StageModel& sensor, const engine::FieldTable& table);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
   bool set_argument(const engine::Field& field, double to_si, std::string_view text,

@@ -12,9 +12,10 @@ namespace {
 
 constexpr std::size_t k_most_steps = 20000000;
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
+constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that versions of Stage before 4.3 had.
-constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",    "puck",
-                                          "region",  "simple_laser", "speech", "wifi"};
+constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
+                                          "region",  "simple_laser", "speech"};
 constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
 
 }  // namespace
@@ -79,6 +80,11 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     model.type = "ranger";
     model.names.push_back(model.type);
   }
+  if (model.type == k_radio_alias) {
+    model.alias = model.type;
+    model.type = "radio";
+    model.names.push_back(model.type);
+  }
 
   const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
                         registry_.model(model.type) != nullptr;
@@ -87,6 +93,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
   near.insert(near.end(), std::begin(k_ranger_aliases), std::end(k_ranger_aliases));
+  near.push_back(k_radio_alias);
   if (macros_.size() <= k_names_compared)
     for (const auto& [name, macro] : macros_) near.push_back(name);
   // The order of the hash table must not choose between two names that are equally near.

@@ -64,6 +64,10 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   const double constant = watts(model, "watts");
   if (constant > 0 && std::ranges::find(k_own_draw, model.type) == k_own_draw.end())
     draws_.push_back({part, constant, is_on(model)});
+  else if (constant > 0)
+    values_.warning_once(
+        values_.where(*model.find(document_, "watts")),
+        fmt::format("\"watts\" of a {} has no effect: what it draws follows from what it does", model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= 1e6))

@@ -197,7 +197,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
      "robot that is stalled, misses no tick between updates, and a way to the left counts as one",
-     "Conformance02.OdometryOfADiffDriveWithErrors"},
+     "StageWorld.DrivesKnowWhereTheyAre"},
     {"position", "localization_origin", honoured,
      "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1",
      "Driving.WhatStageWorldsSayOfOriginsHolds"},
@@ -271,6 +271,42 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"fiducial", "ignore_zloc", fixed, "what stands behind a target does not hide it",
      "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
 
+    {"radio", "essid", honoured, "an addition, as are all of `radio`: those of one `essid` hear one another",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "model", honoured,
+     "\"simple\", \"friis\", \"ITU indoor\", \"log distance\" or \"raytrace\": how messages weaken; the last "
+     "is "
+     "friis with walls that weaken",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "power", honoured, "dBm; 20 unless given", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "sensitivity", honoured, "dBm; -80 unless given", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "plc", honoured, "of \"ITU indoor\": dB for ten times the distance; 30 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "ple", honoured, "of \"log distance\": the exponent; 4 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "wall_factor", honoured, "dB lost at each wall, where walls weaken; 10 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "range", honoured, "how far it is heard; 5 m with \"simple\", 1000 m with others, unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "hears", honoured, "how far it hears; as far as it is heard unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "walls", honoured,
+     "\"block\", \"weaken\" or \"pass\"; \"weaken\" with \"raytrace\", \"pass\" with others, unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "bodies", honoured, "\"block\" or \"pass\"", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "frequency", honoured, "GHz; 2.4 unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "payload", honoured, "bytes of a message, at most",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "most_heard", honoured, "messages a tick; the nearest are heard",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "drop_rate", honoured, "the share of messages to it that get lost by chance",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "beacon", honoured, "1: it says an empty message until a controller has it say another",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "ip", no_effect, "messages go to all in range"},
+    {"radio", "mac", no_effect, "messages go to all in range"},
+
     {"blobfinder", "image", fixed,
      "[columns rows]; a single column looks straight ahead, where Stage divides by 0",
      "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
@@ -313,7 +349,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
-    {"actuator", "max_position", fixed, "m or rad, whatever the file's units",
+    {"actuator", "max_position", fixed,
+     "m or rad, whatever the file's units; at least `min_position`, and linear ones reach 1000 m at most",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
     {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units",
      "StageGrip.ActuatorsMoveWhatStandsOnThem"},
@@ -338,11 +375,11 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pitch", obsolete, ""},
 
     {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
     {"blinkenlight", "dutycycle", fixed, "share of the period for which it is lit",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
     {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it",
-     "Light.BlinksByPeriodAndDutycycle"},
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
 
     {"window", "size", window_only, "[width height], pixels; below 0: the whole screen"},
     {"window", "center", window_only, "[x y], m whatever `unit_length` says"},
@@ -445,6 +482,7 @@ std::span<const StageRow* const> rows_of_name(std::string_view written) {
 std::span<const StageRow> stage_rows() { return k_rows; }
 
 const StageRow* find_stage_row(std::string_view type, std::string_view written) {
+  if (type == "wifi") type = "radio";
   // The lasers and sonars of older files are rangers, and their own sensors, too.
   const bool is_both = type == "laser" || type == "sonar";
   const auto row_of = [&](std::string_view wanted) -> const StageRow* {
@@ -467,6 +505,7 @@ bool is_without_effect(std::string_view name) {
 }
 
 std::vector<std::string_view> stage_property_names(std::string_view type) {
+  if (type == "wifi") type = "radio";
   std::vector<std::string_view> names;
   for (const StageRow& row : k_rows)
     if (row.support != obsolete && (row.type == type || (row.type == "model" && is_model(type))))

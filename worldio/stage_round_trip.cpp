@@ -68,18 +68,6 @@ class RoundTrip {
     diagnostics_.error(where,
                        fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
   }
-  void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
-                    const FieldTable& table);
-  void check_drive();
-  void check_devices();
-  void check_device(const DeviceSpec& a, const DeviceSpec& b);
-  void check_controllers();
-  void check_joints();
-  void check_bodies();
-
-  const TypeSpec& type_;
-  const TypeSpec& back_;
-  const engine::Registry& registry_;
   /// True where headings are the same but for whole turns, which Stage takes away.
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
@@ -90,7 +78,19 @@ class RoundTrip {
     if (told_.insert(text).second) diagnostics_.warning(where, text);
     return true;
   }
+  void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
+                    const FieldTable& table);
+  void check_drive();
+  void check_devices();
+  void check_device(const DeviceSpec& a, const DeviceSpec& b);
+  void check_controllers();
+  void check_joints();
+  void check_bodies();
+  void check_size(const PartSpec& a, const PartSpec& b, const std::string& owner);
 
+  const TypeSpec& type_;
+  const TypeSpec& back_;
+  const engine::Registry& registry_;
   Diagnostics& diagnostics_;
   std::set<std::string> told_;
 };
@@ -185,11 +185,6 @@ void RoundTrip::check_controllers() {
     const engine::ControllerKind* kind = registry_.controller(a.kind, fault);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
-    if (kind->furnish)
-      diagnostics_.error(a.where,
-                         fmt::format("a .world file cannot say this: type \"{}\": {}: it would furnish "
-                                     "its model once more",
-                                     type_.name, owner));
     // With a drive, a controller is due when its drive is.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
@@ -212,13 +207,24 @@ void RoundTrip::check_bodies() {
   };
   const std::vector<const PartSpec*> parts = solid_parts(type_);
   const std::vector<const PartSpec*> others = solid_parts(back_);
-  if (parts.size() != others.size())
+  if (parts.size() != others.size()) {
+    for (const engine::ControllerSpec& controller : type_.controllers)
+      if (const engine::ControllerKind* kind = registry_.controller(controller.kind); kind && kind->furnish)
+        return lacks(controller.where,
+                     fmt::format("controller \"{}\": it adds to its model, with this seed, other parts than "
+                                 "are there",
+                                 controller.kind));
     return lacks(type_.parts.front().where, fmt::format("{} parts with a body", parts.size()));
+  }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
     const PartSpec& b = *others[p];
     const std::string owner = a.name.empty() ? std::string("it") : fmt::format("part \"{}\"", a.name);
-    if (a.returns != b.returns) lacks(a.where, owner + ": how it shows itself to others");
+    engine::Returns returns = b.returns;  // with which number a body is marked, the bodies say themselves
+    if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
+      returns.fiducial = a.returns.fiducial;
+    if (a.returns != returns) lacks(a.where, owner + ": how it shows itself to others");
+    check_size(a, b, owner);
     if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
     if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
     const std::optional<double> off = distance(a.solids, b.solids);
@@ -230,6 +236,16 @@ void RoundTrip::check_bodies() {
                                        "by at most {:.2g} m, and hashes may differ",
                                        type_.name, owner, *off));
   }
+}
+
+/// Fiducial finders read the sizes of what they find, foragers that of a zone.
+void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
+  if (a.size == b.size) return;
+  if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
+    lacks(a.where, owner + ": an extent other than that of its outline");
+  else
+    diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its extent is rounded, and hashes may differ",
+                                              type_.name, owner));
 }
 
 }  // namespace
@@ -253,6 +269,8 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     if (!same(body.pose_world_body, other.pose_world_body))
       lacks(body.where, fmt::format("\"{}\": its pose, to the last bit", name));
     if (body.color != other.color) lacks(body.where, fmt::format("\"{}\": its color", name));
+    if (fiducial_of(spec, BodyId(b), 0) != fiducial_of(back, BodyId(b), 0))
+      lacks(body.where, fmt::format("\"{}\": its \"fiducial_return\"", name));
     if (types.emplace(body.type.value, other.type.value).second)
       RoundTrip(spec.types[body.type.index()], back.types[other.type.index()], registry, diagnostics).check();
   }

@@ -1,9 +1,12 @@
 // What Stage says of sensors whose properties are more than parameters as they stand.
 
 #include "worldio/colors.hpp"
+#include "worldio/stage_devices.hpp"
 #include "worldio/stage_kinds.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace troupe::worldio {
 
@@ -78,6 +81,40 @@ bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& 
   }
   spec.params[0] = std::move(records);
   return true;
+}
+
+/// `model` is the law, and says how walls are taken where `walls` does not.
+bool StageKinds::add_radio_law(const StageModel& model, const engine::DeviceKind& kind,
+                               engine::DeviceSpec& spec) {
+  const auto index = [&](std::string_view name) { return static_cast<std::size_t>(kind.params.find(name)); };
+  const StageRadioLaw* law = &stage_radio_laws().front();
+  if (const StageProperty* property = model.find(document_, "model")) {
+    const auto given = values_.text(*property);
+    if (!given) return false;
+    const auto found = std::ranges::find(stage_radio_laws(), *given, &StageRadioLaw::model);
+    if (found == stage_radio_laws().end()) {
+      std::vector<std::string_view> known;
+      for (const StageRadioLaw& one : stage_radio_laws()) known.push_back(one.model);
+      values_.error(values_.where(*property),
+                    fmt::format("\"model\" must be one of {}{}; here is \"{}\"", comma_list(known),
+                                did_you_mean(*given, known), *given));
+      return false;
+    }
+    law = &*found;
+  }
+  spec.params[index("law")] = std::string(law->law);
+  spec.params[index("walls")] = std::string(law->walls);
+  if (law->law != "disc") spec.params[index("range")] = k_stage_radio_range;
+  const auto read = [&](std::string_view key, double to_si) {
+    const StageProperty* property = model.find(document_, key);
+    if (property == nullptr) return true;
+    auto given = value(*property, kind.params.fields[index(key)], to_si, -1);
+    if (given) spec.params[index(key)] = std::move(*given);
+    return given.has_value();
+  };
+  const bool range_is_right = read("range", values_.length_unit());
+  const bool walls_are_right = read("walls", 1);
+  return range_is_right && walls_are_right;
 }
 
 }  // namespace troupe::worldio

@@ -3,6 +3,7 @@
 #include "worldio/fields_json.hpp"
 #include "worldio/json_parts.hpp"
 #include "worldio/json_types.hpp"
+#include "worldio/spec_difference.hpp"
 #include "worldio/stage_device_writer.hpp"
 
 #include <fmt/format.h>
@@ -21,6 +22,11 @@ using engine::DeviceSpec;
 using engine::PartSpec;
 using engine::TypeSpec;
 
+void write_rgba(const Color& color, StageText& text) {
+  text.numbers("color_rgba", std::array{short_number(color.r), short_number(color.g), short_number(color.b),
+                                        short_number(color.a)});
+}
+
 Box extent_of(const std::vector<Solid>& solids) {
   Box box;
   for (const Solid& solid : solids)
@@ -32,15 +38,16 @@ Box extent_of(const std::vector<Solid>& solids) {
 /// part that is no such device itself.
 class TypeText {
  public:
-  TypeText(const TypeSpec& type, const StagePlaces& places, StageText& text)
+  TypeText(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places, StageText& text)
       : type_(type),
+        macro_(macro),
         folder_(places.folder),
         registry_(places.registry),
         images_(places.images),
         diagnostics_(places.diagnostics),
         text_(text) {}
 
-  void write(const std::string& macro, const Color& color);
+  void write();
 
  private:
   void lacks(Where where, const std::string& what) {
@@ -78,6 +85,7 @@ class TypeText {
                   std::map<std::string, std::size_t>& generated);
 
   const TypeSpec& type_;
+  const StageMacro& macro_;
   const std::filesystem::path& folder_;
   const engine::Registry& registry_;
   FloorImages& images_;
@@ -85,11 +93,14 @@ class TypeText {
   StageText& text_;
 };
 
-void TypeText::write(const std::string& macro, const Color& color) {
+void TypeText::write() {
   const PartSpec& root = type_.parts.front();
   text_.at(root.where);
-  text_.define(macro, root.kind);
-  write_stage_color(color, text_);
+  text_.define(macro_.word, root.kind);
+  if (macro_.has_many_colors)
+    write_rgba(macro_.color, text_);
+  else
+    write_stage_color(macro_.color, text_);
   write_part(0);
   text_.close();
 }
@@ -309,7 +320,8 @@ void TypeText::write_children(std::uint32_t p) {
     const DeviceSpec* own = own_device(q);
     const DeviceKind* kind = own ? kind_of(*own) : nullptr;
     const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
-    if (!is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
+    if (!macro_.furnished[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p)
+      parts.push_back(q);
   }
   if (devices.empty() && parts.empty()) return;
   text_.flag("stack_children", false);
@@ -357,13 +369,35 @@ void TypeText::write_name(std::uint32_t parent, const std::string& name, const s
 void write_stage_color(const Color& color, StageText& text) {
   const JsonNode node = color_node(color);
   if (const std::string* name = node.text()) return text.text("color", *name);
-  text.numbers("color_rgba", std::array{short_number(color.r), short_number(color.g), short_number(color.b),
-                                        short_number(color.a)});
+  write_rgba(color, text);
 }
 
-void write_stage_type(const engine::TypeSpec& type, const std::string& macro, const Color& color,
-                      const StagePlaces& places, StageText& text) {
-  TypeText(type, places, text).write(macro, color);
+std::vector<bool> furnished_parts(const TypeSpec& type, std::uint64_t seed,
+                                  const engine::Registry& registry) {
+  std::vector<bool> furnished(type.parts.size(), false);
+  for (const engine::ControllerSpec& controller : type.controllers) {
+    const engine::ControllerKind* kind = registry.controller(controller.kind);
+    if (!kind || !kind->furnish) continue;
+    // What it adds stands in a row, somewhere behind the part that it belongs to.
+    TypeSpec read = type;
+    read.parts.resize(controller.part + 1);
+    kind->furnish(controller.params, seed, registry, read, controller.part);
+    const auto begin = read.parts.begin() + controller.part + 1;
+    const auto count = read.parts.end() - begin;
+    for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;
+         ++at) {
+      const auto flag = furnished.begin() + (at - type.parts.begin());
+      if (*flag || !std::equal(begin, read.parts.end(), at, same_part)) continue;
+      std::fill_n(flag, count, true);
+      break;
+    }
+  }
+  return furnished;
+}
+
+void write_stage_type(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
+                      StageText& text) {
+  TypeText(type, macro, places, text).write();
 }
 
 }  // namespace troupe::worldio

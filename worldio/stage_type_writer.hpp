@@ -6,8 +6,10 @@
 #include "worldio/floor_image.hpp"
 #include "worldio/stage_text.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace troupe::worldio {
 
@@ -19,12 +21,26 @@ struct StagePlaces {
   Diagnostics& diagnostics;
 };
 
-/// A type as a macro of this name: its root, and below it a model for each part, and for each device that
-/// stands on a part but is not the part itself. `color`: of its bodies, unless they say another.
-void write_stage_type(const engine::TypeSpec& type, const std::string& macro, const Color& color,
-                      const StagePlaces& places, StageText& text);
+/// Which parts of a type its controllers add to it whenever a `.world` is read (ControllerKind::furnish), so
+/// that they are not written.
+std::vector<bool> furnished_parts(const engine::TypeSpec& type, std::uint64_t seed,
+                                  const engine::Registry& registry);
 
-/// `color`, an X11 name where there is one, else `color_rgba`.
+/// How a type is written, as a macro.
+struct StageMacro {
+  std::string word;              ///< its name
+  Color color;                   ///< of its bodies, unless they say another
+  bool has_many_colors = false;  ///< some do: theirs must count, so that this one is not written by name
+  std::vector<bool> furnished;   ///< of each part, whether it is left out
+};
+
+/// A type as a macro: its root, and below it a model for each part, and for each device that stands on a part
+/// but is not the part itself.
+void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
+                      StageText& text);
+
+/// `color`, an X11 name where there is one, else `color_rgba`, which counts only where there is no `color`,
+/// not even in a macro.
 void write_stage_color(const Color& color, StageText& text);
 
 }  // namespace troupe::worldio

@@ -61,7 +61,8 @@ class Structure {
       }
       add(part.returns.obstacle);
       add(part.returns.ranger);
-      add(part.returns.fiducial);
+      const bool is_root = &part == &type.parts.front();  // whose number is a matter of each body
+      add(is_root ? part.returns.fiducial != 0 : part.returns.fiducial);
       add(part.returns.fiducial_key);
       add(part.returns.gripper);
       add(part.returns.blob);
@@ -134,10 +135,13 @@ class Structure {
   std::string bytes_;
 };
 
-/// What tells one body from another of its type.
-constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba"};
-enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba };
+/// What tells one body from another of its type; of its `fiducial_return` the type says whether there is any.
+constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
+enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
+
+/// Whether a number is 0, by its characters.
+bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
 class StageWorld {
  public:
@@ -218,6 +222,7 @@ class StageWorld {
   bool is_without_body(const StageModel& model);
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
+  std::optional<std::int64_t> mark(const StageProperty& property);
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                      TypeSpec& type);
@@ -324,10 +329,15 @@ void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string&
   add(document_.word(entity));
   for (const StageProperty& property : document_.properties(entity)) {
     const std::string_view name = document_.key(property);
+    if (is_root && name == k_own_keys[k_fiducial] && property.count > 0) {
+      add(name);
+      add(is_zero(document_.value(property, 0).text) ? "0" : "marked");
+      continue;
+    }
     if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
     if (is_without_effect(name)) continue;
     add(name);
-    if (property.tuple) add("[");
+    if (property.tuple) add(fmt::format("[{}", property.count));
     for (std::uint32_t i = 0; i < property.count; ++i) add(document_.value(property, i).text);
   }
   add("(");
@@ -363,6 +373,10 @@ void StageWorld::add_body(const StageEntity& entity) {
     if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
   body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
   if (!prototype.usable) return;
+  if (own[k_fiducial])
+    if (const auto number = mark(*own[k_fiducial]);
+        number && *number != spec_->types[body.type.index()].parts.front().returns.fiducial)
+      body.fiducial = static_cast<std::int32_t>(*number);
 
   if (body.name != generated) spec_->aliases.push_back({generated, id});
   for (const std::string& part : prototype.global_parts)
@@ -599,21 +613,24 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   };
   const auto flag = [this](const StageProperty& property) { return values_.flag(property); };
   const auto number = [this](const StageProperty& property) { return values_.number(property); };
-  const auto mark = [this](const StageProperty& property) -> std::optional<std::int64_t> {
-    using Limits = std::numeric_limits<std::int32_t>;
-    const auto given = values_.integer(property);
-    if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
-    values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
-                                                       values_.key(property), *given));
-    return {};
-  };
   read("obstacle_return", returns.obstacle, flag);
   read("ranger_return", returns.ranger, number);
-  read("fiducial_return", returns.fiducial, mark);
-  read("fiducial_key", returns.fiducial_key, mark);
+  const auto mark_of = [this](const StageProperty& property) { return mark(property); };
+  read("fiducial_return", returns.fiducial, mark_of);
+  read("fiducial_key", returns.fiducial_key, mark_of);
   read("gripper_return", returns.gripper, flag);
   read("blob_return", returns.blob, flag);
   return returns;
+}
+
+/// A number for fiducial finders.
+std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const auto given = values_.integer(property);
+  if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
+  values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
+                                                     values_.key(property), *given));
+  return {};
 }
 
 void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {

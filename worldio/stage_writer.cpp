@@ -84,6 +84,13 @@ void WorldText::refuse_what_stage_lacks() {
   if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
     lacks("measure_every_s", "it is an option of the run, --measure-every");
+  if (!spec_.reserves.empty())
+    lacks(document_ && document_->find("populations") ? "populations" : "models",
+          "Stage has no bodies that are yet to be born, as in a \"reserve\"");
+  if (spec_.mortal) lacks("mortal", "Stage has no deaths");
+  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
+  if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
   if (document_ && document_->find("bounds_m"))
     lacks("bounds_m", "it reaches 100 km in each direction");
   else if (spec_.bounds)
@@ -132,9 +139,13 @@ void WorldText::write_types() {
     macros_[t] = word_of(type.name);
     for (int n = 2; !taken.insert(macros_[t]).second; ++n)
       macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
+    const StageMacro macro{.word = macros_[t],
+                           .color = colors_[t],
+                           .has_many_colors = has_many_colors[t],
+                           .furnished = furnished_parts(type, spec_.seed, registry_)};
     TypeSpec colored = type;  // a part without a colour of its own has its body's
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
-      if (colored.parts[p].color || colored.parts[p].solids.empty()) continue;
+      if (macro.furnished[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
       if (has_many_colors[t])
         diagnostics_.error(
@@ -143,7 +154,7 @@ void WorldText::write_types() {
                         "of its body",
                         type.name, colored.parts[p].name));
     }
-    write_stage_type(colored, macros_[t], colors_[t], {folder_, registry_, images_, diagnostics_}, text_);
+    write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
   }
 }
 
@@ -155,6 +166,7 @@ void WorldText::write_body(const engine::BodySpec& body) {
   text_.text("name", name.starts_with('/') ? "/" + name : name);
   text_.pose("pose", body.pose_world_body);
   if (body.color != colors_[type]) write_stage_color(body.color, text_);
+  if (body.fiducial != 0) text_.number("fiducial_return", body.fiducial);
   text_.close();
 }
 

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
 
 namespace troupe::worldio {
 
-void write_whole(const std::filesystem::path& file, const std::string& bytes) {
+void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
   // The process id keeps two programs that write one name out of each other's way.
   std::filesystem::path partial = file;
   partial += fmt::format(".{}.partial", getpid());
@@ -17,8 +18,10 @@ void write_whole(const std::filesystem::path& file, const std::string& bytes) {
 
   std::FILE* const out = std::fopen(partial.c_str(), "wb");
   if (!out) throw failed();
-  const bool written =
-      std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
+  const auto write = [out](std::string_view piece) {
+    return std::fwrite(piece.data(), 1, piece.size(), out) == piece.size();
+  };
+  const bool written = std::all_of(pieces.begin(), pieces.end(), write) && std::fflush(out) == 0;
   const int write_error = errno;
   const bool closed = std::fclose(out) == 0;
   if (!written) errno = write_error;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <initializer_list>
+#include <string_view>
 
 namespace troupe::worldio {
 
-/// Writes a file beside its name and renames it when it is whole, so that nobody ever finds half of it.
-/// Throws std::system_error; leaves nothing behind then, and what was there before as it was.
-void write_whole(const std::filesystem::path& file, const std::string& bytes);
+/// Writes the pieces, one after another, to another name beside `file`, and renames that when it is whole:
+/// who looks at `file` sees what was there before, or all of it. Throws std::system_error, and leaves nothing
+/// behind then.
+void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
 }  // namespace troupe::worldio

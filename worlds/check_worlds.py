@@ -15,8 +15,8 @@ import make_hospital
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 DRAWN = ("hospital.png", "cave.png", "cave-simple.json", "cave-simple-laser.json", "cave-complex.json",
-         "cave-complex-laser.json", "crowd.json", "campus.json")
-SCRIPTS = ("make_hospital.py", "make_cave.py", "make_crowd.py", "make_campus.py")
+         "cave-complex-laser.json", "crowd.json", "campus.json", "perception.json")
+SCRIPTS = ("make_hospital.py", "make_cave.py", "make_crowd.py", "make_campus.py", "make_perception.py")
 DARK = bytes(ord("1" if value <= 127 else "0") for value in range(256))
 
 

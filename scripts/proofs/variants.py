@@ -79,9 +79,12 @@ def observers(base, folder):
     """With everything that looks on; the files are written anew by each variant."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
                "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
-               "--profile", folder / "profile.json", "--snapshot", folder / "last.png")
+               "--profile", folder / "profile.json", "--snapshot", folder / "last.png",
+               "--film", folder / "film-%06d.png", "--fps", 5, "--film-speed", 4, "--size", "320x180",
+               "--camera", "perspective", "--color-by", "pose.heading", "--layers",
+               "scans,beams,sights,blobs,grips,links,trails,names,energy,footprints,coverage,density,tiles,cells,speed")
     variants = tuple(replace(base, label=f"observed, {n} threads", threads=n, options=options) for n in (1, 2))
-    return Proof("T0 observers", "recording, measures, events, profile, picture", variants)
+    return Proof("T0 observers", "recording, tables, profile, pictures, film", variants)
 
 
 def restarts(base, ticks):

@@ -52,11 +52,13 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
                       Scene{"foraging", "foraging.json", 20, 800}, Scene{"gripper", "gripper.json", 195, 200},
                       Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200},
-                      Scene{"lookout", "lookout.json", 200, 100}, Scene{"blobs", "blobs.world", 10, 20},
+                      Scene{"lookout", "lookout.json", 200, 100}, Scene{"chatter", "chatter.json", 200, 100},
+                      Scene{"perception", "perception.json", 100, 200}, Scene{"blobs", "blobs.world", 10, 20},
                       Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
                       Scene{"noise", "noise.world", 10, 50},
                       // Births and deaths fall into what is counted.
-                      Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300}),
+                      Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300},
+                      Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

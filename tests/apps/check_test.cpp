@@ -1,4 +1,4 @@
-#include "apps/check.hpp"
+#include "apps/check/check.hpp"
 
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"

@@ -1,4 +1,4 @@
-#include "apps/filled_storage.hpp"
+#include "apps/check/filled_storage.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -163,6 +163,15 @@ TEST_F(Info, OfWorlds) {
                           "bounds none: 100 km in each direction", "measures order, stalls:b"));
 }
 
+TEST_F(Info, OfAnExperiment) {
+  const Outcome outcome = troupe({"info", TROUPE_SOURCE_DIR "/worlds/failures.json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("covered >= 0.9\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("move at 5 s, disable at 10 s, enable at 15 s, remove at 20 s, set at 25 s\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("slow_wheels of rover, dead_sensors of rover, drop_out of rover\n"));
+}
+
 TEST_F(Info, WrongWorldsTellWhatIsWrong) {
   write("ours", "{\"troupe\": 1,\n \"sed\": 9}");
   EXPECT_THAT(error_of("ours"), StartsWith("ours:2: error: unknown key \"sed\""));

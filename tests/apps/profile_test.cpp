@@ -1,4 +1,4 @@
-#include "apps/profile.hpp"
+#include "apps/observers/profile.hpp"
 #include "tests/apps/program.hpp"
 
 #include <nlohmann/json.hpp>

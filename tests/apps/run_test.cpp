@@ -78,6 +78,42 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_NEAR(shares, 1, 1e-6);
 }
 
+constexpr std::string_view k_runner = R"({"troupe": 1, "bounds_m": [[-1, -1], [20, 1]],
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
+    "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 1}]}}},
+  "models": [{"name": "r", "type": "bot"}],
+  "stop_when": ["alive == 0", "displacement >= 0.95"]})";
+
+TEST_F(Run, EndsWhereTheWorldSaysThatItIsOver) {
+  write("w.json", k_runner);
+  const Outcome text = troupe({"run", "w.json", "--for", "60", "--hash-log", "h.log"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("finished at 1.1 of 60 s: displacement >= 0.95\n"));
+  EXPECT_EQ(ticks("h.log").size(), 12u);
+  const Outcome json = troupe({"run", "w.json", "--for", "60", "--json"});
+  const auto summary = nlohmann::json::parse(json.out);
+  EXPECT_EQ(summary.at("stopped_by"), "displacement >= 0.95");
+  EXPECT_FALSE(summary.at("stopped_early").get<bool>());
+  EXPECT_EQ(summary.at("ticks"), 11);
+  const Outcome whole = troupe({"run", "w.json", "--for", "2", "--json", "--set", "/stop_when=[]"});
+  EXPECT_EQ(nlohmann::json::parse(whole.out).at("ticks"), 20);
+  EXPECT_FALSE(nlohmann::json::parse(whole.out).contains("stopped_by"));
+}
+
+TEST_F(Run, TellsWhatIsWrongWithAnExperiment) {
+  write("w.json", R"({"troupe": 1,
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"}}},
+  "models": [{"name": "r", "type": "bot"}],
+  "stop_when": ["covrage >= 0.9"],
+  "at": [{"time_s": 1, "remove": {"model": "r"}, "add": {}}],
+  "faults": [{"model": "r", "slow_wheels": {"factor": 2}}]})");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("w.json:4: error: /stop_when/0: unknown measure \"covrage\""));
+  EXPECT_THAT(outcome.err, HasSubstr("w.json:5: error: /at/0: one thing is done at a time"));
+  EXPECT_THAT(outcome.err, HasSubstr("w.json:6: error: /faults/0/slow_wheels/factor: must be above 0"));
+}
+
 TEST_F(Run, QuietPrintsNothing) {
   const Outcome outcome = troupe({"run", "room.world", "--for", "0.5", "--quiet", "--hash-log", "h.log"});
   EXPECT_EQ(outcome.code, 0);

@@ -24,9 +24,10 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   const Outcome outcome = troupe({"run", "--help"});
   EXPECT_EQ(outcome.code, 0);
   for (const char* word :
-       {"WORLD",     "--for",           "--rate",       "--clock",        "--threads",  "--seed",
-        "--robots",  "--set",           "--tile-size",  "--hash-log",     "--snapshot", "--size",
-        "--profile", "--profile-ticks", "--camera-png", "--camera-every", "--json",     "--quiet",
+       {"WORLD",     "--for",           "--rate",       "--clock",    "--threads",  "--seed",
+        "--robots",  "--set",           "--tile-size",  "--hash-log", "--snapshot", "--snapshot-at",
+        "--film",    "--camera",        "--layers",     "[scans]",    "--color-by", "--size",
+        "--profile", "--profile-ticks", "--camera-png", "--json",     "--quiet",    "--camera-every",
         "quit_time", "Exit codes",      "Examples"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
@@ -147,7 +148,30 @@ INSTANTIATE_TEST_SUITE_P(
             room({"--snapshot", "room.png", "--size", "0x480"}),
             in_run("--size: \"0x480\" is not a width and a height in pixels, 1 to 16384 each, as in --size "
                    "1280x720")},
-        WrongUsage{room({"--size", "640x480"}), in_run("--size requires --snapshot")},
+        WrongUsage{room({"--size", "640x480"}), in_run("--size requires --snapshot or --film")},
+        WrongUsage{room({"--layers", "scans"}), in_run("--layers requires --snapshot or --film")},
+        WrongUsage{room({"--snapshot-at", "1"}), in_run("--snapshot-at requires --snapshot")},
+        WrongUsage{room({"--fps", "10"}), in_run("--fps requires --film")},
+        WrongUsage{room({"--snapshot", "p.png", "--snapshot-at", "1,x"}),
+                   in_run("--snapshot-at: \"1,x\" is not a list of simulated times in seconds, as in "
+                          "--snapshot-at 0,60,600")},
+        WrongUsage{room({"--snapshot", "p.png", "--camera", "side"}),
+                   in_run("--camera: unknown camera \"side\"; known: follow:NAME, perspective, top, window")},
+        WrongUsage{room({"--snapshot", "p.png", "--angle", "91"}),
+                   in_run("--angle: \"91\" is not a pitch in degrees, 0 (straight down) to 90 (level), and a "
+                          "yaw, -360 to 360, as in --angle 50,30")},
+        WrongUsage{room({"--snapshot", "p.png", "--center", "3"}),
+                   in_run("--center: \"3\" is not x and y in metres, at most 1e+06, as in --center 2.5,-4")},
+        WrongUsage{room({"--snapshot", "p.png", "--across", "0"}),
+                   in_run("--across: \"0\" is not a length in metres, above 0 and at most 1e+06")},
+        WrongUsage{room({"--snapshot", "p.png", "--color-range", "2,1"}),
+                   in_run("--color-range: \"2,1\" is not two numbers, the lower first, as in --color-range "
+                          "0,0.5")},
+        WrongUsage{room({"--film", "crowd.avi"}),
+                   in_run("--film: \"crowd.avi\" is not the name of a film, as in --film crowd.mp4 or "
+                          "frames/%06d.png")},
+        WrongUsage{room({"--film", "crowd.mp4", "--fps", "0"}),
+                   in_run("--fps: \"0\" is not pictures a second, above 0 and at most 1000")},
         WrongUsage{
             room({"--profile", "trace.txt"}),
             in_run("--profile: \"trace.txt\" is not the name of a JSON file, as in --profile trace.json")},

@@ -3,6 +3,7 @@
 #include "base/random.hpp"
 #include "engine/controller.hpp"
 #include "engine/events.hpp"
+#include "engine/frame.hpp"
 #include "engine/world.hpp"
 #include "models/gripper.hpp"
 #include "tests/support/devices.hpp"

@@ -102,7 +102,9 @@ Setting any_setting() {
   for (int i = *rc::gen::inRange(0, 8); i > 0; --i)
     s.walls.push_back({{any(0.02, 3), any(0.02, 3)}, {any(-5, 5), any(-5, 5), 0, any(-4, 4)}});
   s.size = {any(0.05, 0.8), any(0.05, 0.8)};
-  s.rule.kind = *rc::gen::element(PlacementRule::Kind::grid, PlacementRule::Kind::uniform);
+  using enum PlacementRule::Kind;
+  s.rule.kind = *rc::gen::element(grid, uniform, gaussian, poisson_disc, free_floor);
+  s.rule.distance_m = any(0.1, 1);
   s.rule.region = region(any(-5, -1), any(-5, -1), any(0, 4), any(0, 4));
   s.rule.pitch_m = any(0.2, 1.2);
   s.rule.jitter_m = *rc::gen::element(0.0, 0.1, 0.7);
@@ -211,18 +213,106 @@ TEST(Placement, ThreadsChangeNobodysPlace) {
     }
   ASSERT_EQ(one_by_one.size(), k_bodies);
 
-  for (const PlacementRule& rule : {uniform, grid, drawn}) {
+  const PlacementRule spaced{
+      .kind = PlacementRule::Kind::poisson_disc, .region = region(0, 0, 20, 20), .distance_m = 0.12};
+  const PlacementRule floor{.kind = PlacementRule::Kind::free_floor, .region = region(0, 0, 20, 20)};
+
+  for (const PlacementRule& rule : {uniform, grid, drawn, spaced, floor}) {
     std::vector<Pose> expected = one_by_one;
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
       partition::Parallel parallel(threads);
       Crowd others;
       const auto poses = place(rule, shape, k_bodies, 1, "p", std::nullopt, scene, others, parallel);
-      if (threads == 1 && rule.kind == PlacementRule::Kind::grid) expected = poses;
+      if (threads == 1 && rule.kind != PlacementRule::Kind::uniform) expected = poses;
       EXPECT_EQ(poses, expected) << threads << " threads";
       EXPECT_EQ(others.size(), poses.size());
       EXPECT_GT(poses.size(), k_bodies * 5 / 12);
     }
   }
+}
+
+std::vector<Pose> placed(const PlacementRule& rule, std::size_t count,
+                         const partition::StaticScene& scene = {}, Size size = {0.1, 0.1}) {
+  Crowd crowd;
+  return place(rule, box_shape(size), count, 1, "p", std::nullopt, scene, crowd, one_thread());
+}
+
+TEST(Placement, APolygonHoldsThemWhateverTheRule) {
+  const Ring triangle{{0, 0}, {4, 0}, {0, 4}};
+  const auto is_in = [](const Pose& pose) { return pose.x > 0 && pose.y > 0 && pose.x + pose.y < 4; };
+  PlacementRule rule{.kind = PlacementRule::Kind::uniform, .region = region(0, 0, 4, 4), .polygon = triangle};
+  for (const Pose& pose : placed(rule, 200)) EXPECT_TRUE(is_in(pose));
+  rule.kind = PlacementRule::Kind::gaussian;
+  rule.mean = {3, 3};
+  for (const Pose& pose : placed(rule, 50)) EXPECT_TRUE(is_in(pose));
+  const PlacementRule grid{.region = region(0.6, 0.6, 4, 4), .polygon = triangle, .pitch_m = 1, .heading = 0};
+  EXPECT_EQ(placed(grid, 100).size(), 3u + 2 + 1);
+}
+
+TEST(Placement, GaussianHasItsMeanAndDeviations) {
+  const PlacementRule rule{.kind = PlacementRule::Kind::gaussian,
+                           .region = region(-1000, -1000, 1000, 1000),
+                           .mean = {100, -50},
+                           .deviation = {20, 5}};
+  constexpr double k_count = 2000;
+  const auto poses = placed(rule, static_cast<std::size_t>(k_count), {}, {0.01, 0.01});
+  ASSERT_EQ(poses.size(), k_count);
+  Vec2 sum(0, 0), squares(0, 0);
+  for (const Pose& pose : poses) sum += pose.position();
+  const Vec2 mean = sum / k_count;
+  for (const Pose& pose : poses) squares += (pose.position() - mean).cwiseAbs2();
+  const Vec2 deviation = (squares / (k_count - 1)).cwiseSqrt();
+  // Within four standard errors, s / sqrt(n) of the mean and s / sqrt(2 n) of the deviation.
+  EXPECT_NEAR(mean.x(), 100, 4 * 20 / std::sqrt(k_count));
+  EXPECT_NEAR(mean.y(), -50, 4 * 5 / std::sqrt(k_count));
+  EXPECT_NEAR(deviation.x(), 20, 4 * 20 / std::sqrt(2 * k_count));
+  EXPECT_NEAR(deviation.y(), 5, 4 * 5 / std::sqrt(2 * k_count));
+}
+
+TEST(Placement, OfAPoissonDiscNoTwoAreNear) {
+  const PlacementRule rule{
+      .kind = PlacementRule::Kind::poisson_disc, .region = region(0, 0, 10, 10), .distance_m = 1};
+  const auto poses = placed(rule, 1000);
+  // Discs thrown until a thousand find no room cover about half of the plane: 0.5 * 100 / (pi / 4) of them,
+  // and more as those at the border reach over it.
+  EXPECT_GT(poses.size(), 60u);
+  EXPECT_LT(poses.size(), 90u);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      ASSERT_GE((poses[i].position() - poses[j].position()).norm(), 1) << i << " and " << j;
+}
+
+/// Two rooms with a gap of 1 m between them, and a third that nothing leads to.
+partition::StaticScene rooms() {
+  return {{{box({0, 1}, {0.2, 5}), BodyId(1)},     // x 0, y -1.5 .. 3.5: the gap is below
+           {box({-2, 3.4}, {4, 0.2}), BodyId(2)},  // round both rooms, y 3.4 ..
+           {box({2, 3.4}, {4, 0.2}), BodyId(3)},   // .. -2.6
+           {box({0, -2.6}, {8.2, 0.2}), BodyId(4)},
+           {box({-4, 0.4}, {0.2, 6.2}), BodyId(5)},
+           {box({4, 0.4}, {0.2, 6.2}), BodyId(6)}},
+          0.5};
+}
+
+TEST(Placement, TheFreeFloorIsWhatABodyCanReach) {
+  const partition::StaticScene scene = rooms();
+  PlacementRule rule{
+      .kind = PlacementRule::Kind::free_floor, .region = region(-4, -2.6, 20, 3.4), .from = Vec2(-3, 0)};
+  const auto mean_of_signs = [](const std::vector<Pose>& poses) {
+    double sum = 0;
+    for (const Pose& pose : poses) sum += pose.x < 0 ? -1 : 1;
+    return sum / static_cast<double>(poses.size());
+  };
+  const auto small = placed(rule, 100, scene, {0.2, 0.2});
+  ASSERT_EQ(small.size(), 100u);
+  for (const Pose& pose : small) EXPECT_LT(pose.x, 3.9) << "the floor outside is not reached";
+  EXPECT_LT(std::abs(mean_of_signs(small)), 0.5) << "both rooms";
+  const auto large = placed(rule, 5, scene, {1.1, 1.1});
+  ASSERT_EQ(large.size(), 5u);
+  for (const Pose& pose : large) EXPECT_LT(pose.x, 0) << "too wide for the gap";
+  rule.from.reset();
+  for (const Pose& pose : placed(rule, 20, scene, {0.2, 0.2})) EXPECT_GT(pose.x, 4.1) << "it is the largest";
+  rule.from = Vec2(0, 1);
+  EXPECT_TRUE(placed(rule, 1, scene, {0.2, 0.2}).empty()) << "in a wall";
 }
 
 RC_GTEST_PROP(PlacementProperty, NobodyOverlaps, ()) {

@@ -1,12 +1,15 @@
 #include "engine/sight.hpp"
 
 #include "base/random.hpp"
+#include "engine/lookout.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace troupe::engine {
@@ -117,6 +120,74 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
     }
   }
   EXPECT_GT(met, k_worlds * k_rays / 4);
+}
+
+/// From one point, with more rays than a fan has beams, and again from the next: what first_met() says, bit
+/// for bit. Also in a crowd of which the nearest hide the rest, and far from the origin.
+TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
+  constexpr int k_worlds = test::k_slow_build ? 2 : 12;
+  constexpr int k_points = test::k_slow_build ? 6 : 40;
+  int met = 0;
+  for (int w = 0; w < k_worlds; ++w) {
+    Random random(8, 1, static_cast<std::uint32_t>(w), 0);
+    SceneBuilder scene = random_scene(random);
+    const Vec2 middle = w % 4 == 3 ? Vec2(40000, -90000) : Vec2(0, 0);
+    const TypeId post = scene.robot("post", {box(0.1, 0.1)});
+    for (int b = 0; b < (w % 2 == 0 ? 0 : 200); ++b) {
+      std::string name = "p";
+      name += std::to_string(b);
+      scene.body(name, post, {random.uniform(-6, 6), random.uniform(-6, 6), 0, 1});
+    }
+    for (std::size_t b = 1; b < scene.spec.bodies.size(); ++b) {
+      scene.spec.bodies[b].pose_world_body.x += middle.x();
+      scene.spec.bodies[b].pose_world_body.y += middle.y();
+    }
+    const World world = scene.world({.threads = 1, .tile_size_m = w % 3 == 0 ? 0 : random.uniform(0.5, 20)});
+    Lookout lookout;
+    for (int p = 0; p < k_points; ++p) {
+      SightRay ray{.origin = middle + Vec2(random.uniform(-7, 7), random.uniform(-7, 7))};
+      if (p % 3 != 0) ray.z = random.uniform(0, 1);
+      if (p % 2 == 0) ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
+      const double reach = random.uniform(0.5, 12);
+      std::vector<SightLine> rays(1 + random.below(70));
+      for (SightLine& line : rays) {
+        const double heading = random.uniform(-k_pi, k_pi);
+        line = {{troupe::cos(heading), troupe::sin(heading)}, reach * random.uniform(0, 1)};
+      }
+      std::vector<Sighting> found(rays.size());
+      lookout.stand(world, ray.origin, reach, ray.own, ray.z);
+      lookout.first_met(rays, found);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ray.direction = rays[i].direction;
+        ray.length = rays[i].length;
+        const Sighting want = first_met(world, ray);
+        ASSERT_EQ(found[i].range, want.range) << "world " << w << ", point " << p << ", ray " << i;
+        ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;
+        ASSERT_EQ(found[i].part, want.part);
+        met += want.met();
+      }
+    }
+  }
+  EXPECT_GT(met, k_worlds * k_points);
+}
+
+TEST(Sight, ALookoutKnowsWhoIsInReach) {
+  SceneBuilder scene;
+  const TypeId robot = scene.robot("robot", {box(0.2, 0.2)});
+  const TypeId barge = scene.robot("barge", {box(6, 6)});  // lies in many cells
+  const auto add = [&](const char* name, TypeId type, double x) {
+    return scene.body(name, type, {x, 0, 0, 0});
+  };
+  const std::vector<BodyId> near{add("own", robot, 0), add("a", robot, 1), add("b", robot, -2.05),
+                                 add("c", barge, 5)};
+  add("far", robot, 2.3);
+  const World world = scene.world();
+  Lookout lookout;
+  lookout.stand(world, {0, 0}, 2, world.row(near[0]), {});
+  std::vector<BodyId> found;
+  for (const std::uint32_t row : lookout.bodies()) found.push_back(world.body(Row(row)));
+  std::ranges::sort(found);
+  EXPECT_EQ(found, (std::vector<BodyId>{near[1], near[2], near[3]}));
 }
 
 TEST(Sight, OfTwoSurfacesAtOneRangeTheLowerBodyIsMet) {

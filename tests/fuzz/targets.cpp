@@ -10,6 +10,7 @@
 #include "worldio/load.hpp"
 #include "worldio/recording_reader.hpp"
 #include "worldio/recording_repair.hpp"
+#include "worldio/replay_data.hpp"
 #include "worldio/ros_map.hpp"
 #include "worldio/sealed_file.hpp"
 
@@ -193,6 +194,11 @@ void read_recording(std::string_view text) {
         recording.read(array, f, frame);
     }
     check(recording.frames() == recording.ticks().size());
+    try {
+      check(worldio::replay_data(recording, {.most_bytes = 1000000, .fields = {}}).bytes.size() <= 1000000);
+    } catch (const InputError& error) {
+      check(std::string_view(error.what()).starts_with(file.string() + ": error: "));
+    }
     check(worldio::repair_recording(file).frames == recording.frames());
   } catch (const worldio::Hdf5Error& error) {
     check(std::string_view(error.what()).starts_with(file.string() + ": error: "));

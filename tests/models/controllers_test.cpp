@@ -264,7 +264,9 @@ TEST(Script, TimedWithoutLegsIsAFault) {
   EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");
 }
 
+/// Of each x, y, z and heading; and, where they are given, time, speed and wait.
 engine::Record goals(std::vector<engine::Record> poses, bool again) {
+  for (engine::Record& goal : poses) goal.resize(7, 0.0);
   return test::record(test::registry().controller("waypoints")->params,
                       {{"goals", std::move(poses)}, {"again", again}});
 }

@@ -14,7 +14,7 @@ using test::box;
 using test::SceneBuilder;
 
 engine::DeviceSpec light(double period_s, double dutycycle, bool enabled) {
-  return {.name = "lamp", .kind = "blinkenlight", .params = {period_s, dutycycle, enabled}, .where = {}};
+  return {.name = "lamp", .kind = "blinkenlight", .params = {period_s, dutycycle, enabled, 1.0}, .where = {}};
 }
 
 /// Whether the light was lit in each of the first ticks, of 0.1 s.
@@ -66,7 +66,7 @@ struct Switcher {
 TEST(Light, IsSwitchedByControllersATickLater) {
   engine::Registry registry = test::registry();
   registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", "", {}));
-  engine::World world = world_of({.name = "lamp", .kind = "lightindicator", .params = {}, .where = {}},
+  engine::World world = world_of({.name = "lamp", .kind = "lightindicator", .params = {1.0}, .where = {}},
                                  {{.kind = "switcher", .params = {}, .where = {}}}, registry);
   EXPECT_EQ(lit(world, 7), (std::vector{0, 0, 1, 1, 1, 0, 0}));
   EXPECT_EQ(Switcher::seen_lit, 0);

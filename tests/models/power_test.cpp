@@ -188,6 +188,38 @@ TEST(PowerContact, GivesToWhatTouchesAtTheSlowerRate) {
   EXPECT_EQ(state_of<PowerContactState>(world, station.charger, "power_contact").touched, 3);
 }
 
+/// Givers of lower and of higher ids than the taker, which drives off: what it reads as it decides is whether
+/// the tick before gave it something, and so is what others read between ticks.
+TEST(PowerContact, ControllersSeeThatTheirPackIsCharged) {
+  for (const bool giver_first : {true, false}) {
+    SceneBuilder scene;
+    const TypeId giver = scene.type("charger", {box(0.4, 0.4)}, {.obstacle = false});
+    scene[giver].devices = {pack({{"infinite", true}}), contact(20, 0)};
+    const TypeId taker = scene.robot("robot", {box(0.2, 0.2)});
+    scene[taker].devices = {pack({{"capacity", 100.0}, {"stored", 10.0}}), contact(0, 20)};
+    scene[taker].controllers = {test::drive_legs({test::leg(0.5, 0), test::leg(20, 0.5)})};
+    if (giver_first) scene.body("charger", giver);
+    const BodyId robot = scene.body("robot", taker);
+    if (!giver_first) scene.body("charger", giver);
+    World world = scene.world({.threads = 1});
+    bool was_given = false;
+    int ticks_seen = 0;
+    world.on_decide([&](const auto&, const auto& controller, const engine::DecideBatch& batch) {
+      EXPECT_EQ(pack_of(world, robot).charging != 0, was_given) << "tick " << world.tick();
+      ticks_seen += was_given;
+      controller.kind->decide(controller.data, batch);
+    });
+    for (int t = 0; t < 30; ++t) {
+      const double received = pack_of(world, robot).received;
+      world.step();
+      was_given = pack_of(world, robot).received > received;
+      EXPECT_EQ(pack_of(world, robot).charging != 0, was_given) << "tick " << t;
+    }
+    EXPECT_GT(ticks_seen, 5);
+    EXPECT_FALSE(was_given);
+  }
+}
+
 TEST(PowerContact, GivesNoMoreThanThereIsRoomForAndThanItHolds) {
   Station full(20, {{"infinite", true}}, 20, {{"capacity", 100.0}, {"stored", 99.5}});
   const BodyId nearly_full = full.scene.body("a", full.taker, {0.3, 0, 0, 0});

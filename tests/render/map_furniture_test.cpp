@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace troupe::render {
 namespace {
@@ -56,9 +58,9 @@ TEST(FloorGrid, StaysSparseAtAnyScale) {
   }
 }
 
-TEST(ScaleAndTime, StayInsideThePicture) {
+TEST(Furniture, StaysInsideThePicture) {
   const Framing framing = framing_of(240, 160);
-  const Mesh mesh = scale_and_time(framing, 123456.7);
+  const Mesh mesh = furniture(framing, {.right = clock_text(123456.7)});
   ASSERT_FALSE(mesh.empty());
   for (const Vertex& v : mesh) {
     EXPECT_LE(std::abs(v.x + v.offset_x), 120);
@@ -66,7 +68,27 @@ TEST(ScaleAndTime, StayInsideThePicture) {
   }
 }
 
-TEST(ScaleAndTime, AreLeftOutOfThumbnails) { EXPECT_TRUE(scale_and_time(framing_of(239, 400), 1).empty()); }
+TEST(Furniture, IsLeftOutOfThumbnails) {
+  EXPECT_TRUE(furniture(framing_of(239, 400), {.right = "1.0 s"}).empty());
+}
+
+TEST(Furniture, ShowsWhatItIsAskedFor) {
+  const Framing framing = framing_of(640, 480);
+  EXPECT_TRUE(furniture(framing, {.scale = false}).empty());
+  const auto reaches = [&](const Furniture& shown) {
+    double left = 0;
+    double right = 0;
+    for (const Vertex& v : furniture(framing, shown)) {
+      left = std::min<double>(left, v.x);
+      right = std::max<double>(right, v.x);
+    }
+    return std::pair(left, right);
+  };
+  EXPECT_LT(reaches({.scale = false, .left = "west"}).first, -280);
+  EXPECT_LT(reaches({.scale = false, .left = "west"}).second, 1);
+  EXPECT_GT(reaches({.scale = false, .right = "east"}).first, -1);
+  EXPECT_GT(reaches({.scale = false, .right = "east"}).second, 280);
+}
 
 }  // namespace
 }  // namespace troupe::render

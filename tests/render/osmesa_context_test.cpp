@@ -5,6 +5,7 @@
 
 #include <array>
 #include <stdexcept>
+#include <thread>
 
 namespace troupe::render {
 namespace {
@@ -27,6 +28,20 @@ TEST(OsmesaContext, SaysWhatToInstallWhenThereIsNone) {
 TEST(OsmesaContext, TakesTheFirstThatOpens) {
   const std::array names = {"libOSMesa-that-is-nowhere.so.1", "libOSMesa.so.8"};
   EXPECT_NE(open_osmesa(names), nullptr);
+}
+
+TEST(OsmesaContext, IsCurrentWhereverItIsMadeSo) {
+  OsmesaContext first;
+  OsmesaContext second;
+  for (int i = 0; i < 2; ++i) {
+    first.make_current();
+    second.make_current();
+    second.release();
+  }
+  std::thread([&] {
+    first.make_current();
+    first.release();
+  }).join();
 }
 
 TEST(OsmesaContext, GivesEntryPointsAgainAndAgain) {

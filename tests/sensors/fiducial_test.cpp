@@ -115,6 +115,19 @@ TEST(Conformance11, ALowTargetIsSeenWithIgnoreZlocOnly) {
   EXPECT_THAT(ids(behind), ElementsAre(7));
 }
 
+TEST(Fiducial, BodiesOfOneTypeMayHaveNumbersOfTheirOwn) {
+  for (const bool fixed : {true, false}) {
+    FinderScene scene;
+    const TypeId type =
+        fixed ? scene.type("target", {box(0.2, 0.2)}) : scene.robot("target", {box(0.2, 0.2)});
+    scene[type].parts[0].returns.fiducial = 1;
+    scene.spec.bodies[scene.body("a", type, {2, 1, 0, 0}).index()].fiducial = 5;
+    scene.spec.bodies[scene.body("b", type, {3, 0, 0, 0}).index()].fiducial = -6;
+    scene.body("c", type, {3.5, -1, 0, 0});
+    EXPECT_THAT(ids(scene), ElementsAre(5, -6, 1)) << fixed;
+  }
+}
+
 TEST(Fiducial, LimitsOfRangeAndFieldOfView) {
   FinderScene scene({{"range_max", 4.0}, {"range_max_id", 2.0}, {"fov", radians(90)}});
   scene.target(1, {0, 1.5, 0, 0});  // beside

@@ -8,6 +8,7 @@
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <ostream>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 const fs::path k_source = TROUPE_SOURCE_DIR;
 
@@ -100,6 +102,7 @@ INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds,
                                            World{"worlds/errands.json"}, World{"worlds/lookout.json"},
                                            World{"worlds/gripper.json"}, World{"worlds/gate.json"},
                                            World{"worlds/magpies.json"}, World{"worlds/lift.world", 50},
+                                           World{"worlds/door.json"}, World{"worlds/failures.json", 110},
                                            World{"../shared/stage-worlds/simple.world", 50},
                                            World{"../shared/stage-worlds/pioneer_walle.world", 50},
                                            World{"../shared/stage-worlds/roomba.world", 50},
@@ -196,7 +199,7 @@ TEST_F(ConvertTest, ImagesStayImagesWhereverTheWorldGoes) {
   const fs::path json = convert(k_source / "worlds/cave-simple.json", "deep/er/w.json");
   ASSERT_THAT(found, IsEmpty());
   EXPECT_THAT(content(json), HasSubstr("/cave.png\""));
-  EXPECT_THAT(content(json), testing::Not(HasSubstr("contours_m")));
+  EXPECT_THAT(content(json), Not(HasSubstr("contours_m")));
 }
 
 TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
@@ -252,6 +255,84 @@ TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
   ASSERT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings, IsEmpty());
   EXPECT_EQ(hash_log(world, 30), hash_log(json, 30)) << content(world);
+}
+
+TEST_F(ConvertTest, WhatControllersAddToTheirModelIsNotWrittenTwice) {
+  const fs::path world = write("w.world", R"(seed 7
+define box model( size [0.2 0.2 0.2] )
+box( name "d" ctrl [ "rasterize" "dynamic 3 0.8" "dynamic 5 0.5" ] color "blue" model( pose [0.5 0 0 0] ) )
+box( name "e" pose [5 0 0 0] model( name "in" stack_children 0 ctrl "dynamic 2" model( size [0.1 0.1 0.1] ) ) )
+box( name "f" pose [5 5 0 0] ctrl "dynamic 4" )
+box( name "g" pose [5 9 0 0] ctrl "dynamic 4" color "green" )
+position( name "n" pose [0 5 0 0]
+  ranger( ctrl "lasernoise 0.1" sensor( samples 5 fov 90 ) sensor() alwayson 1 ) )
+)");
+  const fs::path json = convert(world, "w.json");
+  ASSERT_THAT(found, IsEmpty());
+  const fs::path back = convert(json, "back.world");
+  ASSERT_THAT(found, IsEmpty()) << content(json);
+  EXPECT_THAT(content(back), HasSubstr("ctrl [\"rasterize\" \"dynamic count=3 reach=0.8\" \"dynamic "));
+  EXPECT_THAT(content(back), HasSubstr("ctrl \"lasernoise share=0.1\""));
+  EXPECT_THAT(content(back), Not(HasSubstr("dynamic:")));
+  for (const fs::path& other : {json, back}) EXPECT_EQ(hash_log(other, 20), hash_log(world, 20));
+
+  worldio::LoadOptions other_seed;
+  other_seed.set = {{"/seed", "8"}};
+  convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world", other_seed);
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds to its model, with this seed, other "
+                                        "parts than are there")));
+}
+
+TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
+  std::string text = "define bot position( size [0.2 0.2 0.2] fiducial( range_max_id 8 alwayson 1 ) )\n";
+  for (int i = 0; i < 5; ++i)
+    text += fmt::format("bot( pose [{} 0 0 0] fiducial_return {} )\n", i, 10 * i - 20);
+  const fs::path world = write("w.world", text);
+  const fs::path json = convert(world, "w.json");
+  EXPECT_THAT(content(json), HasSubstr("\"fiducial_return\": -20"));  // of the type
+  EXPECT_THAT(content(json), HasSubstr("\"fiducial_return\": 20"));
+  const fs::path back = convert(json, "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  for (const fs::path& other : {json, back}) EXPECT_EQ(hash_log(other, 5), hash_log(world, 5));
+  const Simulation simulation(back, {.threads = 1});
+  const engine::WorldSpec& spec = simulation.world().spec();
+  EXPECT_EQ(spec.types.size(), 3u) << "the ground, those that are marked, and the one whose number is 0";
+  for (std::uint32_t b = 1; b <= 5; ++b)
+    EXPECT_EQ(fiducial_of(spec, BodyId(b), 0), 10 * static_cast<int>(b) - 30);
+}
+
+TEST_F(ConvertTest, ColoursWithoutANameCountBesideAMacrosThatHasOne) {
+  const fs::path world = write("w.world", R"(define bot position( color "red" size [0.2 0.2 0.2] )
+bot() bot( pose [1 0 0 0] color "random" ) bot( pose [2 0 0 0] color "blue" )
+position( pose [0 2 0 0] blobfinder( alwayson 1 range 5 fov 200 pan -90 ) )
+)");
+  const fs::path back = convert(convert(world, "w.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 5), hash_log(world, 5));
+}
+
+TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
+  const std::string types = R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}}, )";
+  convert(write("w.json", types + "\n\"populations\": [{\"name\": \"p\", \"type\": \"t\", \"count\": 1, "
+                                  "\"reserve\": 3, \"place\": {\"rule\": \"uniform\", \"region_m\": "
+                                  "[[-3, -2], [3, 2]]}}]}"),
+          "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"populations\": "
+                                           "Stage has no bodies that are yet to be born")));
+  convert(write("w.json", types + "\n\"mortal\": true, \"models\": [{\"name\": \"a\", \"type\": \"t\"}]}"),
+          "w.world");
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"mortal\": Stage "
+                                    "has no deaths")));
+}
+
+TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
+  convert(write("w.json", R"({"troupe": 1, "types": {
+    "t": {"extent_m": [2, 2, 2], "fiducial_return": 1,
+          "blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [0, 1]}]}},
+  "models": [{"name": "a", "type": "t"}]})"),
+          "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("an extent other than that of its outline")));
 }
 
 TEST_F(ConvertTest, HeadingsBeyondHalfATurnAreAWarning) {

@@ -95,13 +95,19 @@ std::vector<GoldenRun> runs() {
           {"blobs.world", {}, 50},
           {"bumper.world", {}, 50},
           {"camera.world", {}, 50},
+          {"chatter.json", {}, 50},
           {"fiducial.world", {}, 50},
+          {"flock.json", {}, 50},
           {"gate.json", {}, 50},
+          {"gradient.json", {}, 50},
           {"gripper.json", {}, 50},
           {"lift.world", {}, 50},
           {"magpies.json", {}, 50},
           {"minimal.world", {}, 50},
-          {"noise.world", {}, 50}};
+          {"door.json", {}, 50},
+          {"failures.json", {}, 300},
+          {"noise.world", {}, 50},
+          {"perception.json", {}, 50}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {

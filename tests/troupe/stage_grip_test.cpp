@@ -39,6 +39,17 @@ class StageGrip : public test::ScratchTest {
   }
 };
 
+TEST_F(StageGrip, AnActuatorsLimitsStandInTheirOrder) {
+  try {
+    load("\nposition( actuator( name \"lift\" min_position 2 ) )");
+    ADD_FAILURE() << "it was read";
+  } catch (const InputError& fault) {
+    EXPECT_THAT(fault.what(),
+                ::testing::EndsWith("w.world:2: error: device \"lift\" needs a \"min_position\", here "
+                                    "2, of at most its \"max_position\", here 1"));
+  }
+}
+
 TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
   Simulation simulation = load(
       "position( name \"r\" gripper( alwayson 1 size [2 4 1] paddle_size [0.5 0.25 0.5] "

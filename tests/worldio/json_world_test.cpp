@@ -123,6 +123,26 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_EQ(loaded.diagnostics.files()->name(spec.bodies[1].where.file), "maze.json");
 }
 
+TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
+  const Loaded loaded(R"({"troupe": 1,
+    "types": {"post": {"size_m": [1, 1, 1], "fiducial_return": 3}, "plain": {"size_m": [1, 1, 1]}},
+    "models": [{"name": "a", "type": "post", "fiducial_return": -9},
+               {"name": "b", "type": "post", "pose": {"x_m": 3}}]})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(fiducial_of(loaded.spec, BodyId(1), 0), -9);
+  EXPECT_EQ(fiducial_of(loaded.spec, BodyId(2), 0), 3);
+  const Loaded wrong(R"({"troupe": 1,
+    "types": {"post": {"size_m": [1, 1, 1], "fiducial_return": 3}, "plain": {"size_m": [1, 1, 1]}},
+    "models": [{"name": "a", "type": "post", "fiducial_return": 0},
+               {"name": "b", "type": "plain", "pose": {"x_m": 3}, "fiducial_return": 4}]})");
+  EXPECT_THAT(
+      wrong.found,
+      ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: only a type without one "
+                  "is not marked",
+                  "maze.json:4: error: /models/1/fiducial_return: needs a type with a \"fiducial_return\", "
+                  "which says that its robots are marked"));
+}
+
 TEST(JsonWorld, SettingsAndUnits) {
   const Loaded loaded(
       R"({"troupe": 1, "title": "A maze", "tick_ms": 50, "quit_time_s": 60, "ranging": "grid", "resolution_cm": 5,

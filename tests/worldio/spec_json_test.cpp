@@ -48,7 +48,7 @@ class Comparison {
     // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
     const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
                  bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
-                 measure_every_s, watch, window] = a_;
+                 measure_every_s, watch, window, experiment] = a_;
     EXPECT_EQ(title, b_.title);
     EXPECT_TRUE(files && b_.files);
     EXPECT_EQ(seed, b_.seed);
@@ -61,6 +61,7 @@ class Comparison {
     same(measure_every_s, b_.measure_every_s);
     EXPECT_EQ(watch, b_.watch);
     EXPECT_EQ(window, b_.window);
+    same(experiment, b_.experiment);
     EXPECT_EQ(ranging, b_.ranging);
     same(resolution_m, b_.resolution_m);
     same(resolution_where, b_.resolution_where);
@@ -129,6 +130,59 @@ class Comparison {
     EXPECT_EQ(params, b.params);
     same(where, b.where);
   }
+  // Of an experiment no places are kept: what could be wrong with it was found when the world was made.
+  static void same(const engine::GroupSpec& a, const engine::GroupSpec& b) {
+    const auto& [by, name, count, share] = a;
+    EXPECT_EQ(by, b.by);
+    EXPECT_EQ(name, b.name);
+    EXPECT_EQ(count, b.count);
+    EXPECT_EQ(share, b.share);
+  }
+  void same(const engine::ExperimentSpec& a, const engine::ExperimentSpec& b) {
+    const auto& [stop_when, at, faults] = a;
+    ASSERT_EQ(stop_when.size(), b.stop_when.size());
+    for (std::size_t i = 0; i < stop_when.size(); ++i) {
+      const auto& [measure, comparison, value] = stop_when[i];
+      EXPECT_EQ(measure.params, b.stop_when[i].measure.params);
+      EXPECT_EQ(engine::text_of(stop_when[i]), engine::text_of(b.stop_when[i]));
+      EXPECT_EQ(comparison, b.stop_when[i].comparison);
+      same(value, b.stop_when[i].value);
+    }
+    ASSERT_EQ(at.size(), b.at.size());
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const auto& [time_s, action, whom, pose, region, setting, where] = at[i];
+      static_cast<void>(where);
+      const engine::InterventionSpec& other = b.at[i];
+      same(time_s, other.time_s);
+      EXPECT_EQ(action, other.action);
+      same(whom, other.whom);
+      EXPECT_EQ(pose, other.pose);
+      ASSERT_EQ(region.has_value(), other.region.has_value());
+      if (region) {
+        EXPECT_EQ(region->min, other.region->min);
+        EXPECT_EQ(region->max, other.region->max);
+      }
+      ASSERT_EQ(setting.has_value(), other.setting.has_value());
+      if (!setting) continue;
+      const auto& [type, of, index, params] = *setting;
+      EXPECT_EQ(type, other.setting->type);
+      EXPECT_EQ(of, other.setting->of);
+      EXPECT_EQ(index, other.setting->index);
+      EXPECT_EQ(params, other.setting->params);
+    }
+    ASSERT_EQ(faults.size(), b.faults.size());
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      const auto& [whom, from_s, ailments, where] = faults[i];
+      static_cast<void>(where);
+      same(whom, b.faults[i].whom);
+      same(from_s, b.faults[i].from_s);
+      ASSERT_EQ(ailments.size(), b.faults[i].ailments.size());
+      for (std::size_t k = 0; k < ailments.size(); ++k) {
+        EXPECT_EQ(ailments[k].kind, b.faults[i].ailments[k].kind);
+        EXPECT_EQ(ailments[k].params, b.faults[i].ailments[k].params);
+      }
+    }
+  }
   void same(const engine::PartSpec& a, const engine::PartSpec& b) {
     const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, fitted,
                  color, where] = a;
@@ -196,11 +250,12 @@ class Comparison {
     for (std::size_t i = 0; i < controllers.size(); ++i) same(controllers[i], b.controllers[i]);
   }
   void same(const engine::BodySpec& a, const engine::BodySpec& b) {
-    const auto& [name, type, pose, color, where] = a;
+    const auto& [name, type, pose, color, fiducial, where] = a;
     EXPECT_EQ(name, b.name);
     EXPECT_EQ(type, b.type);
     same(pose, b.pose_world_body);
     EXPECT_EQ(color, b.color);
+    EXPECT_EQ(fiducial, b.fiducial);
     same(where, b.where);
   }
 
@@ -277,6 +332,7 @@ WorldSpec full_spec() {
                          .type = TypeId(1),
                          .pose_world_body = {1e-17, -0.0, 3, 4},
                          .color = {0.5f, 0.25f, 0.1f, 0.9f},
+                         .fiducial = -5,
                          .where = {file, 12}});
   spec.bodies.push_back({.name = spec.names.add("b", 0), .type = TypeId(1)});
   spec.bodies.push_back({.name = spec.names.add("b", 1), .type = TypeId(1)});
@@ -284,6 +340,39 @@ WorldSpec full_spec() {
   spec.mortal = true;
   spec.aliases.push_back({spec.names.add("position:0"), BodyId(1)});
   spec.part_aliases["/x\xff"] = {BodyId(1), "ranger:0"};
+  spec.experiment.stop_when = {{spec.measures[1], engine::Comparison::at_least, 1.0 / 3},
+                               {{"alive", "", "r", {}, {file, 5}}, engine::Comparison::unequal, -2}};
+  spec.experiment.stop_when[0].measure.params = {0.1};
+  engine::Record faster(registry.drive("omni")->params.fields.size());
+  faster[1] = 2.0 / 3;
+  engine::Record named(registry.device("ranger")->params.fields.size());
+  named[0] = std::vector<engine::Record>{fans.defaults()};
+  using enum engine::InterventionSpec::Action;
+  using By = engine::GroupSpec::By;
+  Box region;
+  region.extend(Vec2(-1.0 / 3, 0));
+  region.extend(Vec2(2, 0.1));
+  spec.experiment.at = {
+      {0.1, remove, {By::population, "r", 3, {}}, {}, {}, {}, {file, 20}},
+      {1.0 / 3, add, {By::population, "more", {}, {}}, {}, region, {}, {file, 21}},
+      {2, disable, {By::type, "bot", {}, 1.0 / 3}, {}, {}, {}, {file, 22}},
+      {3, enable, {By::model, "r17", {}, {}}, {}, {}, {}, {file, 23}},
+      {4, move, {By::model, "r17", {}, {}}, Pose{0.1, -0.0, 0.3, 1.0 / 3}, {}, {}, {file, 24}},
+      {5, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::drive, 0, faster}, {}},
+      {6, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::device, 0, named}, {}},
+      {7,
+       set,
+       {},
+       {},
+       {},
+       engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::controller, 1, {0.1}},
+       {}}};
+  spec.experiment.at.back().setting->params.resize(registry.controller("expand")->params.fields.size());
+  spec.experiment.faults = {
+      {{By::type, "bot", {}, 0.1},
+       1.0 / 7,
+       {{"dead_sensors", {"ranger:0"}}, {"slow_wheels", {0.3}}, {"drop_out", {0.01, 5.0}}},
+       {file, 30}}};
   return spec;
 }
 
@@ -292,7 +381,8 @@ TEST(SpecJson, EveryFieldComesBackToTheLastBit) { expect_comes_back(full_spec())
 class ShippedWorld : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(SpecJson, ShippedWorld,
                          ::testing::Values("hospital.json", "crowd.json", "cave-complex-laser.json",
-                                           "minimal.world", "lookout.json", "camera.world"));
+                                           "minimal.world", "lookout.json", "camera.world", "door.json",
+                                           "failures.json"));
 
 TEST_P(ShippedWorld, ComesBackToTheLastBit) {
   expect_comes_back(loaded(fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam()));

@@ -80,10 +80,10 @@ TEST_F(StageOtherWorlds, AMacroMayTakeTheNameOfAPiece) {
 }
 
 TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
-  load("position( wifi( ip \"192.168.0.2\" model \"friis\" ) )\n\npuck()\nmap()");
+  load("position( charger() )\n\npuck()\nmap()");
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
-  EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"wifi\" is no model type, nor a macro defined before: "
+  EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is no model type, nor a macro defined before: "
                                   "older versions of Stage had it, Stage 4.3 has not; types: actuator, "));
   EXPECT_THAT(found[1], HasSubstr("w.world:3: error: \"puck\" is no model type, nor a macro defined before: "
                                   "older versions of Stage had it"));

@@ -51,6 +51,61 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
   EXPECT_EQ(param(finder, "key").integer(), 7);
 }
 
+TEST_F(StageSensors, ARadioIsAsThoseOfStage2) {
+  const auto text = [](const engine::DeviceSpec& radio, std::string_view name) {
+    return param(radio, name).text();
+  };
+  const auto number = [](const engine::DeviceSpec& radio, std::string_view name) {
+    return param(radio, name).number();
+  };
+  const engine::DeviceSpec radio = device(
+      "wifi( ip \"192.168.0.2\" mac \"08-00-20-ae-fd-7e\" essid \"test\" model \"friis\" power 30 "
+      "sensitivity -40 )");
+  EXPECT_EQ(radio.kind, "radio");
+  EXPECT_EQ(text(radio, "channel"), "test");
+  EXPECT_EQ(text(radio, "law"), "friis");
+  EXPECT_EQ(text(radio, "walls"), "pass");
+  EXPECT_EQ(number(radio, "power_dBm"), 30);
+  EXPECT_EQ(number(radio, "sensitivity_dBm"), -40);
+  EXPECT_EQ(number(radio, "range"), 1000);
+  const engine::DeviceSpec indoor = device("wifi( model \"ITU indoor\" plc 22 )");
+  EXPECT_EQ(text(indoor, "law"), "itu_indoor");
+  EXPECT_EQ(number(indoor, "power_loss_coefficient"), 22);
+  const engine::DeviceSpec distant = device("wifi( model \"log distance\" ple 3 range 50 )");
+  EXPECT_EQ(text(distant, "law"), "log_distance");
+  EXPECT_EQ(number(distant, "path_loss_exponent"), 3);
+  EXPECT_EQ(number(distant, "range"), 50);
+  const engine::DeviceSpec traced = device("wifi( model \"raytrace\" wall_factor 100 )");
+  EXPECT_EQ(text(traced, "law"), "friis");
+  EXPECT_EQ(text(traced, "walls"), "weaken");
+  EXPECT_EQ(number(traced, "wall_loss_dB"), 100);
+  const engine::DeviceSpec simple = device("wifi( model \"simple\" range 3.5 )");
+  EXPECT_EQ(text(simple, "law"), "disc");
+  EXPECT_EQ(text(simple, "walls"), "pass");
+  EXPECT_EQ(number(simple, "range"), 3.5);
+  EXPECT_EQ(number(device("wifi()"), "range"), 5);
+
+  load_all("position( wifi( model \"fries\" ) )");
+  EXPECT_THAT(messages(), ElementsAre(testing::HasSubstr(
+                              "\"model\" must be one of simple, friis, ITU indoor, log distance, "
+                              "raytrace (did you mean \"friis\"?); here is \"fries\"")));
+}
+
+TEST_F(StageSensors, ARadioSaysInAWorldWhatItSaysInJson) {
+  const engine::DeviceSpec radio = device(
+      "radio( range 4 hears 6 walls \"block\" bodies \"block\" frequency 5 payload 12 most_heard 3 "
+      "drop_rate 0.25 beacon 1 )");
+  EXPECT_EQ(param(radio, "range").number(), 4);
+  EXPECT_EQ(param(radio, "hears").number(), 6);
+  EXPECT_EQ(param(radio, "walls").text(), "block");
+  EXPECT_EQ(param(radio, "bodies").text(), "block");
+  EXPECT_EQ(param(radio, "frequency_GHz").number(), 5);
+  EXPECT_EQ(param(radio, "payload").integer(), 12);
+  EXPECT_EQ(param(radio, "most_heard").integer(), 3);
+  EXPECT_EQ(param(radio, "drop_rate").number(), 0.25);
+  EXPECT_TRUE(param(radio, "beacon").boolean());
+}
+
 TEST_F(StageSensors, ABlobfinderFiltersByAsManyColoursAsItCounts) {
   const engine::DeviceSpec finder = device(
       "blobfinder( image [40 20] range 3 fov 90 pan 30 colors_count 2 colors [\"red\" \"blue\" \"green\"] )");
@@ -111,6 +166,13 @@ TEST_F(StageSensors, ACameraIsWrittenInDegrees) {
   EXPECT_DOUBLE_EQ(param(camera, "fov_vertical").number(), radians(45));
   EXPECT_DOUBLE_EQ(param(camera, "pan").number(), radians(30));
   EXPECT_DOUBLE_EQ(param(camera, "tilt").number(), radians(-10));
+}
+
+TEST_F(StageSensors, ABlinkenlightHasItsPeriodInMilliseconds) {
+  const engine::DeviceSpec light = device("blinkenlight( period 250 dutycycle 0.4 enabled 0 )");
+  EXPECT_DOUBLE_EQ(param(light, "period").number(), 0.25);
+  EXPECT_EQ(param(light, "dutycycle").number(), 0.4);
+  EXPECT_FALSE(param(light, "enabled").boolean());
 }
 
 TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {

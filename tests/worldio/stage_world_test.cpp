@@ -889,6 +889,23 @@ TEST_F(StageWorld, BodiesThatDifferInPoseNameAndColourShareTheirType) {
             "rob");
 }
 
+TEST_F(StageWorld, BodiesWithNumbersOfTheirOwnShareTheirType) {
+  std::string text = "define rob position( fiducial_return 1 model( fiducial_return 9 ) )\n";
+  for (int i = 0; i < 100; ++i) text += fmt::format("rob( fiducial_return {} )\n", i - 50);
+  const auto spec =
+      load(text + "rob()\nrob( fiducial_return \"0.0\" )\nposition( model( fiducial_return 9 ) )\n");
+  ASSERT_THAT(spec.bodies, SizeIs(104));
+  EXPECT_THAT(spec.types, SizeIs(3));  // the ground, marked ones, others
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(fiducial_of(spec, BodyId(static_cast<std::size_t>(i) + 1), 0), i - 50) << i;
+    EXPECT_EQ(spec.bodies[static_cast<std::size_t>(i) + 1].type, TypeId(i == 50 ? 2 : 1)) << i;
+    EXPECT_EQ(fiducial_of(spec, BodyId(static_cast<std::size_t>(i) + 1), 1), 9) << i;
+  }
+  EXPECT_EQ(fiducial_of(spec, BodyId(101), 0), 1);
+  EXPECT_EQ(fiducial_of(spec, BodyId(102), 0), 0);
+  EXPECT_EQ(spec.bodies[102].type, spec.bodies[103].type);
+}
+
 TEST_F(StageWorld, TheSameWordsMayMeanSomethingElseLater) {
   const auto spec = load("position( ranger() )\ndefine ranger model()\nposition( ranger() )");
   EXPECT_THAT(messages(), SizeIs(1));
@@ -1070,7 +1087,9 @@ TEST_F(StageOwnWorld, LspTest) {
           "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
           "blobfinder, channels of a blobfinder"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
-  EXPECT_NE(spec.bodies[2].type, spec.bodies[3].type) << "their fiducial_return differs";
+  EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type) << "only their fiducial_return differs";
+  EXPECT_EQ(fiducial_of(spec, BodyId(2), 0), 1);
+  EXPECT_EQ(fiducial_of(spec, BodyId(3), 0), 2);
   EXPECT_THAT(part_names(type_of(spec, 2)),
               ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));
 }

@@ -1,0 +1,174 @@
+#include "apps/check/check.hpp"
+
+#include "apps/check/filled_storage.hpp"
+#include "apps/progress.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "engine/controller_check.hpp"
+#include "engine/state_difference.hpp"
+#include "engine/ticks.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <future>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+// What new storage holds while variants are made, in turn; and controllers, the first time and afresh.
+constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
+
+/// One way to run the world: results must not tell it from any other.
+struct Variant {
+  std::string name;
+  Simulation simulation;
+  bool differs = false;
+};
+
+std::string variant_name(unsigned threads, double tile_size_m) {
+  return fmt::format("{} thread{}, {}", threads, threads == 1 ? "" : "s",
+                     tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "tiles as chosen");
+}
+
+std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
+  std::vector<Variant> variants;
+  SimulationOptions simulation = with_environment(options.simulation);
+  for (const double tile_size_m : options.tile_sizes_m) {
+    for (const unsigned threads : options.threads) {
+      simulation.tile_size_m = tile_size_m;
+      simulation.threads = threads;
+      const FilledStorage filled(k_fills[variants.size() % k_fills.size()]);
+      variants.push_back(
+          {variant_name(threads, tile_size_m), Simulation(options.world, simulation, registry)});
+    }
+  }
+  return variants;
+}
+
+/// The second time of every decision of a variant.
+class Decisions {
+ public:
+  explicit Decisions(Variant& variant) : world_(variant.simulation.world()) {
+    const FilledStorage filled(k_fills[1]);
+    check_ = std::make_unique<engine::ControllerCheck>(world_, variant.simulation.registry());
+  }
+
+  std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
+
+  /// After a step.
+  std::vector<std::string> repeat() {
+    if (check_->pending() > 0 && check_->decisions() == 0) {
+      // Once, so that a clock that counts seconds has moved on in between.
+      std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    }
+    // A thread that has never decided before.
+    return texts(std::async(std::launch::async, [this] { return check_->repeat(); }).get());
+  }
+  std::uint64_t count() const { return check_->decisions(); }
+  bool differ() const { return differ_; }
+
+ private:
+  std::vector<std::string> texts(const std::vector<engine::ControllerFinding>& findings) {
+    differ_ = differ_ || !findings.empty();
+    std::vector<std::string> lines;
+    for (const auto& finding : findings) lines.push_back("  " + engine::finding_text(world_, finding));
+    return lines;
+  }
+
+  engine::World& world_;
+  std::unique_ptr<engine::ControllerCheck> check_;
+  bool differ_ = false;
+};
+
+/// Where the variants differ now, in lines; marks those that differ from the first.
+std::vector<std::string> compare(std::vector<Variant>& variants) {
+  std::vector<std::string> lines;
+  engine::World& expected = variants.front().simulation.world();
+  for (auto variant = variants.begin() + 1; variant != variants.end(); ++variant) {
+    const auto differences = engine::state_differences(expected, variant->simulation.world());
+    if (differences.empty()) continue;
+    variant->differs = true;
+    lines.push_back(fmt::format("  {}, against {}:", variant->name, variants.front().name));
+    for (const auto& difference : differences)
+      lines.push_back("    " + engine::difference_text(expected, difference));
+  }
+  return lines;
+}
+
+/// To the end, or to the first difference, which it tells.
+std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
+  Simulation& first = variants.front().simulation;
+  const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());
+  Progress progress(first.tick(), ticks, first.tick_s(), true);
+  std::vector<std::string> lines = decisions ? decisions->start_twice() : std::vector<std::string>();
+  for (;;) {
+    for (std::string& line : compare(variants)) lines.push_back(std::move(line));
+    if (!lines.empty() || first.tick() >= ticks) return lines;
+    for (Variant& variant : variants) {
+      variant.simulation.step();
+      // Before the others decide: what a controller keeps to itself must not tell of them.
+      if (decisions && &variant == &variants.front()) lines = decisions->repeat();
+    }
+    progress.update(first.tick());
+  }
+}
+
+void print_table(const std::vector<Variant>& variants, const Decisions* decisions) {
+  const auto row = [](std::string_view what, std::string_view ticks, std::string_view result,
+                      std::string_view hash) {
+    fmt::print("{:<30}  {:>7}  {:<9}  {}\n", what, ticks, result, hash);
+  };
+  row("variant", "ticks", "result", "hash");
+  for (const Variant& variant : variants)
+    row(variant.name, fmt::format("{}", variant.simulation.tick()), variant.differs ? "DIFFERS" : "same bits",
+        hex(variant.simulation.state_hash()));
+  if (decisions)
+    row(fmt::format("{} decisions, thrice", decisions->count()),
+        fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",
+        "-");
+}
+
+ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
+  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers)
+    throw InputError(
+        "troupe check: error: one variant has nothing to be compared with: give several --threads or "
+        "--tile-size, or --controllers");
+  std::vector<Variant> variants = load(options, registry);
+  Simulation& first = variants.front().simulation;
+  for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);
+  const double end_s = end_of(options, first);
+  std::optional<Decisions> decisions;
+  if (options.controllers) decisions.emplace(variants.front());
+
+  const std::vector<std::string> differences =
+      step_to_end(variants, decisions ? &*decisions : nullptr, end_s);
+  print_table(variants, decisions ? &*decisions : nullptr);
+  if (!differences.empty()) {
+    fmt::print("differs at tick {} ({:.10g} s):\n", first.tick(), first.time_s());
+    for (const std::string& line : differences) fmt::print("{}\n", line);
+  }
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return differences.empty() ? k_finished : k_failed;
+}
+
+}  // namespace
+
+ExitCode check(const CheckOptions& options, const engine::Registry& registry) {
+  try {
+    return check_checked(options, registry);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,125 @@
+#include "apps/diff/diff.hpp"
+
+#include "apps/diff/diff_recordings.hpp"
+#include "apps/hash_log_reader.hpp"
+#include "apps/run_header.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_footer = R"(
+Takes two hash logs (troupe run --hash-log) and names the first tick at which they differ, with the groups of the state
+in which it shows: sensor alone at first means ranging; pose or velocity the drives or the conflict rule; memory a
+controller. Where one begins later, the ticks before are left out; where one ends earlier, they differ.
+
+Or takes two recordings (troupe run --record) and names the first frame that differs, of the ticks that both have, with
+component, entity and field, and both values in hex and decimal: of the fields that both recorded.
+
+Results of another version, compiler, flags or instruction set are refused unless --across-domains is given, those of
+another world, seed or option unless --across-runs is. Threads and tile size change no result, and are not looked at.
+
+Exit codes: 0 same bits; 1 they differ; 2 bad input or usage.
+
+Examples:
+  troupe diff one-thread.log eight-threads.log
+  troupe diff gcc.log clang.log --across-domains
+  troupe diff monday.h5 tuesday.h5)";
+
+std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader::Line& b) {
+  std::vector<std::string_view> names;
+  for (std::size_t g = 0; g < engine::k_hash_groups; ++g)
+    if (a.groups[g] != b.groups[g])
+      names.push_back(engine::hash_group_name(static_cast<engine::HashGroup>(g)));
+  return comma_list(names);
+}
+
+/// The first tick of a log, or of its part that the other has too.
+void skip_to(HashLogReader& log, std::optional<HashLogReader::Line>& line, std::uint64_t tick) {
+  while (line && line->tick < tick) line = log.next();
+}
+
+ExitCode diff_hash_logs(const DiffOptions& options) {
+  HashLogReader first(options.first);
+  HashLogReader second(options.second);
+  refuse_unlike(first.header(), second.header(), options.across_domains, options.across_runs);
+
+  std::optional<HashLogReader::Line> a = first.next();
+  std::optional<HashLogReader::Line> b = second.next();
+  for (const auto& [log, line] : {std::pair(&first, &a), std::pair(&second, &b)})
+    if (!*line) throw InputError(fmt::format("{}: error: the log has no tick", log->file().string()));
+  const std::uint64_t begin = std::max(a->tick, b->tick);
+  skip_to(first, a, begin);
+  skip_to(second, b, begin);
+  if (!a || !b)
+    throw InputError(fmt::format("{}: error: the log ends before tick {}, at which {} begins",
+                                 (a ? second : first).file().string(), begin,
+                                 (a ? first : second).file().string()));
+
+  HashLogReader::Line last = *a;
+  for (; a && b; a = first.next(), b = second.next()) {
+    last = *a;
+    if (a->groups == b->groups) continue;
+    fmt::print("differs at tick {}, in {}:\n  {}:{}: {}\n  {}:{}: {}\n", a->tick, groups_that_differ(*a, *b),
+               options.first.string(), a->number, a->text, options.second.string(), b->number, b->text);
+    return k_failed;
+  }
+  if (a || b) {
+    fmt::print("differs in length: {} ends at tick {}, {} goes on; the same bits from tick {} until then\n",
+               (a ? second : first).file().string(), last.tick, (a ? first : second).file().string(), begin);
+    return k_failed;
+  }
+  fmt::print("same bits, tick {} to {}; the last state is {}\n", begin, last.tick, hex(last.state));
+  return k_finished;
+}
+
+}  // namespace
+
+CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("diff", "Find the first tick at which two hash logs or recordings differ");
+  command->footer(k_footer);
+  const auto add_file = [command](const char* name, std::filesystem::path& file, const char* help) {
+    command
+        ->add_option_function<std::string>(
+            name, [&file](const std::string& text) { file = text; }, help)
+        ->option_text(" ")
+        ->required();
+  };
+  add_file("A", options.first, "A hash log or a recording");
+  add_file("B", options.second, "Another of the same kind");
+  const auto add_switch = [command](const char* name, bool& on, const char* help) {
+    command->add_flag(name, on, help)->disable_flag_override();
+  };
+  add_switch("--across-domains", options.across_domains,
+             "Though version, compiler, flags or processor differ");
+  add_switch("--across-runs", options.across_runs, "Though world, seed or options differ");
+  return command;
+}
+
+ExitCode diff(const DiffOptions& options) {
+  try {
+    const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
+    const ExitCode code = recordings ? diff_recordings(options) : diff_hash_logs(options);
+    if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+    return code;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

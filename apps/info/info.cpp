@@ -1,0 +1,142 @@
+#include "apps/info/info.hpp"
+
+#include "apps/hash_log_reader.hpp"
+#include "apps/info/info_kinds.hpp"
+#include "apps/observers/profile.hpp"
+#include "apps/observers/tables.hpp"
+#include "apps/options.hpp"
+#include "base/diagnostics.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/checkpoint.hpp"
+#include "worldio/hdf5_superblock.hpp"
+#include "worldio/stage_properties.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_footer = R"(
+Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of
+measures or events, a profile. What it is, is found out from its content, whatever its name.
+
+Told are the kind, what wrote it, and the world, seed, robots, ticks and fields in it; and whether it is whole or was
+cut off, as by a full disk or a killed run.
+
+Exit codes: 0 told; 2 no file of Troupe's, or one that cannot be read.
+
+Examples:
+  troupe info worlds/hospital.json
+  troupe info run.log)";
+
+constexpr std::size_t k_start_bytes = 4096;
+
+std::string start_of(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored))
+    throw InputError(fmt::format("{}: error: there is no such file", file.string()));
+  if (fs::is_directory(file, ignored))
+    throw InputError(fmt::format("{}: error: this is a folder", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  std::string start(k_start_bytes, '\0');
+  stream.read(start.data(), k_start_bytes);
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  if (!stream.eof() && !stream) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  return start;
+}
+
+std::string all_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad() || !stream.is_open())
+    throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  return text;
+}
+
+/// The first word that is no comment of a Stage world.
+std::string first_word(std::string_view text) {
+  constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    if (!text.starts_with('#')) return std::string(text.substr(0, text.find_first_not_of(k_letters)));
+    text.remove_prefix(std::min(text.find('\n'), text.size()));
+  }
+}
+
+bool begins_like_a_stage_world(std::string_view start) {
+  if (start.find('\0') != start.npos) return false;
+  const std::string word = first_word(start);
+  if (word == "include" || word == "define" || word == "window") return true;
+  if (make_registry().model(word)) return true;
+  return std::ranges::any_of(worldio::stage_rows(), [&](const worldio::StageRow& row) {
+    return row.type == "world" && row.name == word;
+  });
+}
+
+bool is_json_world(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  // One that is broken: what is wrong with it is told by its reader.
+  if (json.is_discarded()) return text.find("\"troupe\"") != text.npos;
+  return json.is_object() && json.contains("troupe");
+}
+
+std::optional<Summary> summary_of(const InfoOptions& options) {
+  const fs::path& file = options.file;
+  const std::string start = start_of(file);
+  if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
+  if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_recording(file);
+  if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
+  if (start.starts_with(k_events_mark)) return summary_of_events(file);
+  if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
+  if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first != start.npos && start[first] == '{') {
+    const std::string text = all_of(file);
+    if (is_json_world(text)) return summary_of_world(file, text, true, options.plugin_path);
+  } else if (begins_like_a_stage_world(start)) {
+    return summary_of_world(file, all_of(file), false, options.plugin_path);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
+  CLI::App* command = app.add_subcommand("info", "Tell what a file is and what it holds");
+  command->footer(k_footer);
+  command
+      ->add_option_function<std::string>(
+          "FILE", [&options](const std::string& text) { options.file = text; }, "Any file of Troupe's")
+      ->option_text(" ")
+      ->required();
+  add_plugin_path_option(*command, options.plugin_path);
+  return command;
+}
+
+ExitCode info(const InfoOptions& options) {
+  const fs::path& file = options.file;
+  const std::optional<Summary> summary = summary_of(options);
+  if (!summary)
+    throw InputError(fmt::format(
+        "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a "
+        "recording, a checkpoint, a table of measures or events, nor a profile",
+        file.string()));
+  fmt::print("{}\n", file.string());
+  for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return k_finished;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,80 @@
+// Files in HDF5: recordings and checkpoints.
+
+#include "apps/info/info_kinds.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "worldio/checkpoint.hpp"
+#include "worldio/recording_reader.hpp"
+#include "worldio/recording_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+/// What the header of a run says, the version first.
+void add_header(const std::map<std::string, std::string>& header, const std::set<std::string>& left_out,
+                Summary& summary) {
+  if (const auto version = header.find("version"); version != header.end())
+    summary.emplace_back("written by", version->second);
+  for (const auto& [key, value] : header)
+    if (key != "version" && !left_out.contains(key)) summary.emplace_back(key, value);
+}
+
+Summary summary_of(const worldio::RecordingReader& recording) {
+  Summary summary{{"kind", fmt::format("recording, layout {}", worldio::k_recording_layout)}};
+  add_header(recording.meta(), {"kind", "layout"}, summary);
+  summary.emplace_back("bodies", fmt::format("{}", recording.ids().size()));
+  summary.emplace_back("frames", fmt::format("{}", recording.frames()));
+  if (recording.frames() > 0) {
+    summary.emplace_back("ticks", ticks_text(recording.ticks().front(), recording.ticks().back(),
+                                             recording.times_s().front(), recording.times_s().back()));
+    summary.emplace_back("last state", hex(recording.hashes().back()));
+  } else {
+    summary.emplace_back("ticks", "none");
+  }
+  std::string component;  // arrays of one stand together
+  for (const worldio::RecordingReader::Array& array : recording.arrays()) {
+    const std::string columns = array.field.columns > 1
+                                    ? fmt::format("{}[{}]", array.field.name, array.field.columns)
+                                    : array.field.name;
+    if (array.component != component) {
+      component = array.component;
+      summary.emplace_back("  " + component, columns);
+    } else {
+      summary.back().second += ", " + columns;
+    }
+  }
+  summary.emplace_back("whole",
+                       recording.unfinished()
+                           ? "no: it is being written, or was cut off; troupe repair makes it readable "
+                             "for plain tools"
+                           : "yes");
+  return summary;
+}
+
+}  // namespace
+
+Summary summary_of_recording(const fs::path& file) {
+  try {
+    return summary_of(worldio::RecordingReader(file));
+  } catch (const worldio::Hdf5Error& fault) {
+    throw InputError(fault.what());
+  }
+}
+
+Summary summary_of_checkpoint(const fs::path& file) {
+  const worldio::Checkpoint checkpoint(file);  // refuses one that is not whole
+  Summary summary{{"kind", fmt::format("checkpoint, layout {}", worldio::k_checkpoint_layout)}};
+  add_header(checkpoint.header(), {"kind", "layout", "tick", "time_s", "state_hash"}, summary);
+  summary.emplace_back("tick", fmt::format("{}, {:.10g} s", checkpoint.tick(), checkpoint.time_s()));
+  summary.emplace_back("state", hex(checkpoint.state_hash()));
+  summary.emplace_back("whole", "yes");
+  return summary;
+}
+
+}  // namespace troupe::apps

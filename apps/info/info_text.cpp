@@ -1,0 +1,199 @@
+// Files of lines: hash logs, tables, profiles. They may be large, and are read line by line.
+
+#include "apps/hash_log_reader.hpp"
+#include "apps/info/info_kinds.hpp"
+#include "apps/observers/tables.hpp"
+#include "apps/options.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string_view>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_whole = "yes";
+
+/// The lines of a file; the last may have no end.
+class Lines {
+ public:
+  explicit Lines(const fs::path& file) : stream_(file, std::ios::binary) {
+    if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  }
+
+  /// The next line that has an end.
+  bool next(std::string& line) {
+    if (!std::getline(stream_, line)) return false;
+    ++number_;
+    cut_off_ = stream_.eof();
+    return !cut_off_;
+  }
+  std::size_t number() const { return number_; }
+  bool cut_off() const { return cut_off_; }
+  std::string whole_text() const {
+    return cut_off_ ? fmt::format("no: it was cut off in line {}", number_) : k_whole;
+  }
+
+ private:
+  std::ifstream stream_;
+  std::size_t number_ = 0;
+  bool cut_off_ = false;
+};
+
+/// Cells without quotes, of the beginning of a line.
+std::vector<std::string_view> first_cells(std::string_view line, std::size_t count) {
+  std::vector<std::string_view> cells;
+  while (cells.size() < count) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == line.npos) break;
+    line.remove_prefix(comma + 1);
+  }
+  return cells;
+}
+
+/// What the lines of a table have in common: the tick and the time they begin with.
+struct Span {
+  std::uint64_t tick = 0;
+  double time_s = 0;
+};
+
+Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::string_view>& cells) {
+  const auto tick = number<std::uint64_t>(cells[0]);
+  const auto time_s = cells.size() > 1 ? finite(cells[1]) : std::nullopt;
+  if (!tick || !time_s)
+    throw InputError(fmt::format("{}:{}: error: the line does not begin with a tick and its time",
+                                 file.string(), lines.number()));
+  return {*tick, *time_s};
+}
+
+std::string ticks_text(const std::optional<Span>& first, const Span& last) {
+  return first ? apps::ticks_text(first->tick, last.tick, first->time_s, last.time_s) : "none";
+}
+
+}  // namespace
+
+std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s) {
+  return fmt::format("{} to {}, {:.10g} to {:.10g} s", first, last, first_s, last_s);
+}
+
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+Summary summary_of_hash_log(const fs::path& file) {
+  HashLogReader log(file);
+  Summary summary{{"kind", "hash log, format 1"}};
+  const auto header = [&](const std::string& key) {
+    const auto found = log.header().entries.find(key);
+    return found == log.header().entries.end() ? std::string() : found->second.value;
+  };
+  if (const std::string version = header("version"); !version.empty())
+    summary.emplace_back("written by", version);
+  for (const auto& [key, value] : log.header().entries)
+    if (key != "version") summary.emplace_back(key, value.value);
+
+  std::optional<std::uint64_t> first;
+  HashLogReader::Line last{};
+  std::string whole = k_whole;
+  try {
+    while (const auto line = log.next()) {
+      if (!first) first = line->tick;
+      last = *line;
+    }
+  } catch (const InputError& fault) {
+    whole = fmt::format("no: {}", fault.what());
+  }
+  if (first) {
+    const double tick_s = finite(header("tick_s")).value_or(0);
+    summary.emplace_back("ticks", apps::ticks_text(*first, last.tick, static_cast<double>(*first) * tick_s,
+                                                   static_cast<double>(last.tick) * tick_s));
+    summary.emplace_back("last state", hex(last.state));
+  } else {
+    summary.emplace_back("ticks", "none");
+  }
+  summary.emplace_back("whole", whole);
+  return summary;
+}
+
+Summary summary_of_measures(const fs::path& file) {
+  Lines lines(file);
+  Summary summary{{"kind", "table of measures"}};
+  std::string line;
+  if (lines.next(line)) {
+    std::string columns = line.substr(std::min(line.size(), k_measures_mark.size()));
+    summary.emplace_back("measures", columns);
+  }
+  std::optional<Span> first;
+  Span last;
+  std::size_t count = 0;
+  while (lines.next(line)) {
+    last = span_of(file, lines, first_cells(line, 2));
+    if (!first) first = last;
+    ++count;
+  }
+  summary.emplace_back("lines", fmt::format("{}", count));
+  summary.emplace_back("ticks", ticks_text(first, last));
+  summary.emplace_back("whole", lines.whole_text());
+  return summary;
+}
+
+Summary summary_of_events(const fs::path& file) {
+  Lines lines(file);
+  Summary summary{{"kind", "table of events"}};
+  std::string line;
+  lines.next(line);
+  std::optional<Span> first;
+  Span last;
+  std::size_t count = 0;
+  std::map<std::string, std::size_t, std::less<>> kinds;
+  while (lines.next(line)) {
+    const std::vector<std::string_view> cells = first_cells(line, 3);
+    last = span_of(file, lines, cells);
+    if (!first) first = last;
+    ++count;
+    if (cells.size() > 2) ++kinds[std::string(cells[2])];
+  }
+  summary.emplace_back("events", fmt::format("{}", count));
+  for (const auto& [kind, times] : kinds) summary.emplace_back("  " + kind, fmt::format("{}", times));
+  summary.emplace_back("ticks", ticks_text(first, last));
+  summary.emplace_back("whole", lines.whole_text());
+  return summary;
+}
+
+Summary summary_of_profile(const fs::path& file) {
+  constexpr std::string_view k_about = "],\"otherData\":";
+  Lines lines(file);
+  Summary summary{{"kind", "profile, in the Trace Event Format"}};
+  std::size_t ticks = 0;
+  std::size_t events = 0;
+  std::string about;
+  for (std::string line; lines.next(line);) {
+    events += line.starts_with("{\"name\":");
+    ticks += line.starts_with("{\"name\":\"tick\",");
+    if (line.starts_with(k_about)) about = line.substr(k_about.size());
+  }
+  std::string whole = "no: it was cut off";
+  if (!about.empty()) {
+    about.pop_back();  // of the whole document
+    const auto headers = nlohmann::ordered_json::parse(about, nullptr, false);
+    if (headers.is_object()) whole = k_whole;
+    for (const auto& [key, value] : headers.items())
+      summary.emplace_back(key == "version" ? "written by" : key,
+                           value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  summary.emplace_back("ticks", fmt::format("{}", ticks));
+  summary.emplace_back("events", fmt::format("{}", events));
+  summary.emplace_back("whole", whole);
+  return summary;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,113 @@
+#include "apps/info/info_kinds.hpp"
+#include "apps/options.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/ranging_engine.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::apps {
+namespace {
+
+/// "2000: diff, ranger ir, expand".
+std::string type_text(const engine::TypeSpec& type, std::size_t bodies) {
+  std::vector<std::string> parts;
+  if (type.drive) parts.push_back(type.drive->kind);
+  for (const engine::DeviceSpec& sensor : type.devices)
+    parts.push_back(fmt::format("{} {}", sensor.kind, sensor.name));
+  for (const engine::ControllerSpec& controller : type.controllers) parts.push_back(controller.kind);
+  std::string text = fmt::format("{}", bodies);
+  for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? ": " : ", ") + parts[i];
+  return text;
+}
+
+std::string box_text(const Box& box) {
+  return fmt::format("x {:g} to {:g}, y {:g} to {:g} m", box.min.x(), box.max.x(), box.min.y(), box.max.y());
+}
+
+/// When its run is over, what is done to it, how its robots fail; nothing of a world that says no such thing.
+void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) {
+  constexpr std::size_t k_most = 8;  // listed
+  const auto add = [&](const char* what, std::size_t count, auto&& text_of) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(count, k_most); ++i)
+      text += fmt::format("{}{}", i == 0 ? "" : ", ", text_of(i));
+    if (count > k_most) text += fmt::format(", and {} more", count - k_most);
+    if (count > 0) summary.emplace_back(what, text);
+  };
+  add("over when", experiment.stop_when.size(),
+      [&](std::size_t i) { return engine::text_of(experiment.stop_when[i]); });
+  add("done to it", experiment.at.size(), [&](std::size_t i) {
+    const engine::InterventionSpec& at = experiment.at[i];
+    return fmt::format("{} at {:g} s", engine::k_actions[static_cast<std::size_t>(at.action)], at.time_s);
+  });
+  add("faults", experiment.faults.size(), [&](std::size_t i) {
+    std::string kinds;
+    for (const engine::FaultSpec::Ailment& ailment : experiment.faults[i].ailments)
+      kinds += (kinds.empty() ? "" : " and ") + ailment.kind;
+    return fmt::format("{} of {}", kinds, experiment.faults[i].whom.name);
+  });
+}
+
+}  // namespace
+
+Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
+                         const std::vector<std::filesystem::path>& plugins) {
+  engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(plugins));
+  Diagnostics diagnostics;
+  worldio::LoadOptions options;
+  options.search_path = with_environment({}).search_path;
+  const engine::WorldSpec spec = json ? worldio::load_json_world(file, text, registry, options, diagnostics)
+                                      : worldio::load_stage_world(file, text, registry, options, diagnostics);
+  diagnostics.throw_if_errors();
+
+  Summary summary{{"kind", json ? "world, in JSON, format 1" : "world, in Stage's syntax"},
+                  {"title", spec.title},
+                  {"seed", fmt::format("{}", spec.seed)},
+                  {"tick", fmt::format("{:.10g} s", spec.tick_s)}};
+  if (spec.quit_time_s) summary.emplace_back("ends at", fmt::format("{:.10g} s", *spec.quit_time_s));
+  summary.emplace_back("ranging", engine::ranging_engine_name(spec.ranging));
+  std::vector<std::size_t> counts(spec.types.size());
+  for (const engine::BodySpec& body : spec.bodies) ++counts[body.type.index()];
+  std::string reserves;
+  std::size_t in_reserve = 0;
+  for (const engine::ReserveSpec& reserve : spec.reserves) {
+    counts[spec.bodies[reserve.first.index()].type.index()] -= reserve.count;
+    in_reserve += reserve.count;
+    reserves += fmt::format("{}{} of {}", reserves.empty() ? "" : ", ", reserve.count, reserve.population);
+  }
+  std::size_t robots = 0;
+  for (std::size_t t = 0; t < counts.size(); ++t)
+    if (engine::is_mobile(spec.types[t])) robots += counts[t];
+  summary.emplace_back("robots", fmt::format("{}", robots));
+  constexpr std::size_t k_most_types = 20;
+  std::size_t left_out = 0;
+  std::size_t told = 0;
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    if (!engine::is_mobile(spec.types[t]) || counts[t] == 0) continue;
+    if (told++ < k_most_types)
+      summary.emplace_back("  " + spec.types[t].name, type_text(spec.types[t], counts[t]));
+    else
+      ++left_out;
+  }
+  if (left_out > 0) summary.emplace_back("  ...", fmt::format("and {}", counted(left_out, "more type")));
+  if (!reserves.empty()) summary.emplace_back("in reserve", reserves);
+  summary.emplace_back("other models", fmt::format("{}", spec.bodies.size() - 1 - robots - in_reserve));
+  summary.emplace_back("bounds", spec.bounds ? box_text(*spec.bounds) : "none: 100 km in each direction");
+  std::string measures;
+  for (const engine::MeasureSpec& measure : spec.measures)
+    measures += fmt::format("{}{}{}{}", measures.empty() ? "" : ", ", measure.kind,
+                            measure.of.empty() ? "" : ":", measure.of);
+  if (!measures.empty()) summary.emplace_back("measures", measures);
+  add_experiment(spec.experiment, summary);
+  if (const std::size_t warnings = diagnostics.warnings().size(); warnings > 0)
+    summary.emplace_back("warnings", fmt::format("{}; troupe lint tells them", warnings));
+  return summary;
+}
+
+}  // namespace troupe::apps

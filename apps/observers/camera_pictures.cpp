@@ -1,0 +1,134 @@
+#include "apps/observers/camera_pictures.hpp"
+
+#include "apps/outputs.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "sensors/camera.hpp"
+#include "worldio/png.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using Text = std::vector<std::pair<std::string, std::string>>;
+
+/// A camera of a robot, and what of its parameters a picture needs.
+struct Camera {
+  std::string name;  ///< "r0.eye"
+  const engine::BodyType::Device* device;
+  std::size_t slot;
+  int width;
+  int height;
+  double range_far;  ///< m
+};
+
+const engine::Value& parameter(const Simulation& simulation, const engine::DeviceSpec& spec,
+                               std::string_view name) {
+  return engine::get(simulation.registry().device(spec.kind)->params, spec.params, name);
+}
+
+/// The cameras that run, by the ids of their bodies.
+std::vector<Camera> running_cameras(const Simulation& simulation) {
+  const engine::World& world = simulation.world();
+  std::vector<Camera> cameras;
+  for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (!row.valid()) continue;
+    const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[b].type.index()];
+    for (const engine::BodyType::Device& device : world.type(row).devices) {
+      if (device.kind->name != "camera" || !world.senses(row, device)) continue;
+      const auto d = static_cast<std::size_t>(&device - world.type(row).devices.data());
+      const std::string body = world.spec().name(BodyId(b));
+      cameras.push_back({device.name.empty() ? body : fmt::format("{}.{}", body, device.name), &device,
+                         world.slot(row),
+                         static_cast<int>(parameter(simulation, spec.devices[d], "width").integer()),
+                         static_cast<int>(parameter(simulation, spec.devices[d], "height").integer()),
+                         parameter(simulation, spec.devices[d], "range_far").number()});
+    }
+  }
+  return cameras;
+}
+
+/// The name as part of a file's, which no other camera has.
+std::string file_stem(std::string name, std::set<std::string>& taken) {
+  std::ranges::replace(name, '/', '_');
+  std::string stem = name;
+  for (int n = 2; !taken.insert(stem).second; ++n) stem = fmt::format("{}#{}", name, n);
+  return stem;
+}
+
+/// Seconds, so many digits that the times of two ticks differ, and zeros before them, so that names sort.
+std::string time_of(const Simulation& simulation) {
+  const double tick_ms = simulation.tick_s() * 1000;
+  const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;
+  constexpr int k_before = 7;  // with the point
+  return fmt::format("{:0{}.{}f}s", simulation.time_s(), k_before + digits, digits);
+}
+
+/// Millimetres, as depth cameras are usually recorded: 0 where nothing is seen, and what is too far for 16
+/// bits at their largest number.
+worldio::DepthImage depth_image(const Camera& camera, std::span<const float> depths) {
+  worldio::DepthImage image{camera.width, camera.height, {}};
+  const auto far = static_cast<float>(camera.range_far);
+  constexpr double k_most = std::numeric_limits<std::uint16_t>::max();
+  for (const float depth : depths) {
+    const double mm = depth < far ? std::min(std::round(1000.0 * depth), k_most) : 0;
+    image.values.push_back(static_cast<std::uint16_t>(mm));
+  }
+  return image;
+}
+
+}  // namespace
+
+CameraPictures::CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks)
+    : folder_(std::move(folder)), every_ticks_(every_ticks) {
+  std::error_code fault;
+  std::filesystem::create_directory(folder_, fault);
+  if (fault) refuse_output(folder_, fault.message());
+}
+
+void CameraPictures::observe(const Simulation& simulation) {
+  const std::uint64_t tick = simulation.tick();
+  if (tick == 0 || tick % every_ticks_ != 0) return;
+  std::set<std::string> taken;
+  for (const Camera& camera : running_cameras(simulation)) {
+    const std::string stem = file_stem(camera.name, taken);
+    if (tick < camera.device->period) continue;  // it has not looked yet
+    const engine::StateTable& state = simulation.world().percepts(*camera.device);
+    const auto color = state.cell<std::uint8_t>(camera.slot, sensors::k_camera_color);
+    const std::string name = fmt::format("{}-{}", stem, time_of(simulation));
+    Text text{{"camera", camera.name},
+              {"tick", fmt::format("{}", tick)},
+              {"time_s", fmt::format("{}", simulation.time_s())}};
+    worldio::write_png(folder_ / (name + "-color.png"),
+                       worldio::Image{camera.width, camera.height, {color.begin(), color.end()}}, text);
+    text.emplace_back("unit", "mm along the axis of view; 0: nothing is seen");
+    worldio::write_png(folder_ / (name + "-depth.png"),
+                       depth_image(camera, state.cell<float>(camera.slot, sensors::k_camera_depth)), text);
+  }
+}
+
+void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
+  if (!running_cameras(simulation).empty()) return;
+  throw InputError(
+      fmt::format("{}: error: --camera-png: no camera of this world runs; a .world's needs \"alwayson 1\", "
+                  "or a controller "
+                  "that reads it",
+                  world.string()));
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,23 @@
+#include "apps/observers/clock.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace troupe::apps {
+
+ClockLines::ClockLines(std::uint64_t every_ticks, const Simulation& simulation)
+    : every_ticks_(every_ticks), first_s_(simulation.time_s()) {}
+
+void ClockLines::observe(const Simulation& simulation) {
+  if (simulation.tick() % every_ticks_ != 0) return;
+  const double simulated_s = simulation.time_s() - first_s_;
+  const double wall_s = std::chrono::duration<double>(WallClock::now() - start_).count();
+  if (simulated_s > 0 && wall_s > 0)
+    fmt::print(stderr, "{}: {:.10g} s, {:.1f} x real time\n", simulation.title(), simulation.time_s(),
+               simulated_s / wall_s);
+  else
+    fmt::print(stderr, "{}: {:.10g} s\n", simulation.title(), simulation.time_s());
+}
+
+}  // namespace troupe::apps

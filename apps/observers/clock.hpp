@@ -1,0 +1,25 @@
+#pragma once
+
+#include "apps/observers/observer.hpp"
+
+#include <chrono>
+#include <cstdint>
+
+namespace troupe::apps {
+
+/// Tells the world's time on standard error as a run goes on, a line every so many ticks of the world:
+/// `arena: 60 s, 812.4 x real time`.
+class ClockLines : public Observer {
+ public:
+  ClockLines(std::uint64_t every_ticks, const Simulation& simulation);
+
+  void observe(const Simulation& simulation) override;
+
+ private:
+  using WallClock = std::chrono::steady_clock;
+  std::uint64_t every_ticks_;
+  double first_s_;
+  WallClock::time_point start_ = WallClock::now();
+};
+
+}  // namespace troupe::apps

@@ -1,0 +1,109 @@
+#include "apps/observers/filming.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::apps {
+namespace {
+
+// One is drawn, one is ready, and the run makes another.
+constexpr std::size_t k_most_waiting = 2;
+
+/// What is shown unless options say otherwise: the clock of a film that is not in real time says so.
+PictureOptions film_look(const PictureFiles& files) {
+  PictureOptions look = files.look;
+  if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;
+  return look;
+}
+
+}  // namespace
+
+double RunSpeed::at(double time_s) const {
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return wall_s > 0 ? (time_s - begin_s_) / wall_s : 0;
+}
+
+Snapshots::Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick)
+    : first_(snapshot_files(files).front()), pictures_(simulation, files.look), thread_(k_most_waiting) {
+  if (files.snapshot_at_s.empty()) {
+    last_ = files.snapshot;
+    return;
+  }
+  const std::vector<std::filesystem::path> names = snapshot_files(files);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double time = files.snapshot_at_s[i];
+    const std::uint64_t tick = engine::ticks_until(time, simulation.tick_s());
+    if (tick < simulation.tick() || tick > end_tick)
+      throw InputError(fmt::format("{}: error: --snapshot-at {:g}: the run goes from {:g} s to {:g} s",
+                                   simulation.effective_options().front().second, time, simulation.time_s(),
+                                   static_cast<double>(end_tick) * simulation.tick_s()));
+    due_.emplace_back(tick, names[i]);
+  }
+}
+
+void Snapshots::observe(const Simulation& simulation) {
+  if (!speed_) speed_.emplace(simulation.time_s());
+  pictures_.see(simulation);
+  for (const auto& [tick, file] : due_) {
+    if (tick != simulation.tick()) continue;
+    thread_.add([this, shot = pictures_.take(simulation, speed_->at(simulation.time_s())), png = file] {
+      pictures_.write(shot, png);
+    });
+  }
+}
+
+void Snapshots::finish(const Simulation& /*simulation*/) { thread_.finish(); }
+
+void Snapshots::draw_last(const Simulation& simulation) {
+  if (!last_.empty())
+    pictures_.write(pictures_.take(simulation, speed_ ? speed_->at(simulation.time_s()) : 0), last_);
+}
+
+Filming::Filming(const PictureFiles& files, const Simulation& simulation)
+    : film_(files.film),
+      fps_(files.fps),
+      speed_(files.film_speed),
+      step_s_(files.film_speed / files.fps),
+      begin_s_(simulation.time_s()),
+      pictures_(simulation, film_look(files)),
+      thread_(k_most_waiting) {}
+
+void Filming::open() {
+  if (!is_frames(film_))
+    ffmpeg_ = std::make_unique<Ffmpeg>(film_, pictures_.width(), pictures_.height(), fps_);
+}
+
+void Filming::observe(const Simulation& simulation) {
+  pictures_.see(simulation);
+  const double now = simulation.time_s();
+  // A frame between this tick and the next one needs both.
+  const bool is_needed = due_s() < now + simulation.tick_s();
+  const Pictures::Shot shot = is_needed ? pictures_.take(simulation, speed_) : nullptr;
+  for (; shot && due_s() <= now; ++frames_) {
+    const bool is_between = previous_ && due_s() < now;
+    add(is_between ? Pictures::between(previous_, shot, (due_s() - previous_s_) / (now - previous_s_))
+                   : shot);
+  }
+  previous_ = shot;
+  previous_s_ = now;
+}
+
+void Filming::add(Pictures::Shot shot) {
+  thread_.add([this, shot = std::move(shot), frame = frames_] {
+    if (ffmpeg_)
+      ffmpeg_->write(pictures_.draw(shot));
+    else
+      pictures_.write(shot, frame_file(film_, frame));
+  });
+}
+
+void Filming::finish(const Simulation& /*simulation*/) {
+  thread_.finish();
+  if (ffmpeg_) ffmpeg_->finish();
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "apps/observers/observer.hpp"
+#include "apps/pictures/drawing_thread.hpp"
+#include "apps/pictures/film.hpp"
+#include "apps/pictures/picture_options.hpp"
+#include "troupe/pictures.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+
+/// How fast a run is, times real time, since this was made.
+class RunSpeed {
+ public:
+  explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
+  /// At this simulated time, s; 0 where no time has gone by.
+  double at(double time_s) const;
+
+ private:
+  double begin_s_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Pictures of single ticks, drawn beside the run.
+class Snapshots : public Observer {
+ public:
+  /// `end_tick`: of the run. Throws InputError for what the world has not, and for times outside of the run.
+  Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
+
+  /// Throws what drawing would throw: so that what it needs (OSMesa, room on the disk) is known to be there
+  /// before the run, and not missed after it.
+  void rehearse() { pictures_.rehearse(first_); }
+  void observe(const Simulation& simulation) override;
+  void finish(const Simulation& simulation) override;
+  /// The picture of the last tick, where no times were given. Throws what drawing it throws.
+  void draw_last(const Simulation& simulation);
+
+ private:
+  std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // by tick; those to come last
+  std::filesystem::path first_;                                       // of all
+  std::filesystem::path last_;                                        // empty: times were given
+  std::optional<RunSpeed> speed_;
+  Pictures pictures_;
+  DrawingThread thread_;
+};
+
+/// A film of a run, drawn beside it.
+class Filming : public Observer {
+ public:
+  /// Throws InputError for what the world has not.
+  Filming(const PictureFiles& files, const Simulation& simulation);
+  /// As that of Snapshots.
+  void rehearse() { pictures_.rehearse(film_); }
+  /// Starts ffmpeg. Throws OutputError.
+  void open();
+
+  void observe(const Simulation& simulation) override;
+  void finish(const Simulation& simulation) override;
+
+ private:
+  void add(Pictures::Shot shot);
+  double due_s() const { return begin_s_ + static_cast<double>(frames_) * step_s_; }
+
+  std::filesystem::path film_;
+  double fps_;
+  double speed_;    // simulated seconds a second of it
+  double step_s_;   // of simulated time, from frame to frame
+  double begin_s_;  // of the first frame
+  std::size_t frames_ = 0;
+  Pictures pictures_;
+  Pictures::Shot previous_;  // the tick before; null where no frame needs it
+  double previous_s_ = 0;
+  std::unique_ptr<Ffmpeg> ffmpeg_;  // null: pictures, one a frame
+  DrawingThread thread_;            // the last: it uses all others
+};
+
+}  // namespace troupe::apps

@@ -1,0 +1,182 @@
+#include "apps/observers/profile.hpp"
+
+#include "apps/outputs.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+namespace troupe::apps {
+namespace {
+
+constexpr std::size_t k_tick_track = 0;  // workers' follow
+
+double microseconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double, std::micro>(d).count();
+}
+
+std::uint64_t resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t pages = 0;
+  std::uint64_t resident = 0;
+  statm >> pages >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+Profile::Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits)
+    : file_(file),
+      stream_(file, std::ios::binary),
+      limits_(limits),
+      tasks_left_(limits.most_tasks),
+      ticks_left_(limits.most_ticks),
+      start_tick_(simulation.tick()),
+      tick_(start_tick_),
+      threads_(simulation.threads()) {
+  static std::atomic<std::uint64_t> generations = 0;
+  generation_ = ++generations;
+  if (!stream_) refuse_output(file, std::strerror(errno));
+  about_.emplace_back("version", version_line());
+  std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
+  stream_ << k_profile_mark;
+  end_ = stream_.tellp();
+  own_track();  // the caller works along: it is the first worker
+  add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));
+  add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{},"args":{{"name":"ticks"}}}})",
+                  k_tick_track));
+  flush();
+}
+
+Profile::Track& Profile::own_track() {
+  thread_local std::pair<std::uint64_t, Track*> own{0, nullptr};
+  if (own.first != generation_) {
+    const std::lock_guard lock(mutex_);
+    own = {generation_, &tracks_.emplace_back()};
+  }
+  return *own.second;
+}
+
+void Profile::phase(std::optional<Phase> phase) {
+  const auto now = Clock::now();
+  if (phase == Phase::sense) {
+    ++tick_;
+    recording_ = tick_ >= limits_.first_tick && tick_ <= limits_.last_tick && ticks_left_ > 0;
+  }
+  if (current_) phases_[static_cast<std::size_t>(*current_)].end = now;
+  if (phase) phases_[static_cast<std::size_t>(*phase)] = {now, now};
+  current_ = phase;
+}
+
+void Profile::task(std::size_t index, bool begins) {
+  // Both are written between loops only. Loops outside of phases (hashes) are not the tick's.
+  if (!recording_ || !current_) return;
+  Track& track = own_track();
+  if (begins)
+    track.begin = Clock::now();
+  else
+    track.tasks.push_back({{track.begin, Clock::now()}, index, *current_});
+}
+
+void Profile::observe(const Simulation& simulation) {
+  if (tick_ == start_tick_) return;
+  if (!recording_) {
+    const bool wanted = tick_ >= limits_.first_tick && tick_ <= limits_.last_tick;
+    if (wanted && std::exchange(ended_, true) == false) {
+      left_out_ += fmt::format("{}everything from tick {} on", left_out_.empty() ? "" : "; ", tick_);
+      flush();
+    }
+    return;
+  }
+  recording_ = false;
+  --ticks_left_;
+
+  const Span whole{phases_.front().begin, phases_.back().end};
+  add_span("tick", whole, k_tick_track, fmt::format("\"tick\":{}", tick_));
+  for (std::size_t i = 0; i < k_phases; ++i)
+    add_span(std::string(phase_name(static_cast<Phase>(i))), phases_[i], k_tick_track,
+             fmt::format("\"tick\":{}{}", tick_, load(static_cast<Phase>(i))));
+  write_tasks();
+  const Statistics statistics = simulation.statistics();
+  add_counter("state bytes", whole.end, statistics.state_bytes);
+  add_counter("resident bytes", whole.end, resident_bytes());
+  add_counter("robots", whole.end, statistics.robots);
+  add_counter("stalled", whole.end, statistics.stalled);
+  flush();
+}
+
+std::string Profile::load(Phase phase) const {
+  double most = 0;
+  double sum = 0;
+  for (const Track& track : tracks_) {
+    double busy = 0;
+    for (const Task& task : track.tasks)
+      if (task.phase == phase) busy += microseconds(task.span.end - task.span.begin);
+    most = std::max(most, busy);
+    sum += busy;
+  }
+  if (!(sum > 0)) return {};
+  return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * threads_ / sum, sum);
+}
+
+void Profile::write_tasks() {
+  std::size_t count = 0;
+  for (const Track& track : tracks_) count += track.tasks.size();
+  const bool shown = count <= tasks_left_;
+  if (shown)
+    tasks_left_ -= count;
+  else if (left_out_.empty())
+    left_out_ = fmt::format("tasks from tick {} on, where they would be too many", tick_);
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    Track& track = tracks_[t];
+    if (!std::exchange(track.named, true))
+      add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{0},"args":{{"name":"worker {0}"}}}})",
+                      t + 1));
+    for (const Task& task : track.tasks)
+      if (shown)
+        add_span(std::string(phase_name(task.phase)), task.span, t + 1,
+                 fmt::format("\"task\":{}", task.index));
+    track.tasks.clear();
+  }
+}
+
+void Profile::add(const std::string& event) {
+  if (!std::exchange(first_event_, false)) pending_ += ",\n";
+  pending_ += event;
+}
+
+void Profile::add_span(const std::string& name, const Span& span, std::size_t track,
+                       const std::string& arguments) {
+  add(fmt::format(R"({{"name":"{}","ph":"X","ts":{:.3f},"dur":{:.3f},"pid":1,"tid":{},"args":{{{}}}}})", name,
+                  microseconds(span.begin - start_), microseconds(span.end - span.begin), track, arguments));
+}
+
+void Profile::add_counter(const std::string& name, Clock::time_point at, std::uint64_t value) {
+  add(fmt::format(R"({{"name":"{}","ph":"C","ts":{:.3f},"pid":1,"args":{{"{}":{}}}}})", name,
+                  microseconds(at - start_), name, value));
+}
+
+void Profile::flush() {
+  stream_.seekp(end_);
+  stream_ << pending_;
+  end_ = stream_.tellp();
+  pending_.clear();
+  nlohmann::ordered_json about;
+  for (const auto& [key, value] : about_) about[key] = value;
+  if (!left_out_.empty()) about["left_out"] = left_out_;
+  stream_ << "\n],\"otherData\":" << about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+          << "}\n"
+          << std::flush;
+  if (!stream_)
+    throw std::runtime_error(
+        fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick_, std::strerror(errno)));
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,162 @@
+#include "apps/pictures/film.hpp"
+
+#include "apps/outputs.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_no_ffmpeg =
+    "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes pictures "
+    "that "
+    "can become a film elsewhere";
+constexpr int k_last_open_file = 1023;
+
+void close_if_open(int& file) {
+  if (file >= 0) close(file);
+  file = -1;
+}
+
+}  // namespace
+
+std::string find_ffmpeg() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path program = fs::path(folder.empty() ? "." : folder) / "ffmpeg";
+    std::error_code ignored;
+    if (fs::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program.string();
+  }
+  return {};
+}
+
+void check_film(const PictureFiles& pictures) {
+  if (pictures.film.empty() || is_frames(pictures.film)) return;
+  if (find_ffmpeg().empty()) refuse_output(pictures.film, k_no_ffmpeg);
+}
+
+Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::move(film)) {
+  const std::string program = find_ffmpeg();
+  if (program.empty()) refuse_output(film_, k_no_ffmpeg);
+  partial_ = film_;
+  partial_ += fmt::format(".{}.partial.mp4", getpid());
+  // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines.
+  start(program, {"ffmpeg",
+                  "-y",
+                  "-loglevel",
+                  "error",
+                  "-f",
+                  "rawvideo",
+                  "-pixel_format",
+                  "rgba",
+                  "-video_size",
+                  fmt::format("{}x{}", width, height),
+                  "-framerate",
+                  fmt::format("{:g}", fps),
+                  "-i",
+                  "-",
+                  "-vf",
+                  "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                  "-c:v",
+                  "libx264",
+                  "-crf",
+                  "18",
+                  "-pix_fmt",
+                  "yuv420p",
+                  "-movflags",
+                  "+faststart",
+                  partial_.string()});
+}
+
+Ffmpeg::~Ffmpeg() {
+  if (process_ < 0) return;
+  close_if_open(pipe_);
+  kill(process_, SIGTERM);
+  wait();
+  std::error_code ignored;
+  fs::remove(partial_, ignored);
+}
+
+void Ffmpeg::start(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<char*> words;
+  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) refuse_output(film_, std::strerror(errno));
+  std::signal(SIGPIPE, SIG_IGN);  // that it has ended is an error in writing, and told
+  process_ = fork();
+  if (process_ == 0) {
+    // In a group of its own: Ctrl-C ends the run, which then finishes the film.
+    setpgid(0, 0);
+    const int nothing = open("/dev/null", O_WRONLY);
+    dup2(ends[0], STDIN_FILENO);
+    dup2(nothing, STDOUT_FILENO);
+    for (int file = STDERR_FILENO + 1; file <= k_last_open_file; ++file) close(file);
+    execv(program.c_str(), words.data());
+    _exit(127);
+  }
+  const int fault = errno;
+  close(ends[0]);
+  pipe_ = ends[1];
+  if (process_ < 0) {
+    close_if_open(pipe_);
+    refuse_output(film_, std::strerror(fault));
+  }
+}
+
+void Ffmpeg::write(std::span<const std::uint8_t> rgba) {
+  while (!rgba.empty()) {
+    const ssize_t written = ::write(pipe_, rgba.data(), rgba.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail();
+    rgba = rgba.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+int Ffmpeg::wait() {
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void Ffmpeg::fail() {
+  close_if_open(pipe_);
+  const int code = process_ >= 0 ? wait() : 0;
+  std::error_code ignored;
+  fs::remove(partial_, ignored);
+  throw std::runtime_error(
+      fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
+}
+
+void Ffmpeg::finish() {
+  close_if_open(pipe_);
+  if (const int code = wait(); code != 0) {
+    std::error_code ignored;
+    fs::remove(partial_, ignored);
+    throw std::runtime_error(
+        fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
+  }
+  std::error_code fault;
+  fs::rename(partial_, film_, fault);
+  if (fault)
+    throw std::runtime_error(fmt::format("{}: error: writing failed: {}", film_.string(), fault.message()));
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,218 @@
+#include "apps/pictures/picture_options.hpp"
+
+#include "apps/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace troupe::apps {
+namespace {
+
+// What OSMesa draws at most.
+constexpr int k_max_pixels = 16384;
+constexpr double k_farthest_m = 1e6;
+constexpr double k_most_seconds = 1e9;
+constexpr double k_most_fps = 1000;
+constexpr double k_most_speed = 1e6;
+constexpr const char* k_number_mark = "%06d";
+
+void set_picture_size(PictureOptions& look, const std::string& text) {
+  const auto cross = text.find('x');
+  const auto width = number<int>(text.substr(0, cross));
+  const auto height = cross == text.npos ? std::nullopt : number<int>(text.substr(cross + 1));
+  const auto good = [](std::optional<int> n) { return n && *n >= 1 && *n <= k_max_pixels; };
+  if (!good(width) || !good(height))
+    refuse("--size", text,
+           fmt::format("a width and a height in pixels, 1 to {} each, as in --size 1280x720", k_max_pixels));
+  look.width = *width;
+  look.height = *height;
+}
+
+/// Two numbers with a comma between them; of one alone the second is 0 where that is right.
+std::optional<std::array<double, 2>> two_numbers(const std::string& text, bool one_is_enough) {
+  const auto comma = text.find(',');
+  const auto first = finite(text.substr(0, comma));
+  std::optional<double> second;
+  if (comma != text.npos)
+    second = finite(text.substr(comma + 1));
+  else if (one_is_enough)
+    second = 0;
+  if (!first || !second) return std::nullopt;
+  return std::array{*first, *second};
+}
+
+void set_center(PictureOptions& look, const std::string& text) {
+  const auto center = two_numbers(text, false);
+  if (!center || std::max(std::abs((*center)[0]), std::abs((*center)[1])) > k_farthest_m)
+    refuse("--center", text,
+           fmt::format("x and y in metres, at most {:g}, as in --center 2.5,-4", k_farthest_m));
+  look.center_m = center;
+}
+
+void set_angle(PictureOptions& look, const std::string& text) {
+  const auto angle = two_numbers(text, true);
+  if (!angle || (*angle)[0] < 0 || (*angle)[0] > 90 || std::abs((*angle)[1]) > 360)
+    refuse("--angle", text,
+           "a pitch in degrees, 0 (straight down) to 90 (level), and a yaw, -360 to 360, as in --angle "
+           "50,30");
+  look.angle_rad = std::array{radians((*angle)[0]), radians((*angle)[1])};
+}
+
+double number_within(const char* option, const std::string& text, double most, std::string_view what) {
+  const std::optional<double> value = finite(text);
+  if (!value || *value <= 0 || *value > most)
+    refuse(option, text, fmt::format("{}, above 0 and at most {:g}", what, most));
+  return *value;
+}
+
+constexpr std::array k_looks = {"--size",   "--camera", "--center",   "--angle",
+                                "--across", "--layers", "--color-by", "--color-range"};
+
+void add_files(CLI::App& app, PictureFiles& pictures) {
+  CLI::Option* const snapshot =
+      add_value(app, "--snapshot", "FILE.png", "Draw the last tick into a PNG",
+                [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
+  add_value(app, "--snapshot-at", "T,...",
+            "Instead at these simulated times, s; {time} in the name stands for them",
+            [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
+      ->needs(snapshot);
+  CLI::Option* const film = add_value(
+      app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
+      [&pictures](const std::string& text) {
+        pictures.film = text;
+        const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
+        if (!is_film || text.starts_with('-'))
+          refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
+      });
+  add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
+    pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
+  })->needs(film);
+  add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
+            [&pictures](const std::string& text) {
+              pictures.film_speed = number_within("--film-speed", text, k_most_speed, "times real time");
+            })
+      ->needs(film);
+}
+
+/// What the options are together.
+void check(const CLI::App& app, const PictureFiles& pictures) {
+  for (const char* name : k_looks)
+    if (app.count(name) > 0 && pictures.snapshot.empty() && pictures.film.empty())
+      throw CLI::RequiresError(name, "--snapshot or --film");
+  check_names(pictures, "--snapshot-at", "--snapshot");
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures) {
+  if (pictures.snapshot.empty()) return {};
+  if (pictures.snapshot_at_s.empty()) return {pictures.snapshot};
+  std::vector<std::filesystem::path> files;
+  for (const double time : pictures.snapshot_at_s) {
+    std::string name = pictures.snapshot.string();
+    const std::string text = fmt::format("{:.10g}", time);
+    for (std::size_t at = 0; (at = name.find(k_time_mark, at)) != name.npos; at += text.size())
+      name.replace(at, k_time_mark.size(), text);
+    files.emplace_back(name);
+  }
+  return files;
+}
+
+bool is_frames(const std::filesystem::path& film) {
+  return film.extension() == ".png" && film.filename().string().find(k_number_mark) != std::string::npos;
+}
+
+std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame) {
+  std::string name = film.filename().string();
+  const std::string_view mark = k_number_mark;
+  name.replace(name.find(mark), mark.size(), fmt::format("{:06}", frame));
+  return film.parent_path() / name;
+}
+
+void add_look_options(CLI::App& app, PictureOptions& look) {
+  add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
+            [&look](const std::string& text) { set_picture_size(look, text); });
+  add_value(app, "--camera", "C", "top (default), perspective, window (the world's own), or follow:NAME",
+            [&look](const std::string& text) {
+              look.camera = text;
+              if (const std::string fault = camera_fault(text); !fault.empty())
+                throw CLI::ValidationError("--camera", fault);
+            });
+  add_value(app, "--center", "X,Y", "What is in the middle, m (default: everything is in the picture)",
+            [&look](const std::string& text) { set_center(look, text); });
+  add_value(app, "--angle", "PITCH[,YAW]", "Degrees: 0 straight down, 90 level; counter-clockwise",
+            [&look](const std::string& text) { set_angle(look, text); });
+  add_value(app, "--across", "M", "What the picture's width shows in its middle, m",
+            [&look](const std::string& text) {
+              look.across_m = number_within("--across", text, k_farthest_m, "a length in metres");
+            });
+  add_value(app, "--layers", "A,-B,...", "What is drawn beside the robots, and what is not; listed below",
+            [&look](const std::string& text) {
+              look.layers = text;
+              const std::string fault = text.empty() ? "an empty list" : layers_fault(text);
+              if (!fault.empty()) throw CLI::ValidationError("--layers", fault);
+            });
+  add_value(app, "--color-by", "COMPONENT.FIELD", "Robots have the colour of a value of the state",
+            [&look](const std::string& text) { look.color_by = text; });
+  add_value(app, "--color-range", "LOW,HIGH", "Values at the ends of the colours (default: each picture's)",
+            [&look](const std::string& text) {
+              look.color_range = two_numbers(text, false);
+              if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
+                refuse("--color-range", text, "two numbers, the lower first, as in --color-range 0,0.5");
+            });
+}
+
+void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {
+  pictures.snapshot = text;
+  if (pictures.snapshot.extension() != ".png" || text.starts_with('-'))
+    refuse(option, text, fmt::format("the name of a picture, as in {} crowd.png", option));
+}
+
+void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
+  std::vector<double>& times = pictures.snapshot_at_s;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::optional<double> time = finite(std::string_view(text).substr(start, end - start));
+    if (!time || *time < 0 || *time > k_most_seconds)
+      refuse(option, text, fmt::format("a list of simulated times in seconds, as in {} 0,60,600", option));
+    times.push_back(*time);
+    start = end + 1;
+  }
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+}
+
+void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option) {
+  const std::string name = pictures.snapshot.string();
+  if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
+  throw CLI::ValidationError(
+      times_option,
+      fmt::format("several pictures need names of their own: write {} in the name, as in {} {}-{}.png",
+                  k_time_mark, name_option, pictures.snapshot.stem().string(), k_time_mark));
+}
+
+void add_picture_options(CLI::App& app, PictureFiles& pictures) {
+  add_files(app, pictures);
+  add_look_options(app, pictures.look);
+  app.final_callback([&app, &pictures] { check(app, pictures); });
+}
+
+std::string picture_help() {
+  std::string text =
+      "Pictures: --camera top is a map; perspective, and follow:NAME with a robot in the middle, show "
+      "solids; "
+      "window is\nthe camera of the world's own window. --center, --angle and --across change any of them.\n"
+      "Layers, those in brackets only where --layers asks for them; -NAME leaves one out:\n";
+  for (const PictureLayer& layer : picture_layers())
+    text += fmt::format("  {:<13} {}\n", layer.on ? std::string(layer.name) : fmt::format("[{}]", layer.name),
+                        layer.text);
+  return text;
+}
+
+}  // namespace troupe::apps

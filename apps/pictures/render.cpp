@@ -1,0 +1,127 @@
+#include "apps/pictures/render.hpp"
+
+#include "apps/diff/diff_recordings.hpp"
+#include "apps/observers/filming.hpp"
+#include "apps/options.hpp"
+#include "apps/outputs.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+#include "troupe/recorded_run.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/checkpoint.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_footer = R"(
+A world is drawn as it begins, a checkpoint as it was saved, a recording as it ended; --at draws other times: a world is
+run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. A recording needs no
+other file; it can show what was recorded (troupe run --record-fields): scans want ranges, red outlines want stall.
+)";
+
+constexpr const char* k_examples = R"(
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written.
+
+Examples:
+  troupe render worlds/cave-simple.json -o cave.png --camera perspective
+  troupe render worlds/cave-simple.json -o cave-{time}.png --at 0,10,60
+  troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
+
+/// Times in order, or the one the input stands at.
+template <class TakeAt>
+void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
+  const std::vector<fs::path> files = snapshot_files(options.pictures);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    pictures.write(
+        take_at(options.pictures.snapshot_at_s.empty() ? std::nan("") : options.pictures.snapshot_at_s[i]),
+        files[i]);
+}
+
+void draw_simulation(const RenderOptions& options, Simulation simulation) {
+  Pictures pictures(simulation, options.pictures.look);
+  const auto& times = options.pictures.snapshot_at_s;
+  if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
+    throw InputError(fmt::format("{}: error: --at {:g}: the run is at {:g} s already", options.input.string(),
+                                 times.front(), simulation.time_s()));
+  pictures.rehearse(snapshot_files(options.pictures).front());
+  const RunSpeed speed(simulation.time_s());
+  pictures.see(simulation);
+  draw_each(options, pictures, [&](double time) {
+    while (!std::isnan(time) && simulation.tick() < engine::ticks_until(time, simulation.tick_s())) {
+      simulation.step();
+      pictures.see(simulation);
+    }
+    return pictures.take(simulation, speed.at(simulation.time_s()));
+  });
+}
+
+void draw_recording(const RenderOptions& options) {
+  RecordedRun run(options.input);
+  Pictures pictures(run, options.pictures.look);
+  pictures.rehearse(snapshot_files(options.pictures).front());
+  draw_each(options, pictures, [&](double time) {
+    run.go_to(std::isnan(time) ? run.last_s() : time);
+    if (pictures.history_s() > 0)
+      run.replay(pictures.history_s(), [&](const RecordedRun& frame) { pictures.see(frame); });
+    return pictures.take(run);
+  });
+}
+
+void render_checked(const RenderOptions& options) {
+  check_outputs({{options.input, "what is to be drawn"}}, snapshot_files(options.pictures));
+  if (worldio::is_checkpoint(options.input)) {
+    draw_simulation(options,
+                    Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));
+  } else if (!is_hdf5(options.input)) {
+    SimulationOptions simulation;
+    simulation.plugin_path = options.plugin_path;
+    draw_simulation(options, Simulation(options.input, with_environment(std::move(simulation))));
+  } else {
+    draw_recording(options);
+  }
+}
+
+}  // namespace
+
+CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
+  CLI::App* command = app.add_subcommand("render", "Draw a world, a checkpoint or a recording");
+  command->footer(fmt::format("{}\n{}{}", k_footer, picture_help(), k_examples));
+  command
+      ->add_option_function<std::string>(
+          "INPUT", [&options](const std::string& text) { options.input = text; },
+          "World file, checkpoint or recording")
+      ->option_text(" ")
+      ->required();
+  add_value(*command, "-o,--output", "FILE.png",
+            "The picture; {time} in its name stands for the simulated time",
+            [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); })
+      ->required();
+  add_value(*command, "--at", "T,...", "Simulated times to draw, s",
+            [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
+  add_look_options(*command, options.pictures.look);
+  add_plugin_path_option(*command, options.plugin_path);
+  command->final_callback([&options] { check_names(options.pictures, "--at", "--output"); });
+  return command;
+}
+
+ExitCode render_pictures(const RenderOptions& options) {
+  try {
+    render_checked(options);
+    return k_finished;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  }
+  return k_bad_input;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,166 @@
+#include "apps/replay.hpp"
+
+#include "apps/options.hpp"
+#include "apps/outputs.hpp"
+#include "apps/replay_page.hpp"
+#include "base/diagnostics.hpp"
+#include "worldio/replay_codec.hpp"
+#include "worldio/replay_data.hpp"
+#include "worldio/whole_file.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_footer = R"(
+Writes one file that plays the recording (troupe run --record) in a browser, offline, with nothing else: pan, zoom and
+orbit, a bar to scrub along, speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
+Press ? in it for its keys.
+
+Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 4,000 steps of what they span. A page that
+would be larger than --max-mb has every second frame, every third, ..., and says so, as this command does.
+
+What is shown beside poses is what was recorded: troupe run --record-fields pose,stall,ranges. --fields takes less of it:
+components (stall), fields (ranges) or both (stall/stalled).
+
+Exit codes: 0 written; 1 writing failed; 2 no recording, one without poses, FILE is there already, or wrong usage:
+nothing written.
+
+Examples:
+  troupe run worlds/hospital.json --for 60 --record run.h5 --record-fields pose,stall
+  troupe replay run.h5 -o swarm.html
+  troupe replay run.h5 -o small.html --max-mb 5 --fields pose)";
+
+constexpr std::string_view k_mark = "@RECORDING@";
+constexpr double k_bytes_mb = 1e6;
+constexpr double k_most_mb = 500;  // browsers hold no longer texts
+
+std::vector<std::string> names_of(const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream stream(text + ',');
+  for (std::string name; std::getline(stream, name, ',');) {
+    if (name.empty()) refuse("--fields", text, "a list of names, as in --fields stall,ranges");
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// "2nd", "3rd", "11th".
+std::string ordinal(std::size_t n) {
+  const bool teen = n % 100 >= 11 && n % 100 <= 13;
+  const char* const ending = teen          ? "th"
+                             : n % 10 == 1 ? "st"
+                             : n % 10 == 2 ? "nd"
+                             : n % 10 == 3 ? "rd"
+                                           : "th";
+  return fmt::format("{}{}", n, ending);
+}
+
+std::string number_of(std::size_t n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+/// Bytes of a recording that a page of so many has room for: behind base64 there are 4 for 3.
+std::size_t room(double max_mb) {
+  const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
+  return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;
+}
+
+void tell(const fs::path& page, double mb, double max_mb, const worldio::ReplayData& data) {
+  std::string bodies = number_of(data.robots, "robot");
+  if (data.others > 0)
+    bodies += fmt::format(" and {} other {}", data.others, data.others == 1 ? "body" : "bodies");
+  fmt::print("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, number_of(data.frames, "frame"),
+             data.frames > 1 ? fmt::format(" every {:.6g} s", data.every_s) : "", mb);
+  if (data.stride > 1)
+    fmt::print("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n", page.string(),
+               ordinal(data.stride), data.recorded, max_mb);
+  if (data.at_rest)
+    fmt::print("{}: parts that move are drawn at rest: record where they are, with --record-fields joint\n",
+               page.string());
+}
+
+void check(const ReplayOptions& options, const fs::path& page) {
+  check_outputs({Input{options.recording, "the recording"}}, {page});
+  std::error_code ignored;
+  if (!options.force && fs::exists(page, ignored))
+    throw OutputError(
+        fmt::format("{}: error: there is a file of this name already: --force replaces it", page.string()));
+}
+
+}  // namespace
+
+CLI::App* add_replay_command(CLI::App& app, ReplayOptions& options) {
+  CLI::App* command = app.add_subcommand("replay", "Make a page that plays a recording in a browser");
+  command->footer(k_footer);
+  command
+      ->add_option_function<std::string>(
+          "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
+      ->option_text(" ")
+      ->required();
+  add_value(*command, "-o,--output", "FILE.html", "The page (default: as the recording, with .html)",
+            [&options](const std::string& text) {
+              if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
+              options.page = text;
+            });
+  command->add_flag("--force", options.force, "Replace a file that is there already")
+      ->disable_flag_override();
+  add_value(*command, "--max-mb", "MB", "How large it may be, in megabytes (default: 25)",
+            [&options](const std::string& text) {
+              const auto mb = finite(text);
+              if (!mb || *mb <= 0 || *mb > k_most_mb)
+                refuse("--max-mb", text, fmt::format("a size in megabytes, above 0, to {:g}", k_most_mb));
+              options.max_mb = *mb;
+            });
+  add_value(*command, "--fields", "A,B,...", "What to show beside poses (default: all that was recorded)",
+            [&options](const std::string& text) { options.fields = names_of(text); });
+  return command;
+}
+
+ExitCode replay(const ReplayOptions& options) {
+  const fs::path page =
+      options.page.empty() ? fs::path(options.recording).replace_extension(".html") : options.page;
+  const std::size_t mark = k_replay_page.find(k_mark);
+  if (mark == k_replay_page.npos)
+    throw std::runtime_error("this program was built with a page without a place");
+  try {
+    check(options, page);
+  } catch (const OutputError& error) {
+    throw InputError(error.what());
+  }
+  worldio::ReplayData data;
+  try {
+    const worldio::RecordingReader recording(options.recording);
+    if (recording.unfinished())
+      fmt::print(
+          stderr,
+          "{}: warning: its writer was cut off, or is still at it: {} whole frames stand there so far\n",
+          options.recording.string(), recording.frames());
+    data = worldio::replay_data(recording, {.most_bytes = room(options.max_mb), .fields = options.fields});
+  } catch (const worldio::Hdf5Error& error) {
+    throw InputError(error.what());
+  }
+  const std::string text = worldio::base64(data.bytes);
+  try {
+    worldio::write_whole(page,
+                         {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "{}: error: cannot be written: {}\n", page.string(), error.code().message());
+    return k_failed;
+  }
+  const double mb = static_cast<double>(k_replay_page.size() - k_mark.size() + text.size()) / k_bytes_mb;
+  tell(page, mb, options.max_mb, data);
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return k_finished;
+}
+
+}  // namespace troupe::apps

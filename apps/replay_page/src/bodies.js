@@ -1,0 +1,40 @@
+// Bodies of one type, drawn at once: a mesh, and of each body a pose and a colour.
+
+import { InstancedBufferAttribute, InstancedBufferGeometry, LineSegments, Mesh } from "three";
+import { edgesMaterial, facesMaterial, shadowsMaterial } from "./materials.js";
+
+function instanced(mesh, count, attributes) {
+  const geometry = new InstancedBufferGeometry();
+  for (const [name, attribute] of Object.entries(mesh.attributes)) geometry.setAttribute(name, attribute);
+  for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+  geometry.instanceCount = count;
+  return geometry;
+}
+
+export class Bodies {
+  /**
+   * meshes    of geometry.js; `radius` encloses one of them, m
+   * poses     x, y, z (m) and heading (rad) of each; tints: three bytes of each
+   * smallest  that one may look, pixels
+   */
+  constructor(meshes, radius, poses, tints, smallest) {
+    const count = tints.length / 3;
+    this.pose = new InstancedBufferAttribute(poses, 4);
+    this.tint = new InstancedBufferAttribute(tints, 3, true);
+    const attributes = { pose: this.pose, tint: this.tint };
+    this.objects = [
+      new Mesh(instanced(meshes.faces, count, attributes), facesMaterial(radius, smallest)),
+      new LineSegments(instanced(meshes.edges, count, attributes), edgesMaterial(radius, smallest)),
+      new Mesh(instanced(meshes.faces, count, attributes), shadowsMaterial(radius, smallest)),
+    ];
+    for (const object of this.objects) object.frustumCulled = false; // where bodies are, only the shader knows
+  }
+
+  posesChanged() {
+    this.pose.needsUpdate = true;
+  }
+
+  tintsChanged() {
+    this.tint.needsUpdate = true;
+  }
+}

@@ -1,0 +1,140 @@
+// Robots in the colour of what they do or know: speed, or any number that was recorded.
+
+import { shadeInto } from "./palette.js";
+import { ABSENT } from "./series.js";
+
+const plain = (name) => {
+  try {
+    return decodeURIComponent(name);
+  } catch {
+    return name;
+  }
+};
+
+/** "stall", or "minibot, ranger:0" of a sensor of one type. */
+export function componentText(component) {
+  const steps = component.split("/").map(plain);
+  return steps[0] === "sensors" ? steps.slice(1).join(", ") : steps.filter((step) => step !== "0").join(" ");
+}
+
+/** As many digits as the rounding leaves. */
+export function numberText(value, step) {
+  if (!Number.isFinite(value)) return "–";
+  const digits = Math.min(Math.max(-Math.floor(Math.log10(step) + 1e-9), 0), 6);
+  return value.toFixed(digits);
+}
+
+/** What robots may be coloured by: {text, unit, and the field and column, or neither}. */
+export function coloringsOf(header) {
+  const all = [
+    { text: "own colours", unit: "" },
+    { text: "speed", unit: "m/s", speed: true },
+  ];
+  header.fields.forEach((field, index) => {
+    const text = `${componentText(field.component)}: ${plain(field.name)}`;
+    const common = { unit: field.unit, field: index };
+    if (field.columns === 1) all.push({ ...common, text, column: 0 });
+    else if (field.columns <= 4)
+      for (let c = 0; c < field.columns; c++) all.push({ ...common, text: `${text}[${c}]`, column: c });
+    else all.push({ ...common, text: `least of ${text}`, column: -1 });
+  });
+  return all;
+}
+
+export class Coloring {
+  constructor(recording) {
+    this.recording = recording;
+    this.choices = coloringsOf(recording.header);
+    this.choice = this.choices[0];
+    this.tints = new Uint8Array(3 * recording.robots);
+    this.fastest = 0;
+  }
+
+  choose(index) {
+    this.choice = this.choices[index];
+    this.done = null;
+  }
+
+  /** What is to be unpacked for it beside poses. */
+  get fields() {
+    return this.choice.field === undefined ? [] : [this.choice.field];
+  }
+
+  get range() {
+    if (this.choice.speed) return [0, this.fastest];
+    const field = this.recording.header.fields[this.choice.field];
+    return [field.min, field.max];
+  }
+
+  get step() {
+    if (this.choice.speed) return 0.01;
+    return this.recording.header.fields[this.choice.field].step;
+  }
+
+  /** New colours, three bytes a robot, or null: those of the world. Undefined: as before, or not unpacked yet. */
+  tintsOf(frame) {
+    const isOwn = this.choice.field === undefined && !this.choice.speed;
+    const wanted = isOwn ? "own" : frame;
+    if (this.done === wanted) return undefined;
+    if (!isOwn && !(this.choice.speed ? this.bySpeed(frame) : this.byField(frame))) return undefined;
+    this.done = wanted;
+    return isOwn ? null : this.tints;
+  }
+
+  byField(frame) {
+    const { field: index, column } = this.choice;
+    const found = this.recording.field(index, frame);
+    if (!found) return false;
+    const { columns, min, max, step } = this.recording.header.fields[index];
+    const rows = this.recording.fieldRows[index].of;
+    const scale = max > min ? step / (max - min) : 0;
+    for (let r = 0; r < rows.length; r++) {
+      let share = NaN;
+      if (rows[r] >= 0) {
+        const at = found.at + rows[r] * columns;
+        let value = 0; // 0: absent
+        if (column >= 0) value = found.values[at + column];
+        else
+          for (let c = 0; c < columns; c++) {
+            const other = found.values[at + c];
+            if (other > 0 && (value === 0 || other < value)) value = other;
+          }
+        if (value > 0) share = (value - 1) * scale;
+      }
+      this.shade(r, share);
+    }
+    return true;
+  }
+
+  /** Grey are robots without a value; what does not drive keeps its colour then. */
+  shade(r, share) {
+    const { mobile, own } = this.recording;
+    if (share === share || mobile[r]) return shadeInto(share, this.tints, 3 * r);
+    for (let c = 3 * r; c < 3 * r + 3; c++) this.tints[c] = own[c];
+  }
+
+  bySpeed(frame) {
+    const { recording } = this;
+    const first = Math.min(frame, Math.max(recording.frames - 2, 0));
+    const second = Math.min(first + 1, recording.frames - 1);
+    const a = recording.poses(first);
+    const b = recording.poses(second);
+    if (!a || !b) return false;
+    const seconds = recording.times[second] - recording.times[first] || 1;
+    const perStep = recording.header.pose.step_m / seconds;
+    const speeds = (this.speeds ??= new Float32Array(recording.robots));
+    let fastest = 0;
+    for (let r = 0, i = a.at, j = b.at; r < recording.robots; r++, i++, j++) {
+      const there = recording.mobile[r] && a.x[i] !== ABSENT && b.x[j] !== ABSENT;
+      speeds[r] = there ? Math.hypot(b.x[j] - a.x[i], b.y[j] - a.y[i]) * perStep : NaN;
+      if (speeds[r] > fastest) fastest = speeds[r];
+    }
+    // The scale grows with what has been seen, in steps of a tenth of a power of ten.
+    if (fastest > this.fastest) {
+      const grain = 10 ** Math.floor(Math.log10(fastest)) / 10;
+      this.fastest = Math.ceil(fastest / grain - 1e-6) * grain;
+    }
+    for (let r = 0; r < recording.robots; r++) this.shade(r, this.fastest > 0 ? speeds[r] / this.fastest : 0 * speeds[r]);
+    return true;
+  }
+}

@@ -1,0 +1,180 @@
+// What a type of bodies looks like, as meshes in its own frame: tops, walls, edges, and a mark at the front of robots.
+
+import { BufferAttribute, BufferGeometry } from "three";
+import { bytesOf } from "./palette.js";
+
+// Who decides the colour of a vertex: the body, the part itself, or contrast with the body.
+const BODY = 0;
+const OWN = 1;
+const CONTRAST = 2;
+
+class MeshBuilder {
+  positions = [];
+  normals = [];
+  paints = [];
+  pose = [0, 0, 0, 0];
+  cos = 1;
+  sin = 0;
+  color = null;
+
+  /** What is added from here on is of a body that stands there. */
+  standAt({ pose, color }) {
+    this.pose = pose;
+    this.cos = Math.cos(pose[3]);
+    this.sin = Math.sin(pose[3]);
+    this.color = [...bytesOf(color).map((byte) => byte / 255), OWN];
+  }
+
+  add(x, y, z, normal, paint) {
+    const { pose, cos, sin } = this;
+    this.positions.push(pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y, pose[2] + z);
+    this.normals.push(cos * normal[0] - sin * normal[1], sin * normal[0] + cos * normal[1], normal[2]);
+    this.paints.push(...(paint[3] === BODY && this.color ? this.color : paint));
+  }
+
+  build() {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(this.positions), 3));
+    geometry.setAttribute("normal", new BufferAttribute(new Float32Array(this.normals), 3));
+    geometry.setAttribute("paint", new BufferAttribute(new Float32Array(this.paints), 4));
+    return geometry;
+  }
+}
+
+function paintOf(shape) {
+  if (!shape.color) return [0, 0, 0, BODY];
+  return [...bytesOf(shape.color).map((byte) => byte / 255), OWN];
+}
+
+const UP = [0, 0, 1];
+
+// Pieces that meet overlap by this share of what they are part of: else the floor shines through between them.
+const OVERLAP = 1e-4;
+
+/** A convex polygon whose edges have moved out by so much. */
+function grown(corners, by) {
+  const count = corners.length / 2;
+  let area = 0;
+  eachEdge(corners, (ax, ay, bx, by) => (area += ax * by - bx * ay));
+  const out = area > 0 ? by : -by;
+  const normal = (i) => {
+    const [a, b] = [2 * (i % count), 2 * ((i + 1) % count)];
+    const [x, y] = [corners[b] - corners[a], corners[b + 1] - corners[a + 1]];
+    const length = Math.hypot(x, y) || 1;
+    return [y / length, -x / length];
+  };
+  const moved = [];
+  for (let i = 0; i < count; i++) {
+    const [before, behind] = [normal(i + count - 1), normal(i)];
+    const scale = out / Math.max(1 + before[0] * behind[0] + before[1] * behind[1], 0.2); // sharp corners are blunt
+    moved.push(corners[2 * i] + scale * (before[0] + behind[0]), corners[2 * i + 1] + scale * (before[1] + behind[1]));
+  }
+  return moved;
+}
+
+function addTop(mesh, corners, z, paint) {
+  for (let i = 4; i < corners.length; i += 2)
+    for (const k of [0, i - 2, i]) mesh.add(corners[k], corners[k + 1], z, UP, paint);
+}
+
+/** Calls with the ends of each edge of a closed chain. */
+function eachEdge(corners, call) {
+  for (let i = 0, last = corners.length - 2; i < corners.length; last = i, i += 2)
+    call(corners[last], corners[last + 1], corners[i], corners[i + 1]);
+}
+
+function addWall(mesh, corners, low, high, paint) {
+  eachEdge(corners, (ax, ay, bx, by) => {
+    const length = Math.hypot(bx - ax, by - ay) || 1;
+    const normal = [(by - ay) / length, (ax - bx) / length, 0];
+    for (const [x, y, z] of [[ax, ay, low], [bx, by, low], [bx, by, high], [ax, ay, low], [bx, by, high], [ax, ay, high]])
+      mesh.add(x, y, z, normal, paint);
+  });
+}
+
+/** Whether a convex polygon holds a point, whichever way round it goes. */
+function holds(corners, x, y) {
+  let left = 0;
+  let right = 0;
+  eachEdge(corners, (ax, ay, bx, by) => {
+    const side = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+    if (side >= 0) left++;
+    if (side <= 0) right++;
+  });
+  return left === corners.length / 2 || right === corners.length / 2;
+}
+
+/** A triangle that points forward, at the front, in a colour that shows on what is under it. */
+function addMark(mesh, shapes) {
+  const box = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const shape of shapes)
+    for (const corners of shape.walls)
+      for (let i = 0; i < corners.length; i += 2) {
+        box[0] = Math.min(box[0], corners[i]);
+        box[1] = Math.min(box[1], corners[i + 1]);
+        box[2] = Math.max(box[2], corners[i]);
+        box[3] = Math.max(box[3], corners[i + 1]);
+      }
+  const [length, width] = [box[2] - box[0], box[3] - box[1]];
+  if (!(length > 0 && width > 0)) return;
+  const half = 0.26 * Math.min(length, width);
+  const y = (box[1] + box[3]) / 2;
+  const tip = box[2] - 0.1 * length;
+  const base = tip - 1.3 * half;
+  const under = shapes.filter((shape) => shape.tops.some((corners) => holds(corners, (tip + 2 * base) / 3, y))).pop();
+  let paint = [0, 0, 0, CONTRAST];
+  if (under?.color) {
+    const [r, g, b] = bytesOf(under.color);
+    const shade = 0.299 * r + 0.587 * g + 0.114 * b > 150 ? 0.15 : 1;
+    paint = [shade, shade, shade, CONTRAST + 1]; // a colour of its own that hides with the marks
+  }
+  const z = Math.max(...shapes.map((shape) => shape.z_m[1])) + 0.08 * half;
+  addTop(mesh, [tip, y, base, y + half, base, y - half], z, paint);
+}
+
+const ROOT = -1; // of shapes that stand on no joint
+const ALL = null;
+
+function addType(type, step, faces, edges, joint = ALL) {
+  const inMetres = (corners) => corners.map((x) => x * step);
+  const shapes = type.shapes
+    .filter((shape) => joint === ALL || (shape.joint ?? ROOT) === joint)
+    .map((shape) => ({ ...shape, tops: shape.tops.map(inMetres), walls: shape.walls.map(inMetres) }))
+    .sort((a, b) => a.z_m[1] - b.z_m[1]);
+  for (const shape of shapes) {
+    const paint = paintOf(shape);
+    const [low, high] = shape.z_m;
+    const pieces = shape.tops.length > 1 ? shape.tops.map((corners) => grown(corners, OVERLAP * type.radius_m)) : shape.tops;
+    for (const corners of pieces) addTop(faces, corners, high, paint);
+    for (const corners of shape.walls) {
+      addWall(faces, corners, low, high, paint);
+      eachEdge(corners, (ax, ay, bx, by) => {
+        edges.add(ax, ay, high, UP, paint);
+        edges.add(bx, by, high, UP, paint);
+      });
+    }
+  }
+  if (type.mobile && shapes.length > 0 && (joint === ALL || joint === ROOT)) addMark(faces, shapes);
+}
+
+/**
+ * Meshes of a type in its own frame, with its joints at rest: faces (triangles) and edges (lines).
+ * joint   what of it: -1 what stands on no joint, else what that one moves; all of it where it is not given
+ */
+export function meshesOf(type, step, joint = ALL) {
+  const faces = new MeshBuilder();
+  const edges = new MeshBuilder();
+  addType(type, step, faces, edges, joint);
+  return { faces: faces.build(), edges: edges.build() };
+}
+
+/** The same of many bodies that stay where they are, in the world's frame and in their colours, as one mesh. */
+export function meshesOfAll(bodies, types, step) {
+  const faces = new MeshBuilder();
+  const edges = new MeshBuilder();
+  for (const body of bodies) {
+    for (const mesh of [faces, edges]) mesh.standAt(body);
+    addType(types[body.type], step, faces, edges);
+  }
+  return { faces: faces.build(), edges: edges.build() };
+}

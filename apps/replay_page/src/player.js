@@ -1,0 +1,37 @@
+// The clock of the page.
+
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
+
+export class Player {
+  constructor(start, end) {
+    this.start = start;
+    this.end = end;
+    this.time = start;
+    this.speed = 1;
+    this.playing = false;
+  }
+
+  seek(time) {
+    this.time = Math.min(Math.max(time, this.start), this.end);
+  }
+
+  /** Plays, from the start again where it stood at the end; or pauses. */
+  play(on = true) {
+    if (on && this.time >= this.end) this.time = this.start;
+    this.playing = on && this.end > this.start;
+  }
+
+  faster(steps) {
+    const at = SPEEDS.findIndex((speed) => speed >= this.speed);
+    this.speed = SPEEDS[Math.min(Math.max(at + steps, 0), SPEEDS.length - 1)];
+  }
+
+  /** Some real time has passed, s. After a sleep of the machine the recording does not jump. */
+  advance(seconds) {
+    if (!this.playing) return;
+    this.time += Math.min(seconds, 0.25) * this.speed;
+    if (this.time < this.end) return;
+    this.time = this.end;
+    this.playing = false;
+  }
+}

@@ -1,0 +1,189 @@
+// The recording: what every robot did, unpacked block by block as it is asked for.
+
+import { inflate } from "./container.js";
+import { bytesOf } from "./palette.js";
+import { ABSENT, unpackSeries } from "./series.js";
+
+const CACHE_BYTES = 400e6;
+const AXES = 4; // of a pose, as the scene wants them: x, y, z (m), heading (rad)
+
+/** A heading of a robot that is not there, for the scene. */
+export const GONE = 1e9;
+
+export class Recording {
+  constructor({ header, blocks }) {
+    this.header = header;
+    this.blocks = blocks;
+    this.times = Float64Array.from(header.times_s);
+    this.robots = header.robots.id.length;
+    this.units = new Map(); // unpacked streams of blocks, the longest unused first
+    this.bytes = 0;
+    this.work = []; // units that are being unpacked
+    this.own = new Uint8Array(3 * this.robots); // colours of the world, three bytes each
+    header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
+    this.mobile = new Uint8Array(this.robots); // 1: it drives; others are carried, or stand and do something
+    let first = 0;
+    for (const [type, count] of header.robots.types) {
+      this.mobile.fill(header.types[type].mobile ? 1 : 0, first, first + count);
+      first += count;
+    }
+    this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
+    this.present = this.movers; // of these, in the frame that posesInto wrote last
+    this.fieldRows = header.fields.map((field) => fieldRows(field, this.robots));
+  }
+
+  get frames() {
+    return this.times.length;
+  }
+  get start() {
+    return this.times[0];
+  }
+  get end() {
+    return this.times[this.frames - 1];
+  }
+
+  /** The frame at or before a time, and how far the time is on the way to the next one, 0 to 1. */
+  frameAt(time) {
+    let low = 0;
+    let high = this.frames - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.times[middle] <= time) low = middle;
+      else high = middle - 1;
+    }
+    if (low === this.frames - 1) return { frame: low, mix: 0 };
+    const mix = (time - this.times[low]) / (this.times[low + 1] - this.times[low]);
+    return { frame: low, mix: Math.min(Math.max(mix, 0), 1) };
+  }
+
+  /** Where frame f lies: values of the poses' stream and the index of its first; null where it is not there yet. */
+  poses(frame) {
+    const unit = this.unit(0, frame);
+    return unit && { ...unit, at: (frame % this.header.block_frames) * this.robots };
+  }
+
+  /** The same for a field: values[at + i] of entry i, an entry a robot and column; 0: absent, else 1 + steps. */
+  field(index, frame) {
+    const unit = this.unit(1 + index, frame);
+    if (!unit) return null;
+    const width = this.fieldRows[index].count * this.header.fields[index].columns;
+    return { values: unit.values, at: (frame % this.header.block_frames) * width };
+  }
+
+  /** One number of a robot: NaN where it has none, null where it is not unpacked yet. */
+  value(index, frame, robot, column = 0) {
+    const row = this.fieldRows[index].of[robot];
+    if (row < 0) return NaN;
+    const found = this.field(index, frame);
+    if (!found) return null;
+    const field = this.header.fields[index];
+    const steps = found.values[found.at + row * field.columns + column];
+    return steps === 0 ? NaN : field.min + (steps - 1) * field.step;
+  }
+
+  /** Writes x, y, z, heading of every robot, between two frames; false where they are not unpacked yet. */
+  posesInto(frame, mix, out) {
+    const a = this.poses(frame);
+    const b = mix > 0 ? this.poses(frame + 1) : a;
+    if (!a || !b) return false;
+    const { step_m: step, turn, has_z: hasZ, z_m: heights } = this.header.pose;
+    const radians = (2 * Math.PI) / turn;
+    let present = 0;
+    const { x: ax, y: ay, heading: ah, z: az } = a;
+    const { x: bx, y: by, heading: bh, z: bz } = b;
+    for (let r = 0, to = 0, i = a.at, j = b.at; r < this.robots; r++, i++, j++, to += AXES) {
+      if (ax[i] === ABSENT) {
+        out[to + 3] = GONE;
+        continue;
+      }
+      present += this.mobile[r];
+      const share = bx[j] === ABSENT ? 0 : mix; // the next frame may be without it
+      let turned = share > 0 ? bh[j] - ah[i] : 0;
+      turned -= Math.round(turned / turn) * turn;
+      out[to] = (ax[i] + share * (bx[j] - ax[i])) * step;
+      out[to + 1] = (ay[i] + share * (by[j] - ay[i])) * step;
+      out[to + 2] = hasZ ? (az[i] + share * (bz[j] - az[i])) * step : heights[r];
+      out[to + 3] = (ah[i] + share * turned) * radians;
+    }
+    this.present = present;
+    return true;
+  }
+
+  /** Asks for what will be wanted soon. */
+  prefetch(frame, fields = []) {
+    if (frame >= this.frames) return;
+    this.unit(0, frame);
+    for (const field of fields) this.unit(1 + field, frame);
+  }
+
+  /** Goes on unpacking for some milliseconds. */
+  pump(milliseconds) {
+    const until = performance.now() + milliseconds;
+    while (this.work.length > 0 && performance.now() < until) {
+      const unit = this.work[0];
+      if (unit.steps.next().done) {
+        unit.ready = true;
+        this.work.shift();
+      }
+    }
+  }
+
+  /** The unpacked stream that holds a frame; null, and asked for, where it is not there yet. */
+  unit(stream, frame) {
+    const block = Math.floor(frame / this.header.block_frames);
+    const key = `${stream} ${block}`;
+    let unit = this.units.get(key);
+    if (unit) {
+      this.units.delete(key); // and again, as the one that was used last
+    } else {
+      unit = { ready: false, bytes: 0 };
+      this.load(unit, stream, block);
+    }
+    this.units.set(key, unit);
+    return unit.ready ? unit : null;
+  }
+
+  async load(unit, stream, block) {
+    const packed = await inflate(this.blocks[block][stream]);
+    const first = block * this.header.block_frames;
+    const frames = Math.min(this.header.block_frames, this.frames - first);
+    unit.steps = stream === 0 ? this.unpackPoses(unit, packed, frames) : this.unpackField(unit, packed, frames, stream - 1);
+    this.bytes += unit.bytes;
+    this.work.push(unit);
+    for (const [key, old] of this.units) {
+      if (this.bytes <= CACHE_BYTES) break;
+      if (!old.ready) continue;
+      this.bytes -= old.bytes;
+      this.units.delete(key);
+    }
+  }
+
+  unpackPoses(unit, packed, frames) {
+    const axes = this.header.pose.has_z ? ["x", "y", "heading", "z"] : ["x", "y", "heading"];
+    for (const axis of axes) unit[axis] = new Int32Array(frames * this.robots);
+    unit.bytes = axes.length * 4 * frames * this.robots;
+    const layout = { frames, count: this.robots, line: true, absent: ABSENT, bias: 0 };
+    return (function* () {
+      let at = 0;
+      for (const axis of axes) at = yield* unpackSeries(packed, at, layout, unit[axis]);
+    })();
+  }
+
+  unpackField(unit, packed, frames, index) {
+    const { columns, steps } = this.header.fields[index];
+    const width = this.fieldRows[index].count * columns;
+    const Values = steps < 0xff ? Uint8Array : steps < 0xffff ? Uint16Array : Uint32Array;
+    unit.values = new Values(frames * width);
+    unit.bytes = unit.values.byteLength;
+    const layout = { frames, count: width, line: false, absent: 0, bias: 1 };
+    return unpackSeries(packed, 0, layout, unit.values);
+  }
+}
+
+/** Of a field: how many robots have it, and which row of it is each robot's, -1 for none. */
+function fieldRows(field, robots) {
+  const of = new Int32Array(robots).fill(-1);
+  let count = 0;
+  for (const [first, length] of field.rows) for (let i = 0; i < length; i++) of[first + i] = count++;
+  return { of, count };
+}

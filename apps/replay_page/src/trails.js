@@ -1,0 +1,107 @@
+// Where robots came from in the last seconds, fading with age. The places lie in a texture, a mark in time a few rows of
+// it; as time goes on one mark is written over the oldest, and nothing else is sent to the graphics card.
+
+import {
+  BufferAttribute,
+  DataTexture,
+  FloatType,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+  Mesh,
+  NearestFilter,
+  RGFormat,
+  Vector2,
+} from "three";
+import { trailsMaterial } from "./materials.js";
+import { ABSENT } from "./series.js";
+
+const MOST_MARKS = 64;
+const COLUMNS = 2048; // every WebGL 2 has textures this wide
+const TRIANGLES = 6; // corners of those between two marks
+const UPLOADS = 4; // marks a picture: after a jump in time trails grow back in a moment
+
+export class Trails {
+  constructor(renderer, recording, poses, tints) {
+    this.renderer = renderer;
+    this.recording = recording;
+    this.columns = Math.min(recording.robots, COLUMNS);
+    this.rowsEach = Math.ceil(recording.robots / this.columns);
+    this.ring = Math.max(1, Math.min(MOST_MARKS, Math.floor(renderer.capabilities.maxTextureSize / this.rowsEach)));
+    this.texture = this.makeTexture(this.rowsEach * this.ring);
+    this.piece = this.makeTexture(this.rowsEach);
+    this.held = new Int32Array(this.ring).fill(-1); // mark in time that each place of the ring holds
+    this.seconds = 0;
+
+    const geometry = new InstancedBufferGeometry();
+    const vertices = [];
+    const triangles = [];
+    for (let k = 0; k <= this.ring; k++) {
+      vertices.push(k, -1, 0, k, 1, 0);
+      if (k > 0) triangles.push(2 * k - 2, 2 * k - 1, 2 * k, 2 * k - 1, 2 * k + 1, 2 * k);
+    }
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(vertices), 3));
+    geometry.setIndex(triangles);
+    this.pose = new InstancedBufferAttribute(poses, 4);
+    this.tint = new InstancedBufferAttribute(tints, 3, true);
+    geometry.setAttribute("pose", this.pose);
+    geometry.setAttribute("tint", this.tint);
+    geometry.instanceCount = recording.robots;
+    this.material = trailsMaterial(this.texture, { columns: this.columns, rowsEach: this.rowsEach, marks: this.ring });
+    this.object = new Mesh(geometry, this.material);
+    this.object.frustumCulled = false;
+    this.object.visible = false;
+  }
+
+  makeTexture(rows) {
+    const texture = new DataTexture(new Float32Array(2 * this.columns * rows), this.columns, rows, RGFormat, FloatType);
+    texture.minFilter = texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    return texture;
+  }
+
+  /** How much of the past is shown, s; 0: nothing. */
+  setLength(seconds) {
+    this.seconds = seconds;
+    this.held.fill(-1);
+    const { frames, start, end } = this.recording;
+    const frame = frames > 1 ? (end - start) / (frames - 1) : 1;
+    this.spacing = Math.max(1, Math.ceil(seconds / frame / this.ring)); // frames from mark to mark
+    this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (frame * this.spacing))));
+  }
+
+  /** To be called when the poses are those of this frame. */
+  update(frame) {
+    this.object.visible = this.seconds > 0;
+    if (this.seconds === 0) return;
+    const newest = Math.floor(frame / this.spacing);
+    let count = 0;
+    let uploads = 0;
+    for (; count < this.marks && newest - count >= 0; count++) {
+      const mark = newest - count;
+      if (this.held[mark % this.ring] === mark) continue;
+      if (uploads === UPLOADS || !this.upload(mark)) break;
+      uploads++;
+    }
+    this.object.geometry.setDrawRange(0, TRIANGLES * count);
+    this.material.uniforms.newest.value = newest % this.ring;
+    this.material.uniforms.last.value = count;
+    this.material.uniforms.count.value = this.marks + 1;
+    this.pose.needsUpdate = true;
+  }
+
+  /** Sends the places of one mark; false where they are not unpacked yet. */
+  upload(mark) {
+    const found = this.recording.poses(mark * this.spacing);
+    if (!found) return false;
+    const step = this.recording.header.pose.step_m;
+    const data = this.piece.image.data;
+    for (let r = 0, i = found.at; r < this.recording.robots; r++, i++) {
+      const x = found.x[i];
+      data[2 * r] = x === ABSENT ? 1e9 : x * step;
+      data[2 * r + 1] = found.y[i] * step;
+    }
+    this.renderer.copyTextureToTexture(this.piece, this.texture, null, new Vector2(0, (mark % this.ring) * this.rowsEach));
+    this.held[mark % this.ring] = mark;
+    return true;
+  }
+}

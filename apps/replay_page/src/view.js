@@ -1,0 +1,327 @@
+// The world on the screen: eye, floor, everything that never moves, and robots.
+
+import {
+  ColorManagement,
+  LinearSRGBColorSpace,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  PlaneGeometry,
+  RingGeometry,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { MapControls } from "three/examples/jsm/controls/MapControls.js";
+import { Bodies } from "./bodies.js";
+import { meshesOf, meshesOfAll } from "./geometry.js";
+import { Limbs } from "./limbs.js";
+import { floorMaterial, shared, useTheme } from "./materials.js";
+import { LIGHT, bytesOf } from "./palette.js";
+import { GONE } from "./recording.js";
+import { Scan } from "./scan.js";
+import { Trails } from "./trails.js";
+
+ColorManagement.enabled = false;
+
+const SMALLEST = 4; // pixels that a robot takes at least
+const REACH = 12; // pixels that a click may miss by
+const FOV = 30; // degrees: narrow, so that walls hide little from above
+const RING_SIDES = 64;
+const RING_PIXELS = 3; // width of the ring about the selected robot
+const GRID_PIXELS = 48; // from line to line at least
+const INSTANCES = 32; // from so many alike on they share one mesh
+const LARGE = 1e9; // m: the size of what is never too small to be drawn in full
+
+/** 1, 2 or 5 times a power of ten, at most x. */
+export function roundLength(x) {
+  const power = 10 ** Math.floor(Math.log10(x));
+  const share = x / power;
+  return (share >= 5 ? 5 : share >= 2 ? 2 : 1) * power;
+}
+
+/** Of what no joint moves: a circle about the origin, and the height, m. */
+function trunkOf({ shapes, radius_m: all }, step) {
+  const rigid = shapes.filter((shape) => shape.joint === undefined);
+  let square = 0;
+  for (const corners of rigid.flatMap((shape) => shape.walls))
+    for (let i = 0; i < corners.length; i += 2) square = Math.max(square, corners[i] ** 2 + corners[i + 1] ** 2);
+  return { radius: square > 0 ? Math.sqrt(square) * step : all, top: Math.max(0, ...rigid.map((shape) => shape.z_m[1])) };
+}
+
+export class View {
+  constructor(canvas, recording) {
+    const { header } = recording;
+    this.recording = recording;
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace; // that is: as they are
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(FOV, 1, 0.1, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new MapControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.15;
+    this.controls.zoomToCursor = true;
+    this.controls.maxPolarAngle = 1.5;
+
+    const [x0, y0, x1, y1] = header.bounds_m;
+    this.size = Math.max(x1 - x0, y1 - y0, 0.1);
+    this.floor = new Mesh(new PlaneGeometry(40 * this.size, 40 * this.size), floorMaterial());
+    this.floor.position.set((x0 + x1) / 2, (y0 + y1) / 2, 0);
+    this.floor.renderOrder = -1;
+    this.scene.add(this.floor);
+
+    this.poses = new Float32Array(4 * recording.robots).fill(GONE);
+    this.tints = new Uint8Array(3 * recording.robots);
+    this.addFixed(header);
+    this.addRobots(header);
+    this.trails = new Trails(this.renderer, recording, this.poses, this.tints);
+    this.scan = new Scan(recording);
+    this.ring = new Mesh(
+      new RingGeometry(0.5, 1, RING_SIDES),
+      new MeshBasicMaterial({ depthTest: false, transparent: true }),
+    );
+    this.ring.visible = false;
+    this.ring.renderOrder = 2;
+    this.scene.add(this.trails.object, this.scan.object, this.ring);
+    this.useTints(null);
+    this.theme(LIGHT);
+    this.resize();
+    this.fit();
+  }
+
+  /** Many alike are drawn as instances, the few others as one mesh. */
+  addFixed({ fixed, types, shape_step_m: step }) {
+    const byType = new Map(types.map((_, type) => [type, []]));
+    for (const body of fixed) byType.get(body.type).push(body);
+    const few = [];
+    const add = (bodies) => this.scene.add(...bodies.objects);
+    for (const [type, bodies] of byType) {
+      if (bodies.length < INSTANCES) {
+        few.push(...bodies);
+        continue;
+      }
+      const poses = new Float32Array(bodies.flatMap((body) => body.pose));
+      const tints = new Uint8Array(bodies.flatMap((body) => bytesOf(body.color)));
+      add(new Bodies(meshesOf(types[type], step), LARGE, poses, tints, 0));
+    }
+    if (few.length > 0) add(new Bodies(meshesOfAll(few, types, step), LARGE, new Float32Array(4), new Uint8Array(3), 0));
+  }
+
+  addRobots(header) {
+    this.swarms = [];
+    this.limbs = [];
+    this.trunks = header.types.map((type) => trunkOf(type, header.shape_step_m));
+    this.limbsOf = new Array(header.types.length).fill(null); // by type
+    this.typeOf = new Int32Array(this.recording.robots);
+    let first = 0;
+    for (const [type, count] of header.robots.types) {
+      const last = first + count;
+      this.typeOf.fill(type, first, last);
+      const poses = this.poses.subarray(4 * first, 4 * last);
+      const tints = this.tints.subarray(3 * first, 3 * last);
+      const look = header.types[type];
+      const add = (joint, where) => {
+        if (joint >= 0 && !look.shapes.some((shape) => shape.joint === joint)) return;
+        const bodies = new Bodies(meshesOf(look, header.shape_step_m, joint), look.radius_m, where, tints, SMALLEST);
+        this.swarms.push(bodies);
+        this.scene.add(...bodies.objects);
+      };
+      add(-1, poses); // what stands on no joint
+      if (look.joints.length > 0) {
+        const limbs = new Limbs(this.recording, look, first, count);
+        limbs.joints.forEach(({ places }, joint) => add(joint, places));
+        this.limbs.push(limbs);
+        this.limbsOf[type] = limbs;
+      }
+      first = last;
+    }
+  }
+
+  /** LIGHT or DARK. */
+  theme(theme) {
+    useTheme(theme);
+    this.renderer.setClearColor(shared.paper.value);
+    this.ring.material.color.set(theme.accent);
+    this.scan.theme(theme);
+  }
+
+  /** Fields without which robots cannot be drawn. */
+  get fields() {
+    return this.limbs.flatMap((limbs) => limbs.fields);
+  }
+
+  /** Puts robots where they were between a frame and the next; false where that is not unpacked yet. */
+  pose(frame, mix) {
+    const ready = this.limbs.map((limbs) => limbs.ready(frame, mix)).every(Boolean); // asks for all of them
+    this.recording.prefetch(frame);
+    if (!ready || !this.recording.posesInto(frame, mix, this.poses)) return false;
+    for (const limbs of this.limbs) limbs.update(frame, mix, this.poses);
+    return true;
+  }
+
+  /** x, y, z, heading in the world of a robot, or of what one of its joints moves. */
+  placeOf(robot, joint = -1) {
+    const limbs = joint >= 0 ? this.limbsOf[this.typeOf[robot]] : null;
+    return limbs ? limbs.place(joint, robot) : this.poses.subarray(4 * robot, 4 * robot + 4);
+  }
+
+  /** Colours of the robots, three bytes each; null: those of the world. */
+  useTints(tints) {
+    this.tints.set(tints ?? this.recording.own);
+    for (const bodies of this.swarms) bodies.tintsChanged();
+    this.trails.tint.needsUpdate = true;
+  }
+
+  resize() {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(window.innerWidth, window.innerHeight, false);
+    this.camera.aspect = window.innerWidth / window.innerHeight;
+    this.camera.updateProjectionMatrix();
+    this.focal = window.innerHeight / (2 * Math.tan((FOV * Math.PI) / 360)); // CSS pixels
+    shared.focal.value = this.focal * ratio;
+    shared.pixelRatio.value = ratio;
+    shared.screen.value.set(window.innerWidth, window.innerHeight);
+  }
+
+  /** Everything on the screen, between head and bar: from above, or at a slant. */
+  fit(slanted = false) {
+    const [x0, y0, x1, y1] = this.recording.header.bounds_m;
+    const corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
+    const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
+    // A hair off the vertical: straight down, no direction is up.
+    const back = (slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1)).normalize();
+    const north = new Vector3(-back.x, -back.y, 0).normalize(); // up on the screen, along the floor
+    const right = new Vector3(north.y, -north.x, 0);
+    const up = new Vector3().crossVectors(back, right);
+    const tangent = Math.tan((FOV * Math.PI) / 360);
+    const { innerWidth: width, innerHeight: height } = window;
+    const side = 1 - Math.min(48 / width, 0.3);
+    const below = height - document.getElementById("scale").getBoundingClientRect().top; // CSS pixels of the controls
+    const above = document.getElementById("about").getBoundingClientRect().bottom;
+    const low = -1 + Math.min((2 * (below + 8)) / height, 0.8);
+    const high = 1 - Math.min((2 * (above + 8)) / height, 0.4);
+
+    /** Where the corners are on the screen from so far away, or null where some are behind the eye. */
+    const seenFrom = (distance) => {
+      const box = [Infinity, Infinity, -Infinity, -Infinity];
+      for (const corner of corners) {
+        const v = corner.clone().sub(target).addScaledVector(back, -distance);
+        const depth = -v.dot(back);
+        if (depth < 0.05 * distance) return null;
+        const at = [v.dot(right) / (depth * tangent * this.camera.aspect), v.dot(up) / (depth * tangent)];
+        for (const k of [0, 1]) {
+          box[k] = Math.min(box[k], at[k]);
+          box[k + 2] = Math.max(box[k + 2], at[k]);
+        }
+      }
+      return box;
+    };
+    let distance = 0;
+    for (let pass = 0; pass < 4; pass++) {
+      let [near, far] = [0, 20 * this.size];
+      for (let i = 0; i < 40; i++) {
+        distance = (near + far) / 2;
+        const box = seenFrom(distance);
+        if (box && box[2] - box[0] <= 2 * side && box[3] - box[1] <= high - low) far = distance;
+        else near = distance;
+      }
+      distance = far;
+      const box = seenFrom(distance);
+      target.addScaledVector(right, ((box[0] + box[2]) / 2) * tangent * this.camera.aspect * distance);
+      target.addScaledVector(north, (((box[1] + box[3] - low - high) / 2) * tangent * distance) / back.z);
+    }
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(back, distance);
+    this.slanted = slanted;
+    this.controls.minDistance = this.size * 1e-3;
+    this.controls.maxDistance = this.size * 15;
+    this.controls.update();
+  }
+
+  /** Looks at a robot from where it looked before. */
+  follow(robot) {
+    const at = 4 * robot;
+    if (this.poses[at + 3] > 1e8) return;
+    const shift = new Vector3(this.poses[at], this.poses[at + 1], 0).sub(this.controls.target);
+    shift.z = 0;
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+  }
+
+  /** Metres that a CSS pixel shows at what the eye looks at. */
+  metresPerPixel() {
+    return this.camera.position.distanceTo(this.controls.target) / this.focal;
+  }
+
+  /** The robot under a point of the screen (CSS pixels), or the one nearest to it; null where none is near. */
+  robotAt(clientX, clientY) {
+    const place = new Vector3();
+    let best = null;
+    let nearest = Infinity;
+    this.camera.updateMatrixWorld();
+    for (let r = 0; r < this.recording.robots; r++) {
+      const at = 4 * r;
+      if (this.poses[at + 3] > 1e8) continue;
+      place.set(this.poses[at], this.poses[at + 1], this.poses[at + 2]);
+      const depth = place.distanceTo(this.camera.position);
+      place.project(this.camera);
+      if (Math.abs(place.z) > 1) continue;
+      const dx = ((place.x + 1) / 2) * window.innerWidth - clientX;
+      const dy = ((1 - place.y) / 2) * window.innerHeight - clientY;
+      const radius = (this.recording.header.types[this.typeOf[r]].radius_m * this.focal) / depth;
+      const miss = Math.hypot(dx, dy);
+      if (miss < Math.max(radius, REACH) && miss < nearest) {
+        nearest = miss;
+        best = r;
+      }
+    }
+    return best;
+  }
+
+  /** Where a robot is on the screen, or what lies so many metres from it; CSS pixels. */
+  screenPlace(robot, shift) {
+    const place = new Vector3(...this.poses.subarray(4 * robot, 4 * robot + 3)).add(new Vector3(...shift));
+    this.camera.updateMatrixWorld();
+    place.project(this.camera);
+    return [((place.x + 1) / 2) * window.innerWidth, ((1 - place.y) / 2) * window.innerHeight];
+  }
+
+  /** Draws robots where `poses` says; `frame` is the recorded one before, `selected` a robot or null. */
+  draw(frame, selected) {
+    for (const bodies of this.swarms) bodies.posesChanged();
+    this.trails.update(frame);
+    this.scan.update(frame, this);
+    this.placeRing(selected);
+    this.controls.update();
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    this.camera.near = distance / 50;
+    this.camera.far = distance * 20 + this.size;
+    this.camera.updateProjectionMatrix();
+    this.floor.material.uniforms.pitch.value = roundLength(2.5 * GRID_PIXELS * this.metresPerPixel());
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  placeRing(robot) {
+    this.ring.visible = robot !== null && this.poses[4 * robot + 3] < 1e8;
+    if (!this.ring.visible) return;
+    const at = 4 * robot;
+    const { radius, top } = this.trunks[this.typeOf[robot]];
+    this.ring.position.set(this.poses[at], this.poses[at + 1], this.poses[at + 2] + top);
+    const pixel = this.ring.position.distanceTo(this.camera.position) / this.focal;
+    const inner = Math.max(1.3 * radius, 8 * pixel);
+    this.ring.scale.setScalar(inner);
+    const outer = 1 + (RING_PIXELS * pixel) / inner;
+    if (Math.abs(outer - this.outer) < 1e-3) return;
+    this.outer = outer;
+    const { position } = this.ring.geometry.attributes; // RingGeometry has the inner corners first
+    for (let i = 0; i < position.count; i++) {
+      const side = i <= RING_SIDES ? 1 : outer;
+      const turn = (2 * Math.PI * (i % (RING_SIDES + 1))) / RING_SIDES;
+      position.setXY(i, side * Math.cos(turn), side * Math.sin(turn));
+    }
+    position.needsUpdate = true;
+  }
+}

@@ -1,0 +1,135 @@
+#include "apps/run/report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+namespace troupe::apps {
+namespace {
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+/// "12,345,678": a number that people are to read.
+std::string grouped(std::uint64_t n) {
+  std::string text = fmt::format("{}", n);
+  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3)
+    text.insert(static_cast<std::size_t>(at), 1, ',');
+  return text;
+}
+
+std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 100 * ratio(part, whole)); }
+
+}  // namespace
+
+double Report::times_real_time() const { return ratio(static_cast<double>(ticks_here()) * tick_s, wall_s); }
+
+double Report::ns_per_robot_tick() const {
+  return ratio(1e9 * (wall_s - waited_s),
+               static_cast<double>(statistics.robots) * static_cast<double>(ticks_here()));
+}
+
+double Report::beams_per_tick() const {
+  return ratio(static_cast<double>(statistics.beams), static_cast<double>(statistics.ticks));
+}
+
+double Report::observe_s() const {
+  return std::max(0.0, wall_s - waited_s - std::accumulate(phase_s.begin(), phase_s.end(), 0.0));
+}
+
+std::string summary_text(const Report& report) {
+  const Statistics& s = report.statistics;
+  std::string text;
+  const auto line = [&](std::string_view name, const std::string& value) {
+    fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
+  };
+
+  if (report.stopped)
+    text += fmt::format("stopped early, at {:g} of {:g} s\n", s.time_s, report.end_s);
+  else if (!report.stopped_by.empty())
+    text += fmt::format("finished at {:g} of {:g} s: {}\n", s.time_s, report.end_s, report.stopped_by);
+  else
+    text += "finished\n";
+  line("robots", grouped(s.robots));
+  line("ticks", fmt::format("{} of {:g} s", grouped(s.ticks), report.tick_s));
+  line("simulated", fmt::format("{:.10g} s", s.time_s));
+  line("wall", fmt::format("{:.3f} s, after {:.3f} s of loading", report.wall_s, report.load_s));
+  line("times real time", fmt::format("{:.1f}", report.times_real_time()));
+  if (report.rate > 0)
+    line("held back", fmt::format("{:.3f} s, to {:.10g} x real time", report.waited_s, report.rate));
+  line("cost", fmt::format("{:.0f} ns a robot and tick", report.ns_per_robot_tick()));
+  line("beams", fmt::format("{:.10g} a tick", report.beams_per_tick()));
+  std::string shares;
+  for (std::size_t i = 0; i < k_phases; ++i)
+    shares +=
+        fmt::format("{} {}, ", phase_name(static_cast<Phase>(i)), percent(report.phase_s[i], report.wall_s));
+  line("phases", shares + "observe " + percent(report.observe_s(), report.wall_s));
+  line("threads", fmt::format("{}", report.threads));
+  line("peak memory",
+       fmt::format("{:.1f} MiB", static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0)));
+  line("stalled", fmt::format("{} ({})", grouped(s.stalled),
+                              percent(static_cast<double>(s.stalled), static_cast<double>(s.robots))));
+  if (s.held_at_bounds > 0) line("held at bounds", grouped(s.held_at_bounds));
+  line("mean displacement", fmt::format("{:.3f} m", s.mean_displacement_m));
+  if (!report.checkpoint.empty()) line("saved in", report.checkpoint);
+  line("state hash", hash_text(report.hashes.state));
+  return text;
+}
+
+std::string summary_json(const Report& report) {
+  const Statistics& s = report.statistics;
+  nlohmann::ordered_json json;
+  json["world"] = report.world;
+  json["title"] = report.title;
+  json["robots"] = s.robots;
+  json["ticks"] = s.ticks;
+  json["tick_s"] = report.tick_s;
+  json["sim_s"] = s.time_s;
+  json["end_s"] = report.end_s;
+  json["stopped_early"] = report.stopped;
+  if (!report.stopped_by.empty()) json["stopped_by"] = report.stopped_by;
+  json["wall_s"] = report.wall_s;
+  json["load_s"] = report.load_s;
+  json["times_real_time"] = report.times_real_time();
+  if (report.rate > 0) {
+    json["rate"] = report.rate;
+    json["waited_s"] = report.waited_s;
+  }
+  json["ns_per_robot_tick"] = report.ns_per_robot_tick();
+  json["beams"] = s.beams;
+  json["beams_per_tick"] = report.beams_per_tick();
+  for (std::size_t i = 0; i < k_phases; ++i)
+    json[fmt::format("share_{}", phase_name(static_cast<Phase>(i)))] =
+        ratio(report.phase_s[i], report.wall_s);
+  json["share_observe"] = ratio(report.observe_s(), report.wall_s);
+  json["threads"] = report.threads;
+  json["peak_rss_bytes"] = report.peak_rss_bytes;
+  json["stalled"] = s.stalled;
+  json["held_at_bounds"] = s.held_at_bounds;
+  json["conflict_rounds"] = s.conflict_rounds;
+  json["mean_displacement_m"] = s.mean_displacement_m;
+  if (!report.checkpoint.empty()) json["checkpoint"] = report.checkpoint;
+  json["state_hash"] = hash_text(report.hashes.state);
+  json["pose_hash"] = hash_text(report.hashes.pose);
+  json["velocity_hash"] = hash_text(report.hashes.velocity);
+  json["sensor_hash"] = hash_text(report.hashes.sensor);
+  json["memory_hash"] = hash_text(report.hashes.memory);
+  // Options keep their own type where they are numbers or switches: a seed reads as one.
+  for (const auto& [key, value] : report.options) {
+    if (json.contains(key)) continue;
+    const auto parsed = nlohmann::ordered_json::parse(value, nullptr, false);
+    if (parsed.is_number() || parsed.is_boolean())
+      json[key] = parsed;
+    else
+      json[key] = value;
+  }
+  json["version"] = version_line();
+  // A file name need not be UTF-8, and the object must come out all the same.
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace troupe::apps

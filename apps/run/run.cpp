@@ -1,0 +1,163 @@
+#include "apps/run/run.hpp"
+
+#include "apps/interrupt.hpp"
+#include "apps/observers/checkpointing.hpp"
+#include "apps/outputs.hpp"
+#include "apps/pictures/film.hpp"
+#include "apps/progress.hpp"
+#include "apps/run/world_run.hpp"
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Runs = std::vector<std::unique_ptr<WorldRun>>;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The options of each world: with outputs of its own.
+std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
+  std::vector<RunOptions> each;
+  for (const fs::path& world : options.worlds) {
+    RunOptions& own = each.emplace_back(options);
+    own.world = world;
+    std::vector<fs::path*> outputs = outputs_of(own);
+    outputs.push_back(&own.camera_folder);
+    for (fs::path* output : outputs) {
+      if (output->empty()) continue;
+      const std::string name = with_world(output->string(), world);
+      if (options.worlds.size() > 1 && name == output->string())
+        throw InputError(fmt::format(
+            "troupe run: error: of several worlds each needs outputs of its own: write {} in the name, as in "
+            "{}-{}; it stands for the world's name",
+            k_world_mark, k_world_mark, output->filename().string()));
+      *output = name;
+    }
+  }
+  return each;
+}
+
+/// What has to be right before anything is loaded; and, since a world may name a recording, once it is.
+void check_files(const std::vector<RunOptions>& each) {
+  std::vector<Input> inputs;
+  std::vector<fs::path> outputs;
+  for (const RunOptions& options : each) {
+    const fs::path resumed_from = options.is_checkpoint ? options.world : "";
+    check_checkpoint(options.checkpoint, resumed_from, options.force);
+    const bool goes_on = same_file(options.checkpoint, resumed_from);
+    check_folder(options.camera_folder);
+    inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
+    RunOptions own = options;
+    for (const fs::path* output : outputs_of(own))
+      if (output != &own.pictures.snapshot && (output != &own.checkpoint || !goes_on))
+        outputs.push_back(*output);
+    for (const fs::path& snapshot : snapshot_files(own.pictures)) outputs.push_back(snapshot);
+    check_film(own.pictures);
+  }
+  check_outputs(inputs, outputs);
+}
+
+/// Every world, or what is wrong with all of them.
+Runs load(const std::vector<RunOptions>& each) {
+  Runs runs;
+  std::string wrong;
+  for (const RunOptions& options : each) {
+    try {
+      runs.push_back(std::make_unique<WorldRun>(options));
+    } catch (const InputError& error) {
+      wrong += (wrong.empty() ? "" : "\n") + std::string(error.what());
+    }
+  }
+  if (!wrong.empty()) throw InputError(wrong);
+  return runs;
+}
+
+/// The world whose next tick comes first: worlds of several tick lengths go on side by side. None when all
+/// are at their ends.
+WorldRun* next_of(const Runs& runs) {
+  WorldRun* next = nullptr;
+  for (const auto& run : runs)
+    if (!run->is_done() && (!next || run->next_s() < next->next_s())) next = run.get();
+  return next;
+}
+
+/// Steps all worlds to their ends, to a signal, or until `is_over`.
+void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool show_progress) {
+  const WorldRun& last = **std::ranges::max_element(
+      runs, {}, [](const auto& run) { return run->report().end_s; });  // it is in no other's way
+  for (const auto& run : runs) run->begin();
+  {
+    Progress progress(last.simulation().tick(), last.ticks(), last.simulation().tick_s(), show_progress);
+    for (WorldRun* run = next_of(runs); run && !is_over(); run = next_of(runs)) {
+      run->step();
+      if (run == &last) progress.update(last.simulation().tick());
+    }
+  }
+  for (const auto& run : runs) run->finish();
+}
+
+ExitCode run_checked(const RunOptions& options) {
+  const auto start = Clock::now();
+  std::vector<RunOptions> each = one_for_each_world(options);
+  check_files(each);
+  const Runs runs = load(each);
+  stop_on_signals();
+  for (std::size_t i = 0; i < runs.size(); ++i) each[i].record = runs[i]->recording();
+  check_files(each);
+  const auto is_over = [&] {
+    return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
+  };
+  for (const auto& run : runs) run->rehearse();
+  for (const auto& run : runs) run->open_outputs(is_over);
+
+  if (!options.quiet && !options.json)
+    for (const auto& run : runs) run->print_options();
+  try {
+    const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
+    step_to_end(runs, is_over, !options.quiet && !tells_time);
+  } catch (...) {
+    // A log that cannot be written any more ends the run, but costs no state.
+    for (const auto& run : runs) run->save_at_least();
+    throw;
+  }
+  bool stopped = false;
+  for (const auto& run : runs) {
+    run->print_summary(runs.size() > 1);
+    stopped = stopped || run->report().stopped;
+  }
+  // Last, so that a picture that fails takes no numbers with it.
+  for (const auto& run : runs) run->draw();
+  return stopped ? k_stopped : k_finished;
+}
+
+}  // namespace
+
+ExitCode run(const RunOptions& options) {
+  try {
+    return run_checked(options);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

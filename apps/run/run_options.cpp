@@ -1,0 +1,312 @@
+#include "apps/run/run_options.hpp"
+
+#include "engine/watch_spec.hpp"
+#include "worldio/spec_json.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
+
+constexpr const char* k_footer = R"(
+The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
+two must be given. The run ends with the first tick whose time is S or later.
+
+Several worlds run side by side, each to its own end: the one whose next tick comes first goes next. All are loaded
+before any begins, and none changes another. Outputs have {world} in their names then, which stands for the world's
+name: --hash-log {world}.log. The summaries follow one another, with --json a line each.
+
+A run is as fast as it can be. --rate 1 holds it back to real time, --rate world to what the world asks for (speedup).
+
+Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
+The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads or --tile-size.
+
+A checkpoint holds the state and the whole world; troupe resume needs nothing else to go on, with the same bits as a run
+that never stopped. It is written beside its name and renamed when it is whole: whenever the program is killed, the last
+one is there. One that exists is refused without --force.
+
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
+--wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
+)";
+
+constexpr const char* k_examples = R"(
+Examples:
+  troupe run worlds/hospital.json --for 60 --snapshot hospital.png
+  troupe run worlds/cave-simple.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
+  troupe run worlds/cave-complex-laser.json --for 60 --film cave.mp4 --film-speed 4 --layers scans,-grid
+  troupe run worlds/hospital.json --for 60 --robots 500 --seed 7
+  troupe run worlds/cave-simple.json --for 10 --set /populations/0/count=20 --json
+  troupe run worlds/minimal.world --for 30 --threads 1 --hash-log minimal.log
+  troupe run worlds/hospital.json --for 3600 --checkpoint day.h5 --checkpoint-every 60 --wall-limit 7000
+  troupe run worlds/hospital.json --for 60 --measures m.csv --measure coverage,stalls --measure-every 0.5
+  troupe run worlds/camera.world --for 5 --camera-png pictures --camera-every 0.5
+  troupe run worlds/hospital.json --for 600 --record run.h5 --record-every 1 --record-fields pose,stall
+  troupe run apps/examples/plugin/room.json --for 60 --plugin-path build
+  troupe run worlds/minimal.world --for 60 --rate 1 --clock
+  troupe run worlds/minimal.world worlds/crowd.json --for 10 --hash-log {world}.log)";
+
+std::string resume_footer() {
+  std::string changeable(worldio::k_changeable);
+  for (std::size_t at = 0; (at = changeable.find("; ", at)) != changeable.npos;)
+    changeable.replace(at, 2, ";\n  ");
+  return fmt::format(R"(
+Goes on where the checkpoint was saved, with the same bits as a run that never stopped, on any number of threads and
+without the world's own files. --for S is a time on the world's clock, counted from tick 0 as in troupe run. Outputs are
+those of run. A hash log, a recording or a table that is there already goes on behind the checkpoint's tick, without a
+gap or a repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
+
+--set changes what keeps the shape of the state, from here on; h5dump -d /world CHECKPOINT shows the stored world:
+  {}
+
+A file that is no checkpoint, was cut off, is damaged, or comes from a newer version is refused with the reason.
+
+Exit codes: those of troupe run.
+
+Examples:
+  troupe run worlds/hospital.json --for 60 --checkpoint h.h5 --wall-limit 10
+  troupe resume h.h5 --for 60
+  troupe resume h.h5 --for 120 --threads 1 --checkpoint h.h5 --checkpoint-every 10
+  troupe resume h.h5 --for 120 --set /types/1/drive/params/velocity_max_x_mps=0.2)",
+                     changeable);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + separator);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
+}
+
+void set_profile_ticks(RunOptions& options, const std::string& text) {
+  const auto colon = text.find(':');
+  const auto first = number<std::uint64_t>(text.substr(0, colon));
+  const auto last = colon == text.npos ? std::nullopt : number<std::uint64_t>(text.substr(colon + 1));
+  if (!first || !last || *first < 1 || *first > *last)
+    refuse("--profile-ticks", text, "a first and a last tick, counted from 1, as in --profile-ticks 100:120");
+  options.profile_limits.first_tick = *first;
+  options.profile_limits.last_tick = *last;
+}
+
+std::filesystem::path file_name(const char* option, const std::string& text) {
+  if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
+  return text;
+}
+
+/// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+void add_measures(RunOptions& options, const std::string& text) {
+  if (text.starts_with('{')) {
+    options.measure.push_back(text);
+    return;
+  }
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    if (end == start)
+      refuse("--measure", text,
+             "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
+    options.measure.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+}
+
+void add_table_options(CLI::App& run, RunOptions& options) {
+  CLI::Option* measures = add_value(
+      run, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
+      [&options](const std::string& text) { options.measures = file_name("--measures", text); });
+  add_values(run, "--measure", "NAME[:OF],...",
+             "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
+             [&options](const std::string& text) { add_measures(options, text); })
+      ->needs(measures);
+  add_value(run, "--measure-every", "S",
+            "How often, in seconds; 0: every tick (default: the world's, else 1)",
+            [&options](const std::string& text) {
+              options.measure_every_s = finite(text);
+              if (!options.measure_every_s || *options.measure_every_s < 0 || *options.measure_every_s > 1e9)
+                refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
+            })
+      ->needs(measures);
+  add_value(run, "--events", "FILE.csv",
+            "Write what happens to robots (stalls, held at the bounds), a line each",
+            [&options](const std::string& text) { options.events = file_name("--events", text); });
+}
+
+void add_camera_options(CLI::App& app, RunOptions& options) {
+  CLI::Option* folder =
+      add_value(app, "--camera-png", "DIR",
+                "Write what cameras see into a folder: colours and depths, two PNGs each time",
+                [&options](const std::string& text) {
+                  if (text.empty() || text.starts_with('-'))
+                    refuse("--camera-png", text, "the name of a folder");
+                  options.camera_folder = text;
+                  if (!options.camera_folder.has_filename())
+                    options.camera_folder = options.camera_folder.parent_path();
+                });
+  add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
+            [&options](const std::string& text) {
+              const std::optional<double> seconds = finite(text);
+              if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
+                refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
+              options.camera_every_s = *seconds;
+            })
+      ->needs(folder);
+}
+
+double positive_seconds(const char* option, const std::string& text, std::string_view what) {
+  const std::optional<double> seconds = finite(text);
+  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
+  return *seconds;
+}
+
+void add_record_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+            [&options](const std::string& text) { options.record = file_name("--record", text); });
+  add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+            [&options](const std::string& text) {
+              options.recording.every_s = positive_seconds("--record-every", text, "a time");
+            });
+  add_value(app, "--record-fields", "A,B,...",
+            "What of it: pose, velocity, stall, ranges, ..., or all (default: pose)",
+            [&options](const std::string& text) {
+              options.recording.fields = split(text, ',');
+              if (std::ranges::count(options.recording.fields, "") > 0)
+                refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+            });
+}
+
+void add_checkpoint_options(CLI::App& app, RunOptions& options) {
+  CLI::Option* checkpoint = add_value(
+      app, "--checkpoint", "FILE.h5",
+      "Save the state when the run ends or is stopped; troupe resume goes on from it",
+      [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
+  add_value(app, "--checkpoint-every", "S", "Save it there every S simulated seconds, too",
+            [&options](const std::string& text) {
+              options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
+            })
+      ->needs(checkpoint);
+  add_value(app, "--wall-limit", "S", "Stop after S seconds of real time, counted from the program's start",
+            [&options](const std::string& text) {
+              options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
+            });
+}
+
+/// How a world is run, and what comes out of it: what `run` and `resume` share.
+void add_output_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--threads", "N", "Worker threads (default: one for each core)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_value(app, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
+            [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
+  add_checkpoint_options(app, options);
+  add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
+            [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
+  add_picture_options(app, options.pictures);
+  CLI::Option* profile =
+      add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
+                [&options](const std::string& text) {
+                  options.profile = text;
+                  if (options.profile.extension() != ".json" || text.starts_with('-'))
+                    refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
+                });
+  add_value(app, "--profile-ticks", "A:B",
+            "Only ticks A to B of it (default: all, while the file stays small)",
+            [&options](const std::string& text) { set_profile_ticks(options, text); })
+      ->needs(profile);
+  add_camera_options(app, options);
+  add_record_options(app, options);
+  add_table_options(app, options);
+  const auto add_switch = [&app](const char* name, bool& on, const char* help) {
+    app.add_flag(name, on, help)->disable_flag_override();
+  };
+  add_switch("--force", options.force, "Replace a checkpoint or a recording that is there already");
+  add_switch("--json", options.json,
+             "Print the summary as one flat JSON object, and nothing else, on stdout");
+  add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
+}
+
+/// What the wall clock has to do with it.
+void add_clock_options(CLI::App& app, RunOptions& options) {
+  add_value(app, "--rate", "R|world",
+            "Not faster than R times real time; world: than its speedup (default: as fast as possible)",
+            [&options](const std::string& text) {
+              constexpr double k_least = 0.001;
+              const std::optional<double> rate = finite(text);
+              options.world_rate = text == "world";
+              if (!options.world_rate && (!rate || *rate < k_least || *rate > engine::k_most_rate))
+                refuse("--rate", text,
+                       fmt::format("a rate from {} to {:g}, times real time, or world", k_least,
+                                   engine::k_most_rate));
+              options.rate = rate.value_or(0);
+            });
+  app.add_flag("--clock", options.clock,
+               "Tell the time on the way, a line every 100 ticks, or as often as the world says")
+      ->disable_flag_override();
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path*> outputs_of(RunOptions& options) {
+  return {&options.hash_log, &options.pictures.snapshot, &options.pictures.film, &options.profile,
+          &options.record,   &options.measures,          &options.events,        &options.checkpoint};
+}
+
+std::string with_world(std::string name, const std::filesystem::path& world) {
+  const std::string stem = world.stem().string();
+  for (std::size_t at = 0; (at = name.find(k_world_mark, at)) != name.npos; at += stem.size())
+    name.replace(at, k_world_mark.size(), stem);
+  return name;
+}
+
+CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
+  CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
+  run->footer(fmt::format("{}\n{}{}", k_footer, picture_help(), k_examples));
+  run->add_option_function<std::vector<std::string>>(
+         "WORLD",
+         [&options](const std::vector<std::string>& names) {
+           options.worlds.assign(names.begin(), names.end());
+         },
+         "World files: Stage's .world, or .json; several run side by side")
+      ->option_text("...")
+      ->required();
+  add_run_settings(*run, options);
+  add_clock_options(*run, options);
+  add_output_options(*run, options);
+  return run;
+}
+
+CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
+  CLI::App* resume = app.add_subcommand("resume", "Go on with a run from its checkpoint");
+  resume->footer(resume_footer());
+  options.is_checkpoint = true;
+  resume
+      ->add_option_function<std::string>(
+          "CHECKPOINT", [&options](const std::string& text) { options.worlds = {text}; },
+          "Checkpoint of a run: troupe run --checkpoint")
+      ->option_text(" ")
+      ->required();
+  add_end_option(*resume, options);
+  add_set_option(*resume, "Change a value of the stored world: a JSON pointer into it; repeatable",
+                 options.simulation.set);
+  resume
+      ->add_flag("--across-versions", options.across_versions,
+                 "Though another version of Troupe wrote the checkpoint")
+      ->disable_flag_override();
+  add_plugin_path_option(*resume, options.simulation.plugin_path);
+  resume
+      ->add_flag("--across-plugins", options.across_plugins,
+                 "Though its plug-ins have been built anew since it was written")
+      ->disable_flag_override();
+  add_clock_options(*resume, options);
+  add_output_options(*resume, options);
+  return resume;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,192 @@
+#include "apps/run/world_run.hpp"
+
+#include "apps/observers/camera_pictures.hpp"
+#include "apps/observers/checkpointing.hpp"
+#include "apps/observers/clock.hpp"
+#include "apps/observers/filming.hpp"
+#include "apps/observers/pacer.hpp"
+#include "apps/observers/recorder.hpp"
+#include "apps/observers/tables.hpp"
+#include "apps/outputs.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace troupe::apps {
+namespace {
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+Simulation load(const RunOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  if (options.is_checkpoint)
+    return Simulation::resume(options.world, {.threads = simulation.threads,
+                                              .tile_size_m = simulation.tile_size_m,
+                                              .set = simulation.set,
+                                              .across_versions = options.across_versions,
+                                              .plugin_path = plugin_path(simulation.plugin_path),
+                                              .across_plugins = options.across_plugins});
+  return Simulation(options.world, with_environment(simulation));
+}
+
+/// How fast the run may be, times real time; 0: as fast as it can.
+double rate_of(const RunOptions& options, const Simulation& simulation) {
+  return options.world_rate ? simulation.world().spec().watch.rate : options.rate;
+}
+
+}  // namespace
+
+WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulation_(load(options_)) {
+  report_.load_s = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (!options_.quiet)
+    for (const std::string& warning : simulation_.warnings()) fmt::print(stderr, "{}\n", warning);
+  report_.options = simulation_.effective_options();
+  report_.world = report_.options.front().second;
+  report_.first_tick = simulation_.tick();
+  report_.title = simulation_.title();
+  report_.tick_s = simulation_.tick_s();
+  report_.end_s = end_of(options_, simulation_);
+  report_.rate = rate_of(options_, simulation_);
+  ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
+  if (ticks_ < report_.first_tick)
+    throw InputError(fmt::format("{}: error: the run is at {:g} s already: {:g} s lies before that",
+                                 options_.world.string(), simulation_.time_s(), report_.end_s));
+  report_.threads = simulation_.threads();
+  report_.checkpoint = options_.checkpoint.string();
+}
+
+WorldRun::~WorldRun() = default;
+
+std::filesystem::path WorldRun::recording() const { return recording_file(options_, simulation_); }
+
+void WorldRun::rehearse() {
+  const PictureFiles& pictures = options_.pictures;
+  if (!pictures.snapshot.empty()) rehearsed_ = std::make_unique<Snapshots>(pictures, simulation_, ticks_);
+  if (!pictures.film.empty()) rehearsed_film_ = std::make_unique<Filming>(pictures, simulation_);
+  if (rehearsed_) rehearsed_->rehearse();
+  if (rehearsed_film_) rehearsed_film_->rehearse();
+  if (!options_.camera_folder.empty()) check_cameras(simulation_, options_.world);
+  // Before any file: what is wrong with them is bad input.
+  if (!options_.measures.empty()) measures_.emplace(simulation_, options_.measure);
+}
+
+bool WorldRun::tells_time() const {
+  return !options_.quiet && (options_.clock || simulation_.world().spec().watch.clock);
+}
+
+void WorldRun::open_outputs(std::function<bool()> is_over) {
+  if (auto recorder = make_recorder(options_, simulation_)) observers_.push_back(std::move(recorder));
+  if (!options_.hash_log.empty())
+    observers_.push_back(std::make_unique<HashLog>(options_.hash_log, simulation_));
+  if (!options_.profile.empty()) {
+    auto profile = std::make_unique<Profile>(options_.profile, simulation_, options_.profile_limits);
+    profile_ = profile.get();
+    observers_.push_back(std::move(profile));
+  }
+  const engine::WorldSpec& spec = simulation_.world().spec();
+  if (measures_) {
+    const std::uint64_t every =
+        engine::period_ticks(options_.measure_every_s.value_or(spec.measure_every_s), simulation_.tick_s());
+    observers_.push_back(
+        std::make_unique<MeasuresTable>(options_.measures, simulation_, std::move(*measures_), every));
+  }
+  if (!options_.camera_folder.empty())
+    observers_.push_back(std::make_unique<CameraPictures>(
+        options_.camera_folder, engine::period_ticks(options_.camera_every_s, simulation_.tick_s())));
+  if (!options_.events.empty())
+    observers_.push_back(std::make_unique<EventsTable>(options_.events, simulation_));
+  if (rehearsed_film_) rehearsed_film_->open();
+  if (rehearsed_) snapshots_ = rehearsed_.get();
+  if (rehearsed_) observers_.push_back(std::move(rehearsed_));
+  if (rehearsed_film_) observers_.push_back(std::move(rehearsed_film_));
+  if (!options_.checkpoint.empty()) {
+    std::vector<Observer*> others;
+    for (const auto& observer : observers_) others.push_back(observer.get());
+    observers_.push_back(std::make_unique<Checkpointing>(options_.checkpoint, options_.checkpoint_every_s,
+                                                         simulation_, std::move(others)));
+    checkpointing_ = observers_.back().get();
+  }
+  // What writes no file comes behind what does.
+  if (tells_time()) observers_.push_back(std::make_unique<ClockLines>(spec.watch.clock_ticks, simulation_));
+  if (report_.rate > 0) {
+    auto pacer = std::make_unique<Pacer>(report_.rate, std::move(is_over));
+    pacer_ = pacer.get();
+    observers_.push_back(std::move(pacer));
+  }
+}
+
+void WorldRun::print_options() const {
+  fmt::print("running\n");
+  for (const auto& [key, value] : report_.options) fmt::print("  {:<18} {}\n", key, value);
+  if (report_.rate > 0) fmt::print("  {:<18} {:.10g} x real time\n", "rate", report_.rate);
+  fmt::print("  {:<18} {:.10g}\n", "until_s", report_.end_s);
+  std::fflush(stdout);
+}
+
+void WorldRun::begin() {
+  simulation_.on_phase([this](std::optional<Phase> phase) {
+    phases_(phase);
+    if (profile_) profile_->phase(phase);
+  });
+  if (profile_) simulation_.on_task([this](std::size_t task, bool begins) { profile_->task(task, begins); });
+  for (const auto& observer : observers_) observer->observe(simulation_);
+}
+
+void WorldRun::step() {
+  const auto start = Clock::now();
+  is_intact_ = false;
+  simulation_.step();
+  is_intact_ = true;
+  for (const auto& observer : observers_) observer->observe(simulation_);
+  report_.wall_s += std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void WorldRun::finish() {
+  for (const auto& observer : observers_) observer->finish(simulation_);
+  simulation_.on_phase(nullptr);
+  simulation_.on_task(nullptr);
+  report_.phase_s = phases_.seconds();
+  report_.stopped = !is_done();
+  report_.stopped_by = simulation_.stopped().value_or("");
+  report_.statistics = simulation_.statistics();
+  report_.hashes = simulation_.hashes();
+  report_.waited_s = pacer_ ? pacer_->waited_s() : 0;
+  report_.peak_rss_bytes = peak_rss_bytes();
+}
+
+void WorldRun::save_at_least() const {
+  try {
+    if (checkpointing_ && is_intact_) checkpointing_->finish(simulation_);
+  } catch (const std::runtime_error&) {  // what went wrong first is told
+  }
+}
+
+void WorldRun::print_summary(bool is_one_of_several) const {
+  if (profile_ && !profile_->left_out().empty() && !options_.quiet)
+    fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
+               options_.profile.string(), profile_->left_out());
+  if (options_.json)
+    fmt::print("{}", summary_json(report_));
+  else if (!options_.quiet)
+    fmt::print("{}{}", is_one_of_several ? report_.world + ": " : "", summary_text(report_));
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+}
+
+void WorldRun::draw() const {
+  if (snapshots_) snapshots_->draw_last(simulation_);
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "apps/observers/observer.hpp"
+#include "apps/observers/profile.hpp"
+#include "apps/run/phase_clock.hpp"
+#include "apps/run/report.hpp"
+#include "apps/run/run_options.hpp"
+#include "troupe/measures.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace troupe::apps {
+
+class Filming;
+class Pacer;
+class Snapshots;
+
+/// One world of a run, loaded; whoever holds it steps it.
+class WorldRun {
+ public:
+  /// Loads the world, or resumes it, and tells its warnings. `options` names one world, and its outputs as
+  /// they are. Throws InputError.
+  explicit WorldRun(RunOptions options);
+  ~WorldRun();
+  WorldRun(const WorldRun&) = delete;
+  WorldRun& operator=(const WorldRun&) = delete;
+
+  const RunOptions& options() const { return options_; }
+  const Simulation& simulation() const { return simulation_; }
+  /// Where it records: as its options, or else the world, say; empty: nowhere.
+  std::filesystem::path recording() const;
+
+  /// Before the first tick: what cannot be drawn, measured or written costs no run. `is_over` tells a
+  /// waiting run to end.
+  void rehearse();
+  void open_outputs(std::function<bool()> is_over);
+  /// Tells the time in lines of its own, beside which a progress bar has no place.
+  bool tells_time() const;
+  /// What is about to run, on standard output.
+  void print_options() const;
+
+  /// Observes the tick it stands at; then a tick each time.
+  void begin();
+  void step();
+  bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
+  std::uint64_t ticks() const { return ticks_; }
+  /// World time at the end of its next tick, s.
+  double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
+  /// Writes what observers still hold, and fills in the report.
+  void finish();
+  /// Where another part of the run failed: the state is saved if it was to be, whatever else goes wrong.
+  void save_at_least() const;
+
+  const Report& report() const { return report_; }
+  /// The summary, on standard output, as text or JSON; `is_one_of_several` says which world it is.
+  void print_summary(bool is_one_of_several) const;
+  /// Draws the last tick, where that was asked for.
+  void draw() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  RunOptions options_;
+  Clock::time_point start_ = Clock::now();
+  Simulation simulation_;
+  Report report_;
+  std::uint64_t ticks_ = 0;               // at which it ends
+  std::optional<Measures> measures_;      // until their table takes them
+  std::unique_ptr<Snapshots> rehearsed_;  // until they are among the observers, as is
+  std::unique_ptr<Filming> rehearsed_film_;
+  std::vector<std::unique_ptr<Observer>> observers_;
+  Profile* profile_ = nullptr;         // of them the one that the phases and tasks are told, too
+  Observer* checkpointing_ = nullptr;  // it saves what all before it have written
+  const Pacer* pacer_ = nullptr;
+  Snapshots* snapshots_ = nullptr;  // it draws the last tick, too
+  PhaseClock phases_;
+  bool is_intact_ = true;  // false after a step that failed: its state is of no use
+};
+
+}  // namespace troupe::apps

@@ -1,0 +1,131 @@
+#include "apps/sweep/journal.hpp"
+
+#include "apps/outputs.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view k_prefix = "runs-";
+constexpr std::string_view k_ending = ".jsonl";
+
+std::string reason() { return std::generic_category().message(errno); }
+
+std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {"study", study}}.dump(); }
+
+[[noreturn]] void refuse_other_study(const fs::path& file) {
+  throw OutputError(
+      fmt::format("{}: error: these runs are of another study, another state of its world, or another "
+                  "version of the program: choose "
+                  "another folder with -o, or remove this one",
+                  file.string()));
+}
+
+/// The whole lines of a file.
+std::vector<std::string> whole_lines(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    if (!stream.eof()) lines.push_back(line);
+  return lines;
+}
+
+std::string line_of(const SweepOutcome& outcome) {
+  Json values = Json::array();
+  for (const double value : outcome.values) values.push_back(std::isnan(value) ? Json() : Json(value));
+  return Json{{"run", outcome.run},       {"seed", outcome.seed}, {"ticks", outcome.ticks},
+              {"time_s", outcome.time_s}, {"values", values},     {"state_hash", outcome.state_hash}}
+      .dump();
+}
+
+SweepOutcome outcome_of(const std::string& line) {
+  const Json json = Json::parse(line);
+  SweepOutcome outcome{.run = json.at("run"),
+                       .seed = json.at("seed"),
+                       .ticks = json.at("ticks"),
+                       .time_s = json.at("time_s"),
+                       .state_hash = json.at("state_hash")};
+  for (const Json& value : json.at("values"))
+    outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN()
+                                             : value.get<double>());
+  return outcome;
+}
+
+}  // namespace
+
+SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_(file) {
+  constexpr int k_mode = 0666;
+  descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, k_mode);
+  if (descriptor_ < 0) refuse_output(file, reason());
+  try {
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
+      throw OutputError(
+          fmt::format("{}: error: another process is at work on this part of the study", file.string()));
+    const std::vector<std::string> lines = whole_lines(file);
+    if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
+    std::size_t whole = 0;
+    for (const std::string& line : lines) whole += line.size() + 1;
+    if (ftruncate(descriptor_, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
+    if (lines.empty()) {
+      const std::string head = head_of(study) + "\n";
+      if (write(descriptor_, head.data(), head.size()) != static_cast<ssize_t>(head.size()))
+        refuse_output(file, reason());
+    }
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+}
+
+SweepJournal::~SweepJournal() { close(descriptor_); }
+
+void SweepJournal::add(const SweepOutcome& outcome) {
+  const std::string line = line_of(outcome) + "\n";
+  errno = ENOSPC;  // what a write that stops in the middle does not say
+  if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
+      fsync(descriptor_) != 0)
+    throw std::runtime_error(
+        fmt::format("{}: error: run {} cannot be noted: {}", file_.string(), outcome.run, reason()));
+}
+
+std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::string_view study) {
+  std::map<std::size_t, SweepOutcome> outcomes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
+    const std::vector<std::string> lines = whole_lines(entry.path());
+    if (lines.empty()) continue;  // begun by a process that died at once
+    if (lines.front() != head_of(study)) refuse_other_study(entry.path());
+    for (std::size_t i = 1; i < lines.size(); ++i) try {
+        SweepOutcome outcome = outcome_of(lines[i]);
+        outcomes.insert_or_assign(outcome.run, std::move(outcome));
+      } catch (const Json::exception&) {
+        throw OutputError(
+            fmt::format("{}:{}: error: this is no line of a sweep", entry.path().string(), i + 1));
+      }
+  }
+  return outcomes;
+}
+
+fs::path journal_file(const fs::path& folder, std::size_t part, std::size_t parts) {
+  return folder / fmt::format("{}{}-of-{}{}", k_prefix, part, parts, k_ending);
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,319 @@
+#include "apps/sweep/sweep.hpp"
+
+#include "apps/interrupt.hpp"
+#include "apps/options.hpp"
+#include "apps/outputs.hpp"
+#include "apps/sweep/journal.hpp"
+#include "apps/sweep/table.hpp"
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+#include "troupe/measures.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/hdf5_file.hpp"
+#include "worldio/spec_json.hpp"
+#include "worldio/stage_files.hpp"
+#include "worldio/study.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+using worldio::Statistic;
+using worldio::Study;
+
+constexpr const char* k_footer = R"(
+A study names a world, the values that differ from run to run (a grid, or samples drawn at random), seeds, and measures:
+docs/sweeps.md. Runs are made side by side, each on one thread, and noted in DIR as they end. A sweep that was stopped or
+killed goes on when it is called again; when all runs are there, DIR has the table, a row a run: table.csv and table.h5. It is
+the same whatever the number of runs at once, and however often the sweep was killed.
+
+Several machines share a study with --part: in a SLURM array of eight jobs,
+  sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
+The last one to end writes the table.
+
+Exit codes: 0 done (with --part: this part of it); 1 runs failed, which the table's column `error` and the messages name;
+2 bad study or usage; 3 stopped by Ctrl-C or SIGTERM.
+
+Examples:
+  troupe sweep apps/examples/study/coverage.json -o results
+  troupe sweep apps/examples/study/coverage.json --list)";
+
+SimulationOptions options_of(const Study& study, const Study::Run& run, const SweepOptions& options) {
+  SimulationOptions simulation = with_environment({});
+  simulation.plugin_path = plugin_path(options.plugin_path);
+  simulation.threads = 1;
+  simulation.seed = run.seed;
+  simulation.set = study.settings(run);
+  return simulation;
+}
+
+/// The statistics of each column, over what is looked at: a value that is not there (NaN) counts in none.
+class Statistics {
+ public:
+  explicit Statistics(std::size_t columns) : columns_(columns) {}
+
+  void add(const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      Column& column = columns_[i];
+      column.last = values[i];
+      if (std::isnan(values[i])) continue;
+      ++column.count;
+      column.sum += values[i];
+      column.min = std::min(column.min, values[i]);
+      column.max = std::max(column.max, values[i]);
+    }
+  }
+
+  std::vector<double> values(const std::vector<Statistic>& wanted) const {
+    constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> values;
+    for (const Column& column : columns_)
+      for (const Statistic statistic : wanted) switch (statistic) {
+          case Statistic::last: values.push_back(column.last); break;
+          case Statistic::mean:
+            values.push_back(column.count > 0 ? column.sum / static_cast<double>(column.count) : k_none);
+            break;
+          case Statistic::min: values.push_back(column.count > 0 ? column.min : k_none); break;
+          case Statistic::max: values.push_back(column.count > 0 ? column.max : k_none); break;
+        }
+    return values;
+  }
+
+ private:
+  struct Column {
+    double last = std::numeric_limits<double>::quiet_NaN();
+    double sum = 0;
+    double min = std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+  };
+  std::vector<Column> columns_;
+};
+
+double end_of(const Study& study, const Simulation& simulation) {
+  if (study.for_s) return *study.for_s;
+  if (const auto quit = simulation.quit_time_s()) return *quit;
+  throw InputError(fmt::format(
+      "{}: error: nothing says when a run ends: give \"for_s\" in the study, or the world's quit time",
+      study.world.string()));
+}
+
+/// Makes a run; nothing where it was stopped on the way.
+std::optional<SweepOutcome> make(const Study& study, std::size_t index, const SweepOptions& options) {
+  Simulation simulation(study.world, options_of(study, study.runs[index], options));
+  Measures measures(simulation, study.measures);
+  Statistics statistics(measures.columns().size());
+  const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
+  const std::uint64_t every = engine::period_ticks(study.measure_every_s, simulation.tick_s());
+  statistics.add(measures.values());
+  while (simulation.tick() < end) {
+    if (stop_requested()) return std::nullopt;
+    simulation.step();
+    measures.see();
+    if (simulation.tick() % every == 0 || simulation.tick() == end) statistics.add(measures.values());
+  }
+  return SweepOutcome{.run = index,
+                      .seed = simulation.world().spec().seed,
+                      .ticks = simulation.tick(),
+                      .time_s = simulation.time_s(),
+                      .values = statistics.values(study.statistics),
+                      .state_hash = hex(simulation.state_hash())};
+}
+
+/// Loads the world of the first run, so that what is wrong with the world is told before any run. Returns
+/// what says which study it is, and of which world (its images too), wherever they lie; and the columns of
+/// the measures.
+std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
+  Simulation simulation(study.world, options_of(study, study.runs.front(), options));
+  const Measures measures(simulation, study.measures);
+  end_of(study, simulation);
+  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
+  spec.erase("files");
+  const std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""),
+                                       spec.dump(), simulation.state_hash(), version_line());
+  return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
+}
+
+/// Says how far a sweep is, on a terminal.
+class Count {
+ public:
+  Count(std::size_t done, std::size_t all, bool wanted)
+      : done_(done), all_(all), visible_(wanted && isatty(STDERR_FILENO) != 0) {
+    show();
+  }
+  ~Count() {
+    if (visible_) std::fputs("\r\x1b[K", stderr);
+  }
+  Count(const Count&) = delete;
+  Count& operator=(const Count&) = delete;
+  void add_one() {
+    ++done_;
+    show();
+  }
+
+ private:
+  void show() const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K{} of {} runs", done_, all_);
+  }
+  std::size_t done_;
+  std::size_t all_;
+  bool visible_;
+};
+
+/// Makes these runs, several at once, and notes each as it ends. Returns what failed, and why.
+std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
+                                            const SweepOptions& options, SweepJournal& journal) {
+  std::map<std::size_t, std::string> failed;
+  std::exception_ptr fault;  // that ends all
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  Count count(study.runs.size() - runs.size(), study.runs.size(), !options.quiet);
+  const auto work = [&] {
+    while (!stop_requested()) {
+      const std::size_t i = next++;
+      if (i >= runs.size()) return;
+      std::optional<SweepOutcome> outcome;
+      std::string error;
+      try {
+        outcome = make(study, runs[i], options);
+      } catch (const std::exception& thrown) {
+        error = thrown.what();
+      }
+      const std::lock_guard lock(mutex);
+      if (!error.empty()) failed.emplace(runs[i], error);
+      if (!outcome) continue;
+      try {
+        journal.add(*outcome);
+        count.add_one();
+      } catch (...) {
+        fault = std::current_exception();
+        next = runs.size();
+      }
+    }
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::jthread> workers;
+  for (std::size_t w = 0;
+       w < std::min<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : cores, runs.size()); ++w)
+    workers.emplace_back(work);
+  workers.clear();  // waits
+  if (fault) std::rethrow_exception(fault);
+  return failed;
+}
+
+void print_runs(const Study& study) {
+  fmt::print("run");
+  for (const Study::Parameter& parameter : study.parameters) fmt::print(",{}", parameter.name);
+  fmt::print(",seed\n");
+  for (std::size_t r = 0; r < study.runs.size(); ++r) {
+    fmt::print("{}", r);
+    for (const std::string& value : study.runs[r].values) fmt::print(",{}", value);
+    fmt::print(",{}\n", study.runs[r].seed ? fmt::format("{}", *study.runs[r].seed) : "world's");
+  }
+}
+
+ExitCode sweep_checked(const SweepOptions& options) {
+  engine::Registry registry = make_registry();
+  Diagnostics diagnostics;
+  const Study study = worldio::load_study(options.study, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  if (options.list) {
+    print_runs(study);
+    return k_finished;
+  }
+  if (options.folder.empty())
+    throw InputError("troupe sweep: error: -o DIR is required: the folder for the runs and the table");
+  const auto [identity, measures] = identify(study, options);
+  check_folder(options.folder);
+  stop_on_signals();
+  fs::create_directories(options.folder);
+  SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
+  const auto done = read_journals(options.folder, identity);
+  std::vector<std::size_t> runs;
+  for (std::size_t r = options.part - 1; r < study.runs.size(); r += options.parts)
+    if (!done.contains(r)) runs.push_back(r);
+
+  SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
+  table.failed = make_all(study, runs, options, journal);
+  for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
+  table.outcomes = read_journals(options.folder, identity);
+  const std::size_t left = study.runs.size() - table.outcomes.size() - table.failed.size();
+  if (left == 0) {
+    write_csv(table, options.folder / "table.csv");
+    if (worldio::has_hdf5()) write_hdf5(table, options.folder / "table.h5");
+  }
+  if (!options.quiet) {
+    fmt::print("{} of {} runs done", table.outcomes.size(), study.runs.size());
+    if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
+    if (left == 0)
+      fmt::print(": {}\n", (options.folder / "table.csv").string());
+    else
+      fmt::print("; the table follows when all are\n");
+  }
+  if (stop_requested()) return k_stopped;
+  return table.failed.empty() ? k_finished : k_failed;
+}
+
+}  // namespace
+
+CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
+  CLI::App* command = app.add_subcommand("sweep", "Make all runs of a study, and one table of them");
+  command->footer(k_footer);
+  command
+      ->add_option_function<std::string>(
+          "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
+      ->option_text(" ")
+      ->required();
+  add_value(*command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
+            [&options](const std::string& text) { options.folder = text; });
+  add_value(*command, "--threads", "N", "Runs at once (default: one for each core)",
+            [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
+  add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on",
+            [&options](const std::string& text) {
+              const auto slash = text.find('/');
+              const auto part = number<std::size_t>(text.substr(0, slash));
+              const auto parts =
+                  slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
+              if (!part || !parts || *part < 1 || *part > *parts)
+                refuse("--part", text, "a part of several, from 1/N to N/N");
+              options.part = *part;
+              options.parts = *parts;
+            });
+  command->add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
+  command->add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
+  add_plugin_path_option(*command, options.plugin_path);
+  return command;
+}
+
+ExitCode sweep(const SweepOptions& options) {
+  try {
+    return sweep_checked(options);
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

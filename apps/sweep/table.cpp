@@ -1,0 +1,150 @@
+#include "apps/sweep/table.hpp"
+
+#include "apps/csv.hpp"
+#include "apps/outputs.hpp"
+#include "worldio/hdf5_file.hpp"
+#include "worldio/whole_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <variant>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+using Numbers = std::vector<double>;
+using Counts = std::vector<std::uint64_t>;
+using Texts = std::vector<std::string>;
+
+struct Column {
+  std::string name;
+  std::variant<Numbers, Counts, Texts> cells;  // one a run
+};
+
+std::optional<double> number_of(const std::string& json) {
+  double value = 0;
+  const auto [end, fault] = std::from_chars(json.data(), json.data() + json.size(), value);
+  if (fault != std::errc() || end != json.data() + json.size()) return std::nullopt;
+  return value;
+}
+
+/// A value of a parameter as people write it: a JSON text without its quotes.
+std::string plain(const std::string& json) {
+  const bool quoted = json.size() >= 2 && json.front() == '"' && json.find('\\') == json.npos;
+  return quoted ? json.substr(1, json.size() - 2) : json;
+}
+
+Column parameter_column(const worldio::Study& study, std::size_t p) {
+  Numbers numbers;
+  Texts texts;
+  for (const worldio::Study::Run& run : study.runs) {
+    texts.push_back(plain(run.values[p]));
+    if (const auto number = number_of(run.values[p])) numbers.push_back(*number);
+  }
+  if (numbers.size() == texts.size()) return {study.parameters[p].name, std::move(numbers)};
+  return {study.parameters[p].name, std::move(texts)};
+}
+
+std::vector<Column> columns_of(const SweepTable& table) {
+  constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t runs = table.study.runs.size();
+  Counts index, seeds, ticks;
+  Numbers times;
+  Texts hashes, errors;
+  std::vector<Numbers> measures(table.measures.size());
+  for (std::size_t r = 0; r < runs; ++r) {
+    const auto found = table.outcomes.find(r);
+    const auto failed = table.failed.find(r);
+    const bool is_there = found != table.outcomes.end();
+    index.push_back(r);
+    seeds.push_back(is_there ? found->second.seed : table.study.runs[r].seed.value_or(0));
+    ticks.push_back(is_there ? found->second.ticks : 0);
+    times.push_back(is_there ? found->second.time_s : k_none);
+    hashes.push_back(is_there ? found->second.state_hash : "");
+    errors.push_back(failed == table.failed.end() ? "" : failed->second);
+    for (std::size_t m = 0; m < measures.size(); ++m)
+      measures[m].push_back(is_there ? found->second.values[m] : k_none);
+  }
+  std::vector<Column> columns{{"run", std::move(index)}};
+  for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
+    columns.push_back(parameter_column(table.study, p));
+  columns.push_back({"seed", std::move(seeds)});
+  columns.push_back({"ticks", std::move(ticks)});
+  columns.push_back({"time_s", std::move(times)});
+  for (std::size_t m = 0; m < measures.size(); ++m)
+    columns.push_back({table.measures[m], std::move(measures[m])});
+  columns.push_back({"state_hash", std::move(hashes)});
+  columns.push_back({"error", std::move(errors)});
+  return columns;
+}
+
+std::string cell_of(const Column& column, std::size_t row) {
+  if (const auto* numbers = std::get_if<Numbers>(&column.cells))
+    return std::isnan((*numbers)[row]) ? "nan" : fmt::format("{}", (*numbers)[row]);
+  if (const auto* counts = std::get_if<Counts>(&column.cells)) return fmt::format("{}", (*counts)[row]);
+  return csv_cell(std::get<Texts>(column.cells)[row]);
+}
+
+void write_file(const fs::path& file, const std::string& bytes) {
+  try {
+    worldio::write_whole(file, {bytes});
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
+                                         const std::vector<worldio::Statistic>& statistics) {
+  std::vector<std::string> names;
+  for (const std::string& measure : measures)
+    for (const worldio::Statistic statistic : statistics)
+      names.push_back(statistic == worldio::Statistic::last
+                          ? measure
+                          : fmt::format("{}_{}", measure, worldio::statistic_name(statistic)));
+  return names;
+}
+
+void write_csv(const SweepTable& table, const fs::path& file) {
+  const std::vector<Column> columns = columns_of(table);
+  std::string text;
+  for (const Column& column : columns)
+    text += fmt::format("{}{}", text.empty() ? "" : ",", csv_cell(column.name));
+  text += '\n';
+  for (std::size_t row = 0; row < table.study.runs.size(); ++row)
+    for (const Column& column : columns)
+      text += fmt::format("{}{}", cell_of(column, row), &column == &columns.back() ? '\n' : ',');
+  write_file(file, text);
+}
+
+void write_hdf5(const SweepTable& table, const fs::path& file) {
+  worldio::Hdf5File hdf5 = worldio::Hdf5File::create_in_memory(file);
+  {
+    worldio::Hdf5Group group = hdf5.create_group("table");
+    Texts names;
+    for (const Column& column : columns_of(table)) {
+      names.push_back(column.name);
+      const std::string name = worldio::hdf5_name(column.name);
+      if (const auto* numbers = std::get_if<Numbers>(&column.cells))
+        group.write(name, std::span<const double>(*numbers));
+      else if (const auto* counts = std::get_if<Counts>(&column.cells))
+        group.write(name, std::span<const std::uint64_t>(*counts));
+      else
+        group.write_texts(name, std::get<Texts>(column.cells));
+    }
+    hdf5.write_texts("columns", names);
+  }
+  const std::vector<std::byte> image = hdf5.image();
+  write_file(file, {reinterpret_cast<const char*>(image.data()), image.size()});
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,7 @@
+# Writes SOURCE, which defines NAME in NAMESPACE as the content of TEXT; HEADER declares it. Called by troupe_embed_text.
+file(READ "${TEXT}" text)
+set(mark TROUPE_TEXT)
+if(text MATCHES "\\)${mark}\"")
+  message(FATAL_ERROR "${TEXT}: holds )${mark}\", which ends the literal that it is put into")
+endif()
+file(WRITE "${SOURCE}" "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nconst std::string_view ${NAME} = R\"${mark}(${text})${mark}\";\n\n}  // namespace ${NAMESPACE}\n")

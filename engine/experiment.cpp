@@ -1,0 +1,487 @@
+#include "engine/experiment.hpp"
+
+#include "base/math.hpp"
+#include "base/random.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using Action = InterventionSpec::Action;
+using By = GroupSpec::By;
+using Of = SettingSpec::Of;
+using Strike = Experiment::Strike;
+
+constexpr std::uint32_t k_trials = 1000;    // for a place for one that is added, as when a world is loaded
+constexpr std::size_t k_most_newborn = 64;  // each is looked at for each birth, until all are indexed
+
+std::string_view without_number(std::string_view name) {
+  return name.substr(0, name.find_last_not_of("0123456789") + 1);
+}
+
+/// "r17" is of population "r"; so is "r217" of one that is called "r2".
+bool is_of_population(const Names& names, Name name, std::string_view population) {
+  const std::string& word = names.words()[name.word];
+  if (word == population) return name.number != Name::k_no_number;  // of most there is no text to be made
+  if (!word.starts_with(population) && !population.starts_with(word)) return false;
+  const std::string text = names.text(name);
+  return text.size() > population.size() && text.starts_with(population) &&
+         without_number(text).size() <= population.size();
+}
+
+/// The heap's order: the earliest on top; of one tick in the order of the file, and of ids.
+bool is_later(const Strike& a, const Strike& b) {
+  return std::tuple(a.tick, a.fault, a.body) > std::tuple(b.tick, b.fault, b.body);
+}
+
+void push(std::vector<Strike>& heap, const Strike& strike) {
+  heap.push_back(strike);
+  std::ranges::push_heap(heap, is_later);
+}
+
+std::uint64_t key_of(Random random) {
+  const std::uint64_t high = random.bits();
+  return high << 32 | random.bits();
+}
+
+bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>& b) {
+  return std::ranges::equal(a, b, [](const StateField& x, const StateField& y) {
+    return x.name == y.name && x.element == y.element && x.columns == y.columns;
+  });
+}
+
+/// Whether a device may run with the one as with the other.
+bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
+  return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
+         same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
+         a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
+         a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
+         a.bearings == b.bearings && a.transducers == b.transducers &&  // as controllers have seen them
+         a.transducer_headings == b.transducer_headings;
+}
+
+constexpr std::string_view k_keeps_shape = "what changes while a world runs must keep the shape of its state";
+
+/// What is wrong with new parameters of a drive; empty where nothing is.
+std::string fault_of(const DriveKind& kind, const Record& before, const Record& params) {
+  for (const Field& field : localization_fields())
+    if (const int i = kind.params.find(field.name); i >= 0)
+      if (const auto f = static_cast<std::size_t>(i); before[f] != params[f])
+        return fmt::format("\"{}\": {}", field.name, k_keeps_shape);
+  return kind.fault(params);
+}
+
+}  // namespace
+
+// ---- what the world's maker wants, made ready
+
+std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
+  std::vector<Row> rows;
+  if (group.by == By::model) {
+    const BodyId body = find(group.name);
+    if (body.valid() && row(body).valid()) return {row(body)};
+    if (body.valid()) {
+      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: nothing can be done to it "
+                                           "while the world runs",
+                                           group.name));
+      return rows;
+    }
+  }
+  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
+    const Row row = body_rows_[b];
+    if (!row.valid() || group.by == By::model) continue;
+    if (group.by == By::type ? type(row).name == group.name
+                             : is_of_population(spec_.names, spec_.bodies[b].name, group.name))
+      rows.push_back(row);
+  }
+  if (!rows.empty()) return rows;
+  std::set<std::string> known;
+  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
+    const Row row = body_rows_[b];
+    if (!row.valid()) continue;
+    const std::string name = spec_.name(BodyId(b));
+    if (group.by == By::type) known.insert(type(row).name);
+    if (group.by == By::model) known.insert(name);
+    if (group.by == By::population && without_number(name).size() < name.size())
+      known.emplace(without_number(name));
+  }
+  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
+  diagnostics.error(where, unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
+                                        std::vector<std::string_view>(known.begin(), known.end())));
+  return rows;
+}
+
+void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
+  Experiment& e = experiment_;
+  const ExperimentSpec& spec = spec_.experiment;
+  e.interventions.resize(spec.at.size());
+  for (std::size_t i = 0; i < spec.at.size(); ++i) {
+    e.interventions[i].tick = ticks_until(spec.at[i].time_s, spec_.tick_s);
+    e.interventions[i].spec = i;
+    e.interventions[i].stream = stream_id("at", std::to_string(i));
+  }
+  std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
+  std::map<std::uint32_t, TypeSpec> types;  // as they are once all before has been done
+  std::size_t most = 0;
+  for (Experiment::Intervention& intervention : e.interventions) {
+    build_intervention(intervention, registry, types, diagnostics);
+    most = std::max(most, intervention.whom.size());
+  }
+  for (std::size_t i = 0; i < spec.faults.size(); ++i) build_fault(i, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  e.candidates.reserve(most);
+  std::ranges::make_heap(e.first_strikes, is_later);
+  e.strikes.reserve(e.first_strikes.size());
+  if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
+    placed_at_.resize(rows());
+}
+
+void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,
+                               std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics) {
+  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const auto error = [&](const std::string& what) {
+    diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
+  };
+  if (spec.action == Action::set) {
+    if (const std::string fault = build_setting(*spec.setting, registry, types, intervention); !fault.empty())
+      error(fault);
+    return;
+  }
+  if (spec.action == Action::add) {
+    if (const auto reserve = this->reserve(spec.whom.name)) {
+      intervention.reserve = *reserve;
+    } else {
+      std::vector<std::string_view> known;
+      for (const ReserveSpec& each : spec_.reserves) known.push_back(each.population);
+      error(known.empty() ? fmt::format("nobody can be added to \"{}\": no population has a \"reserve\"",
+                                        spec.whom.name)
+                          : unknown_name("population with a reserve", spec.whom.name, known));
+    }
+    if (!spec.pose && !spec.region && !spec_.bounds)
+      error("give \"region_m\" or \"pose\" for those that are added, as the world has no bounds");
+    return;
+  }
+  intervention.whom = rows_of(spec.whom, spec.where, diagnostics);
+  if (spec.action == Action::move && !bounds().contains(spec.pose->position()))
+    error(fmt::format("\"{}\" would be put outside of the world's bounds", spec.whom.name));
+}
+
+std::string World::build_setting(const SettingSpec& setting, const Registry& registry,
+                                 std::map<std::uint32_t, TypeSpec>& types,
+                                 Experiment::Intervention& intervention) {
+  TypeSpec& spec = types.try_emplace(setting.type.value, spec_.types[setting.type.index()]).first->second;
+  const BodyType& type = types_[setting.type.index()];
+  const auto changed = [&setting](const Record& before) {
+    Record params = before;
+    for (std::size_t i = 0; i < setting.params.size(); ++i)
+      if (setting.params[i].given()) params[i] = setting.params[i];
+    return params;
+  };
+  if (setting.of == Of::drive) {
+    Record params = changed(spec.drive->params);
+    if (std::string fault = fault_of(*type.drive->kind, spec.drive->params, params); !fault.empty())
+      return fmt::format("drive \"{}\": {}", spec.drive->kind, fault);
+    spec.drive->params = std::move(params);
+    intervention.data = type.drive->kind->prepare(spec.drive->params);
+    return {};
+  }
+  if (setting.of == Of::device) {
+    DeviceSpec& device = spec.devices[setting.index];
+    const BodyType::Device& now = type.devices[setting.index];
+    const std::string owner = fmt::format("device \"{}\"", device.name);
+    Record params = changed(device.params);
+    // Asked before anything is made of them, which may take all the memory there is.
+    if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
+      return fmt::format("{}: {}", owner, k_keeps_shape);
+    device.params = std::move(params);
+    intervention.device = now.kind->prepare(device.params, device.pose_body_sensor);
+    std::string fault;
+    if (now.kind->mount) fault = now.kind->mount(intervention.device.data, spec, device.part);
+    if (fault.empty() && now.kind->look) fault = now.kind->look(intervention.device.data, spec_);
+    if (!fault.empty()) return fmt::format("{} {}", owner, fault);
+    return same_shape(intervention.device, now.prepared) ? std::string()
+                                                         : fmt::format("{}: {}", owner, k_keeps_shape);
+  }
+  spec.controllers[setting.index].params = changed(spec.controllers[setting.index].params);
+  std::vector<bool> claimed(type.devices.size(), false);  // by those before it
+  for (std::size_t c = 0; c <= setting.index; ++c) {
+    const ControllerSpec& controller = spec.controllers[c];
+    std::string fault;
+    ControllerKind::Prepared prepared = prepare_controller(*registry.controller(controller.kind), controller,
+                                                           spec_, spec, type, claimed, fault);
+    if (!fault.empty()) return fmt::format("controller \"{}\" {}", controller.kind, fault);
+    if (c < setting.index) continue;
+    if (prepared.devices != type.controllers[c].devices)
+      return fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape);
+    intervention.data = std::move(prepared.data);
+  }
+  return {};
+}
+
+void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
+  const FaultSpec& spec = spec_.experiment.faults[at];
+  std::vector<Row> rows = rows_of(spec.whom, spec.where, diagnostics);
+  std::erase_if(rows, [&](Row row) { return !spec_.starts(body(row)); });
+  const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
+  experiment_.candidates.clear();
+  for (const Row row : rows)
+    experiment_.candidates.push_back({key_of({spec_.seed, chooses, body(row).value, 0}), body(row), row});
+  const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
+  const std::uint64_t from = ticks_until(spec.from_s, spec_.tick_s);
+  for (const FaultSpec::Ailment& ailment : spec.ailments) {
+    const FaultKind* kind = registry.fault(ailment.kind);
+    if (kind == nullptr) {
+      std::vector<std::string_view> known;
+      for (const FaultKind& each : registry.faults) known.push_back(each.name);
+      diagnostics.error(spec.where, unknown_name("fault", ailment.kind, known));
+      continue;
+    }
+    const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
+    std::map<std::uint32_t, std::uint32_t> faults;  // by type: which devices are which differs
+    for (const Experiment::Candidate& candidate : chosen) {
+      const std::uint32_t t = row_types_[candidate.row.index()];
+      const auto [known, is_new] =
+          faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
+      if (is_new) {
+        std::string fault;
+        experiment_.faults.push_back({kind->prepare(ailment.params, types_[t], fault), stream});
+        if (!fault.empty()) diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, fault));
+      }
+      const std::uint64_t tick = next_strike(known->second, candidate.body, from);
+      experiment_.first_strikes.push_back({tick, known->second, candidate.body, candidate.row, true});
+    }
+  }
+}
+
+void World::build_conditions() {
+  const bool any = std::ranges::any_of(spec_.experiment.at, [](const auto& at) {
+    return at.action == Action::disable || at.action == Action::enable;
+  });
+  if (!any && spec_.experiment.faults.empty()) return;
+  condition_table_ = tables_.size();
+  tables_.emplace_back(
+      "condition", HashGroup::memory, StateTable::Layout::rows,
+      sparse({{"speed", Element::f64, 1, "", "what its drive gives is multiplied by this; 0: it is not slow",
+               offsetof(Condition, speed)},
+              {"dead", Element::u32, 1, "", "devices that do nothing: bit d for the d-th of the type",
+               offsetof(Condition, dead)},
+              {"out", Element::u8, 1, "", "all of it has stopped; bit 0: disabled, bit 1: dropped out",
+               offsetof(Condition, out)}}),
+      row_bodies_, sizeof(Condition));
+}
+
+// ---- the run
+
+void World::begin_experiment(std::uint64_t tick) {
+  Experiment& e = experiment_;
+  while (e.next > 0)  // the last first
+    if (Experiment::Intervention& done = e.interventions[--e.next]; is_setting(done)) swap_setting(done);
+  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick; ++e.next)
+    if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
+  e.strikes = e.first_strikes;
+  while (!e.strikes.empty() && e.strikes.front().tick < tick) take_strike();
+  find_due();
+}
+
+void World::find_due() {
+  Experiment& e = experiment_;
+  e.due = e.next < e.interventions.size() ? e.interventions[e.next].tick : Experiment::k_never;
+  if (!e.strikes.empty()) e.due = std::min(e.due, e.strikes.front().tick);
+}
+
+bool World::conditions_hold() const {
+  if (!condition_table_) return true;
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const Condition& now = condition(Row(r));
+    if (!(now.speed >= 0 && now.speed <= 1) || now.out > (Condition::k_disabled | Condition::k_dropped_out))
+      return false;
+    if (!now.is_sound() && presence(Row(r)) != Presence::there) return false;
+  }
+  return true;
+}
+
+void World::count_ailing() {
+  ailing_ = 0;
+  for (std::size_t r = 0; condition_table_ && r < rows(); ++r) ailing_ += !condition(Row(r)).is_sound();
+}
+
+double World::slowness(Row row) const {
+  const double speed = condition(row).speed;
+  return speed == 0 ? 1 : speed;
+}
+
+/// Who is out stands still; the others, in the same order.
+std::span<const Row> World::halt_those_out(std::span<const Row> rows, std::span<Row> others) {
+  std::size_t count = 0;
+  for (const Row row : rows) {
+    if (condition(row).out == 0)
+      others[count++] = row;
+    else
+      as<Velocity>(k_velocity)[row.index()] = {};
+  }
+  return others.first(count);
+}
+
+/// What is due when a tick has ended: first what the file says is done, in its order, then the faults.
+void World::intervene() {
+  Experiment& e = experiment_;
+  bool is_other_crowd = false;
+  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= tick_)
+    is_other_crowd = carry_out(e.interventions[e.next++]) || is_other_crowd;
+  while (!e.strikes.empty() && e.strikes.front().tick <= tick_) befall(take_strike());
+  find_due();
+  if (!is_other_crowd) return;
+  count_stalls();
+  index_bodies();
+}
+
+/// True where somebody has come or gone since all were indexed.
+bool World::carry_out(Experiment::Intervention& intervention) {
+  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  if (spec.action == Action::set) {
+    swap_setting(intervention);
+    return false;
+  }
+  if (spec.action == Action::add) return add(intervention);
+  if (spec.action == Action::move) {
+    const Placed placed{intervention.whom.front(), *spec.pose};
+    if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
+    return false;
+  }
+  const auto is_disabled = [&](Row row) { return (condition(row).out & Condition::k_disabled) != 0; };
+  experiment_.candidates.clear();
+  for (const Row row : intervention.whom) {
+    if (!is_there(row)) continue;
+    if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
+    const BodyId id = body(row);
+    const Random random(spec_.seed, intervention.stream, id.value, static_cast<std::uint32_t>(tick_));
+    experiment_.candidates.push_back({key_of(random), id, row});
+  }
+  const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
+  for (const Experiment::Candidate& candidate : chosen) {
+    if (spec.action == Action::remove) {
+      die(candidate.row);
+      continue;
+    }
+    Condition& now = condition(candidate.row);
+    ailing_ -= !now.is_sound();
+    now.out ^= Condition::k_disabled;
+    ailing_ += !now.is_sound();
+  }
+  return spec.action == Action::remove && !chosen.empty();
+}
+
+std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
+  std::vector<Experiment::Candidate>& all = experiment_.candidates;
+  std::size_t count = all.size();
+  if (group.count) count = std::min(count, static_cast<std::size_t>(*group.count));
+  if (group.share)
+    count = std::min(
+        count, static_cast<std::size_t>(std::floor(*group.share * static_cast<double>(all.size()) + 0.5)));
+  if (count < all.size()) {
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    std::ranges::nth_element(all, end, {},
+                             [](const Experiment::Candidate& c) { return std::tuple(c.key, c.body); });
+    std::sort(all.begin(), end, [](const auto& a, const auto& b) { return a.body < b.body; });
+  }
+  return {all.data(), count};
+}
+
+/// Where one finds no free place in so many draws nobody more is added.
+bool World::add(const Experiment::Intervention& intervention) {
+  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const std::uint32_t trials = spec.pose ? 1 : k_trials;
+  const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
+  const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Birth birth;
+    for (std::uint32_t trial = 0; trial < trials && birth.status != BirthStatus::born; ++trial)
+      birth = bear(intervention.reserve, place_to_add(intervention, i, trial));
+    if (birth.status != BirthStatus::born) return i > 0;
+    if (newborn_.size() >= k_most_newborn) index_bodies();
+  }
+  return count > 0;
+}
+
+Pose World::place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
+                         std::uint32_t trial) const {
+  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  if (spec.pose) return *spec.pose;
+  const Box box = spec.region.value_or(bounds());
+  Random random(spec_.seed, intervention.stream, number, trial);
+  const double x = random.uniform(box.min.x(), box.max.x());
+  const double y = random.uniform(box.min.y(), box.max.y());
+  return {x, y, 0, random.uniform(-k_pi, k_pi)};
+}
+
+bool World::is_setting(const Experiment::Intervention& intervention) const {
+  return spec_.experiment.at[intervention.spec].action == Action::set;
+}
+
+/// What is swapped with what was there can be swapped back, and takes no memory.
+void World::swap_setting(Experiment::Intervention& intervention) {
+  const SettingSpec& setting = *spec_.experiment.at[intervention.spec].setting;
+  BodyType& type = types_[setting.type.index()];
+  switch (setting.of) {
+    case Of::drive: std::swap(type.drive->data, intervention.data); break;
+    case Of::device: std::swap(type.devices[setting.index].prepared, intervention.device); break;
+    case Of::controller: std::swap(type.controllers[setting.index].data, intervention.data); break;
+  }
+}
+
+/// The tick behind which a fault strikes that may do so from this one on.
+std::uint64_t World::next_strike(std::uint32_t fault, BodyId body, std::uint64_t from) const {
+  const Experiment::Fault& f = experiment_.faults[fault];
+  if (!(f.ailment.per_s > 0)) return from;
+  Random random(spec_.seed, f.stream, body.value, static_cast<std::uint32_t>(from));
+  return from + std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.ailment.per_s, spec_.tick_s));
+}
+
+/// Takes the earliest, and puts in what follows it. Whoever is dead by then goes on failing, unnoticed: so
+/// nothing of it depends on the state.
+Experiment::Strike World::take_strike() {
+  std::vector<Strike>& heap = experiment_.strikes;
+  const Strike now = heap.front();
+  std::ranges::pop_heap(heap, is_later);
+  heap.pop_back();
+  const Ailment& ailment = experiment_.faults[now.fault].ailment;
+  Strike next = now;
+  next.begins = !now.begins;
+  if (now.begins && ailment.drops_out && ailment.lasts_s > 0) {
+    next.tick = now.tick + period_ticks(ailment.lasts_s, spec_.tick_s);
+    push(heap, next);
+  } else if (!now.begins && ailment.per_s > 0) {
+    next.tick = next_strike(now.fault, now.body, now.tick);
+    push(heap, next);
+  }
+  return now;
+}
+
+void World::befall(const Experiment::Strike& strike) {
+  if (!is_there(strike.row)) return;
+  const Ailment& ailment = experiment_.faults[strike.fault].ailment;
+  Condition& now = condition(strike.row);
+  ailing_ -= !now.is_sound();
+  if (strike.begins) {
+    now.dead |= ailment.dead;
+    if (ailment.speed != 1) now.speed = slowness(strike.row) * ailment.speed;
+    if (ailment.drops_out) now.out |= Condition::k_dropped_out;
+  } else {
+    now.out &= static_cast<std::uint8_t>(~Condition::k_dropped_out);
+  }
+  ailing_ += !now.is_sound();
+}
+
+}  // namespace troupe::engine

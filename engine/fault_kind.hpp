@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/fields.hpp"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace troupe::engine {
+
+struct BodyType;
+
+/// What a fault does to a body.
+struct Ailment {
+  std::uint32_t dead = 0;  ///< devices that do nothing any more: a bit each, in the order of the type's
+  double speed = 1;        ///< what its drive gives is multiplied by this; above 0, at most 1
+  bool drops_out = false;  ///< all of it stops: devices, controllers, drive
+  double per_s = 0;        ///< how often it strikes, in the mean, once it may; 0: at once
+  double lasts_s = 0;      ///< of dropping out: how long; then it may strike again. 0: for good
+};
+
+/// The devices that can be dead: Ailment::dead has no more bits.
+inline constexpr std::size_t k_most_fallible = 32;
+
+/// A way to fail. It says what the fault does; who fails and when is the world's business, and no robot that
+/// is sound pays for it.
+struct FaultKind {
+  std::string_view name;
+  std::string_view text;
+  FieldTable params;
+  /// For bodies of this type, once, when the world is built. Why such a body cannot fail so stands in
+  /// `fault`.
+  Ailment (*prepare)(const Record& params, const BodyType& type, std::string& fault) = nullptr;
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,159 @@
+#include "models/gradient.hpp"
+
+#include "engine/controller.hpp"
+#include "models/device_choice.hpp"
+#include "models/radio.hpp"
+#include "models/scan_ahead.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+constexpr std::size_t k_least_samples = 9;
+constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
+constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
+constexpr double k_turn = 0.8;             // rad/s
+constexpr std::uint32_t k_backwards = 20;  // decisions
+
+const FieldTable& gradient_fields() {
+  static const FieldTable table{{
+      {.name = "beacon",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "it stands, and is where counting begins"},
+      {.name = "spacing",
+       .unit = Unit::meters,
+       .fallback = 1.0,
+       .min = 0,
+       .max = 10000,
+       .text = "it settles where nobody is settled nearer than this"},
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .min = 0, .text = "while it roams"},
+      {.name = "min_front",
+       .unit = Unit::meters,
+       .fallback = 0.4,
+       .min = 0,
+       .text = "a reading below it ahead is turned away from"},
+      {.name = "patience",
+       .type = FieldType::integer,
+       .fallback = 20,
+       .min = 1,
+       .max = 1000000,
+       .text = "decisions after which a count that nobody has confirmed is forgotten"},
+  }};
+  return table;
+}
+
+struct Gradient {
+  struct Memory {
+    std::uint32_t hops = k_hops_unknown;
+    std::uint32_t unconfirmed = 0;  ///< decisions since somebody said a count that this one follows from
+    std::uint32_t alone = 0;        ///< decisions since it heard somebody who is settled
+    std::int32_t avoid_updates = 0;
+    std::uint8_t settled = 0;
+    TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled)
+  };
+  struct Heard {
+    std::uint32_t hops = k_hops_unknown;  ///< the least
+    float nearest = std::numeric_limits<float>::infinity();
+  };
+  static constexpr bool needs_drive = false;
+
+  bool beacon;
+  double spacing, speed, min_front;
+  std::uint32_t patience;
+  std::size_t samples = 0;
+
+  static Gradient make(const Record& p) {
+    return {p[0].boolean(), p[1].number(), p[2].number(), p[3].number(),
+            static_cast<std::uint32_t>(p[4].integer())};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    if (!choice.take_kind("radio")) fault = "needs a radio";
+    if (!beacon) samples = choice.take_scanner(k_least_samples);
+    return choice.chosen();
+  }
+
+  static Heard listen(const RadioPort& radio) {
+    Heard heard;
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message message = radio[i];
+      std::uint8_t hops = 0;
+      if (!message.read(hops)) continue;
+      heard.hops = std::min<std::uint32_t>(heard.hops, hops);
+      heard.nearest = std::min(heard.nearest, message.range);
+    }
+    return heard;
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[0], actions.devices[0]);
+    const Heard heard = listen(radio);
+    const bool in_touch = heard.hops != k_hops_unknown;
+    if (beacon) {
+      memory.settled = 1;
+      memory.hops = 0;
+    } else {
+      if (samples == 0 || (in_touch && heard.nearest >= spacing)) memory.settled = 1;
+      if (memory.settled != 0) count(memory, heard);
+    }
+    if (memory.settled != 0) {
+      actions.command = {};
+      if (memory.hops == k_hops_unknown)
+        radio.be_silent();
+      else
+        radio.say(static_cast<std::uint8_t>(memory.hops));
+      return;
+    }
+    memory.alone = in_touch ? 0 : memory.alone + 1;
+    roam(memory, percept.ranges(1).first(samples), random, actions.command);
+  }
+
+  void count(Memory& memory, const Heard& heard) const {
+    const std::uint32_t hops = std::min<std::uint32_t>(heard.hops + 1, k_hops_unknown);
+    if (hops <= memory.hops || ++memory.unconfirmed > patience) {
+      memory.hops = hops;
+      memory.unconfirmed = 0;
+    }
+  }
+
+  void roam(Memory& memory, std::span<const float> scan, Random& random, engine::Command& command) const {
+    if (memory.alone > 0 && memory.alone <= k_backwards) {
+      command = {-speed, 0, 0};
+      memory.avoid_updates = 0;
+      return;
+    }
+    const auto [obstruction, stop, left, right] =
+        look_ahead(scan, scan.size() / 3, min_front, k_stop_share * min_front);
+    if (!obstruction && memory.avoid_updates == 0) {
+      command = {speed, 0, 0};
+      return;
+    }
+    const double forward = stop ? 0 : k_creep_share * speed;
+    if (memory.avoid_updates == 0) {
+      memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(20));
+      command.turn = left < right ? -k_turn : k_turn;
+    }
+    command = {forward, 0, command.turn};
+    --memory.avoid_updates;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind gradient_controller() {
+  return engine::make_controller_kind<Gradient>(
+      "gradient", "settle in touch with others, and count the hops to a beacon by radio", gradient_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,155 @@
+#include "models/light_sensor.hpp"
+
+#include "base/math.hpp"
+#include "engine/sight.hpp"
+#include "engine/world.hpp"
+#include "models/light.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::BodyType;
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+struct LightSensor {
+  Pose pose_body_sensor;
+  double range_max = 0;
+  bool occlusion = false;
+  std::vector<SinCos> directions;  // sensor frame
+};
+
+/// A light in sight.
+struct Seen {
+  BodyId body;
+  std::size_t device = 0;
+  Vec2 way = Vec2::Zero();  // on the ground, sensor frame, m
+  double distance = 0;
+  double intensity = 0;
+};
+
+/// A thread keeps one, so that a warm step allocates nothing.
+class Eyes {
+ public:
+  Eyes() { seen_.reserve(256); }
+
+  /// What a row sees, by (body, device). Counts the rays it casts.
+  std::span<const Seen> look(const World& world, const LightSensor& sensor, Row own,
+                             const engine::Mount& mount) {
+    seen_.clear();
+    const Pose here = compose(mount, sensor.pose_body_sensor);
+    const Rotation turned(-here.heading);
+    world.index().for_each_near(Box::around(here.position(), sensor.range_max), [&](const partition::
+                                                                                        BodyCircle& circle) {
+      const Row row(circle.row);
+      const BodyType& type = world.type(row);
+      if (world.same_tree(row, own)) return;
+      for (std::size_t d = 0; d < type.devices.size(); ++d) {
+        const BodyType::Device& device = type.devices[d];
+        if (!is_light(*device.kind) || world.percepts(device).as<LightState>(world.slot(row)).lit == 0)
+          continue;
+        const LightSource& light = light_source(device.prepared.data);
+        const Pose there = compose(world.mount(row, device.joint), light.pose_body_light);
+        const Vec2 way = there.position() - here.position();
+        const double range = way.norm();
+        if (range > sensor.range_max) continue;
+        if (sensor.occlusion && range > 0 && is_hidden(world, own, row, here, way / range, range)) continue;
+        const double up = there.z - here.z;
+        seen_.push_back({world.body(row), d, turned * way, sqrt(range * range + up * up), light.intensity});
+      }
+    });
+    std::ranges::sort(seen_, {}, [](const Seen& seen) { return std::tuple(seen.body, seen.device); });
+    return seen_;
+  }
+  std::uint64_t rays() const { return rays_; }
+
+ private:
+  bool is_hidden(const World& world, Row own, Row light, const Pose& here, const Vec2& direction,
+                 double range) {
+    ++rays_;
+    const engine::Sighting first = engine::first_met(
+        world, {.origin = here.position(), .direction = direction, .length = range, .own = own, .z = here.z});
+    if (!first.met()) return false;
+    const Row met = world.row(first.body);
+    return !met.valid() || !world.same_tree(met, light);
+  }
+
+  std::vector<Seen> seen_;
+  std::uint64_t rays_ = 0;
+};
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  const LightSensor& sensor = *std::any_cast<LightSensor>(&batch.data);
+  thread_local const auto eyes = std::make_unique<Eyes>();
+  const std::uint64_t rays_before = eyes->rays();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    const std::span<const Seen> lights = eyes->look(batch.world, sensor, batch.rows[i], batch.mount(i));
+    const auto brightness = batch.state.cell<float>(batch.slot(i), k_light_brightness);
+    for (std::size_t k = 0; k < sensor.directions.size(); ++k) {
+      double sum = 0;
+      for (const Seen& light : lights) {
+        if (light.distance == 0) continue;
+        const double ahead =
+            light.way.x() * sensor.directions[k].cos + light.way.y() * sensor.directions[k].sin;
+        const double d2 = light.distance * light.distance;
+        sum += light.intensity * std::max(0.0, ahead / light.distance) / d2;
+      }
+      brightness[k] = static_cast<float>(sum);
+    }
+    batch.state.cell<std::uint32_t>(batch.slot(i), k_light_sources)[0] =
+        static_cast<std::uint32_t>(lights.size());
+  }
+  return eyes->rays() - rays_before;
+}
+
+DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
+  LightSensor sensor{.pose_body_sensor = pose_body_sensor,
+                     .range_max = params[1].number(),
+                     .occlusion = params[2].boolean()};
+  const std::int64_t n = params[0].integer();
+  for (std::int64_t k = 0; k < n; ++k)
+    sensor.directions.push_back(sincos(2 * k_pi * static_cast<double>(k) / static_cast<double>(n)));
+  return {.data = std::move(sensor),
+          .percepts = {{"brightness", Element::f32, static_cast<std::uint32_t>(n), "", "by direction"},
+                       {"sources", Element::u32, 1, "", "lights in sight"}}};
+}
+
+}  // namespace
+
+DeviceKind light_sensor_kind() {
+  DeviceKind kind{.name = "light_sensor", .text = "reads how bright it is, by direction"};
+  kind.params = {{
+      {.name = "directions",
+       .type = FieldType::integer,
+       .fallback = 8,
+       .min = 1,
+       .max = 360,
+       .text = "readings: the first looks ahead, the others follow counter-clockwise at equal angles"},
+      {.name = "range_max",
+       .unit = Unit::meters,
+       .fallback = 10.0,
+       .min = 0,
+       .max = 10000,
+       .text = "lights farther away are not seen",
+       .above_min = true},
+      {.name = "occlusion",
+       .type = FieldType::boolean,
+       .fallback = true,
+       .text = "lights behind walls and bodies are not seen"},
+  }};
+  kind.prepare = prepare;
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::models

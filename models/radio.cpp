@@ -1,0 +1,690 @@
+#include "models/radio.hpp"
+
+#include "base/math.hpp"
+#include "base/random.hpp"
+#include "engine/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::BodyType;
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::RayOutline;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+using partition::BodyCircle;
+
+constexpr double k_slack = 1e-9;     // m, of culls: far above the rounding of doubles within a world
+constexpr double k_together_m = 12;  // links up to this long share what may hide them
+constexpr double k_stride_m = 4;     // of longer ones: what may hide them is looked up piece by piece
+
+enum class Law : std::uint8_t { disc, friis, itu_indoor, log_distance };
+enum class Walls : std::uint8_t { block, weaken, pass };
+
+struct Radio {
+  Pose pose_body_radio;
+  double range = 0;
+  double hears = 0;
+  std::string channel;
+  std::size_t payload = 0;
+  std::size_t most_heard = 0;
+  double drop_rate = 0;
+  Walls walls = Walls::block;
+  bool bodies_block = false;
+  bool has_law = false;    // the loss depends on the distance
+  double loss_at_1m = 0;   // dB
+  double loss_a_fold = 0;  // dB, for e times the distance
+  double wall_loss = 0;
+  double power = 0;        // dBm
+  double sensitivity = 0;  // dBm
+  bool beacon = false;
+
+  double loss(double distance) const {
+    if (!has_law || distance == 0) return 0;
+    return std::max(0.0, loss_at_1m + loss_a_fold * log(distance));
+  }
+};
+
+/// A radio of a type that the listener may hear.
+struct Sender {
+  const Radio* radio;
+  const BodyType::Device* device;
+  const engine::StateTable* commands;
+  bool always_runs;
+  Vec2 position;  // body frame, or that of its joint
+};
+
+/// Someone who says something, as far as the listener is concerned.
+struct Link {
+  double range = 0;
+  Row row;
+  BodyId body;
+  std::uint32_t sender = 0;  // of those of the row's type
+  const Radio* radio = nullptr;
+  const std::uint8_t* command = nullptr;
+  Vec2 there = Vec2::Zero();  // m, world frame
+  double loss = 0;
+
+  std::size_t length() const { return command[k_radio_bytes]; }
+  /// Orders links as readings are ordered.
+  std::uint64_t place() const { return (std::uint64_t{body.value} << 32) | sender; }
+};
+
+/// What links are sorted by, which are large.
+struct Key {
+  double range;
+  std::uint64_t place;
+  std::uint32_t link;
+};
+
+/// A straight line between two radios, always from the one of the lower id, so that both have one answer.
+struct Line {
+  Vec2 from, way;
+  double z_from, z_way;
+  double length2 = 0;
+
+  bool passes_near(const BodyCircle& circle) const {
+    const Vec2 centre = Vec2(circle.x, circle.y) - from;
+    const double radius = circle.radius + k_slack;
+    const double along = centre.dot(way);
+    const double reach2 = radius * radius * length2;
+    const double across = cross(centre, way);
+    if (across * across > reach2) return false;
+    const double beyond = std::max(-along, along - length2);
+    return beyond <= 0 || beyond * beyond <= reach2;
+  }
+  Box piece(double first, double last) const {
+    Box box;
+    box.extend(Vec2(from + first * way));
+    box.extend(Vec2(from + last * way));
+    return box.expanded(k_slack);
+  }
+};
+
+/// Where a line crosses an edge. Long edges lie in several pieces of an outline, so one may be met twice.
+struct Crossing {
+  std::uint32_t solid;
+  double at;    // share of the line
+  double x, y;  // of the edge's first end
+  auto operator<=>(const Crossing&) const = default;
+};
+
+/// Listens for one radio after another. A thread keeps one, so that a warm step allocates nothing.
+class Listener {
+ public:
+  Listener() {
+    for (Known& known : known_) known.senders.reserve(4);
+  }
+
+  void begin(const DeviceBatch& batch) {
+    batch_ = &batch;
+    world_ = &batch.world;
+    radio_ = std::any_cast<Radio>(&batch.data);
+    kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
+    for (Known& known : known_) known.type = nullptr;
+    position_ = radio_->pose_body_radio.position();
+    // A crowd of that size grows them at once.
+    const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
+    links_.reserve(room);
+    keys_.reserve(room);
+    circles_.reserve(room);
+    walls_.reserve(1024);
+    crossings_.reserve(64);
+  }
+
+  void listen(std::size_t i);
+  std::uint64_t lines() const { return lines_; }
+
+ private:
+  std::span<const Sender> senders(const BodyType& type);
+  void find_links(Row own);
+  void consider(Row row, const Sender& sender, std::uint32_t index);
+  double height(const Link& link);
+  void weaken_links();
+  bool arrives(Link& link);
+  Line line_to(const Link& link);
+  /// How many walls are on the way; -1: something that nothing passes.
+  int hindrances(const Link& link);
+  template <class Visit>
+  bool any_wall(const Line& line, Visit&& visit) const;
+  bool is_behind_a_body(const Line& line, const Link& link) const;
+  bool hides(const Line& line, Row row) const;
+  bool is_dropped(const Link& link) const;
+  void keep_nearest();
+  void write(std::size_t slot) const;
+
+  const DeviceBatch* batch_ = nullptr;
+  const World* world_ = nullptr;
+  const Radio* radio_ = nullptr;
+  const DeviceKind* kind_ = nullptr;
+  struct Known {
+    const BodyType* type = nullptr;
+    std::vector<Sender> senders;
+  };
+  std::array<Known, 8> known_;  // types that were met last, each at its place
+  Vec2 position_ = Vec2::Zero();
+
+  Row own_;
+  BodyId id_;
+  Vec2 here_ = Vec2::Zero();
+  double z_ = 0;
+  double heading_ = 0;
+  std::vector<Link> links_;
+  std::vector<Key> keys_;            // of those that are heard
+  std::vector<BodyCircle> circles_;  // of bodies near the listener
+  std::vector<BodyCircle> walls_;    // of pieces of outlines near it
+  std::vector<Crossing> crossings_;
+  bool together_ = false;  // walls_ holds what may hide any of its links
+  std::uint32_t lost_ = 0;
+  std::uint32_t dropped_ = 0;
+  std::uint64_t lines_ = 0;
+};
+
+std::span<const Sender> Listener::senders(const BodyType& type) {
+  const auto number = static_cast<std::size_t>(&type - world_->types().data());
+  Known& known = known_[number % known_.size()];
+  if (&type == known.type) return known.senders;
+  known.type = &type;
+  known.senders.clear();
+  for (const BodyType::Device& device : type.devices) {
+    if (device.kind != kind_) continue;
+    const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
+    if (radio.channel != radio_->channel) continue;
+    const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
+    known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
+                             radio.pose_body_radio.position()});
+  }
+  return known.senders;
+}
+
+void Listener::listen(std::size_t i) {
+  own_ = batch_->rows[i];
+  id_ = batch_->body(i);
+  const engine::Mount mount = batch_->mount(i);
+  here_ = mount.transform * position_;
+  z_ = mount.z + radio_->pose_body_radio.z;
+  heading_ = mount.heading + radio_->pose_body_radio.heading;
+  links_.clear();
+  lost_ = 0;
+  dropped_ = 0;
+  find_links(own_);
+  weaken_links();
+  keep_nearest();
+  write(batch_->slot(i));
+}
+
+/// Everybody who says something and is near enough.
+void Listener::find_links(Row own) {
+  circles_.clear();
+  const bool keeps_circles = radio_->bodies_block && radio_->hears <= k_together_m;
+  world_->index().for_each_near(Box::around(here_, radio_->hears), [&](const BodyCircle& circle) {
+    const double reach = radio_->hears + circle.radius;
+    if ((Vec2(circle.x, circle.y) - here_).squaredNorm() > reach * reach) return;
+    const Row row(circle.row);
+    if (world_->same_tree(row, own)) return;
+    if (keeps_circles) circles_.push_back(circle);
+    const std::span<const Sender> all = senders(world_->type(row));
+    for (std::uint32_t s = 0; s < all.size(); ++s) consider(row, all[s], s);
+  });
+}
+
+void Listener::consider(Row row, const Sender& sender, std::uint32_t index) {
+  const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(world_->slot(row)));
+  const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
+  const bool says = mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->beacon);
+  if (!says || !(sender.always_runs || world_->runs(row, *sender.device))) return;
+  const Vec2 there = sender.device->joint == engine::k_rigid
+                         ? Vec2(world_->transform(row) * sender.position)
+                         : Vec2(world_->mount(row, sender.device->joint).transform * sender.position);
+  const double range = (there - here_).norm();
+  if (range > std::min(radio_->hears, sender.radio->range)) return;
+  links_.push_back({.range = range,
+                    .row = row,
+                    .body = world_->body(row),
+                    .sender = index,
+                    .radio = sender.radio,
+                    .command = command,
+                    .there = there});
+}
+
+/// Leaves those that arrive.
+void Listener::weaken_links() {
+  double farthest = 0;
+  for (const Link& link : links_) farthest = std::max(farthest, link.range);
+  together_ = radio_->walls != Walls::pass && farthest <= k_together_m;
+  walls_.clear();
+  if (together_ && !links_.empty() && world_->scene().edge_count() > 0) {
+    const partition::FixedOutlines& outlines = world_->scene().outlines();
+    const Box box = Box::around(here_, farthest).expanded(outlines.largest_radius() + k_slack);
+    outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
+                          [&](std::span<const BodyCircle> circles) {
+                            for (const BodyCircle& circle : circles) {
+                              const double reach = farthest + circle.radius + k_slack;
+                              if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach)
+                                walls_.push_back(circle);
+                            }
+                          });
+  }
+  std::erase_if(links_, [&](Link& link) { return !arrives(link); });
+}
+
+bool Listener::arrives(Link& link) {
+  link.loss = radio_->loss(link.range);
+  if (link.radio->power - link.loss < radio_->sensitivity) return false;
+  if (radio_->walls != Walls::pass || radio_->bodies_block) {
+    const int walls = hindrances(link);
+    if (walls < 0) return false;
+    link.loss += walls * radio_->wall_loss;
+    if (link.radio->power - link.loss < radio_->sensitivity) return false;
+  }
+  if (is_dropped(link)) {
+    ++dropped_;
+    return false;
+  }
+  if (link.length() > radio_->payload) {
+    ++lost_;
+    return false;
+  }
+  return true;
+}
+
+bool Listener::is_dropped(const Link& link) const {
+  if (radio_->drop_rate == 0) return false;
+  const std::uint64_t seed = world_->spec().seed;
+  const std::array<std::uint32_t, 4> words =
+      philox4x32({link.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(world_->tick())},
+                 {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  return words[0] * 0x1p-32 < radio_->drop_rate;
+}
+
+/// Of the radio at its other end, m, world frame.
+double Listener::height(const Link& link) {
+  const Sender& sender = senders(world_->type(link.row))[link.sender];
+  const double base = sender.device->joint == engine::k_rigid
+                          ? world_->poses()[link.row.index()].z
+                          : world_->mount(link.row, sender.device->joint).z;
+  return base + link.radio->pose_body_radio.z;
+}
+
+Line Listener::line_to(const Link& link) {
+  const double z = height(link);
+  Line line{.from = here_, .way = link.there - here_, .z_from = z_, .z_way = z - z_};
+  if (link.body < id_) {
+    line.from = link.there;
+    line.way = here_ - link.there;
+    line.z_from = z;
+    line.z_way = z_ - z;
+  }
+  line.length2 = line.way.squaredNorm();
+  return line;
+}
+
+/// visit(share of the line, edge's first end) -> stop? for each edge of the chain that the line crosses at a
+/// height within z. Of a vertex on the line one of its two edges is crossed where the outline passes from one
+/// side to the other.
+template <class Visit>
+bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, const ZInterval& z,
+                  Visit&& visit) {
+  const std::size_t edges = closed ? chain.size() : chain.size() - 1;
+  for (std::size_t i = 0; i < edges; ++i) {
+    const Vec2 a = chain[i] - line.from;
+    const Vec2 b = chain[i + 1 < chain.size() ? i + 1 : 0] - line.from;
+    const double side_a = cross(a, line.way);
+    const double side_b = cross(b, line.way);
+    if ((side_a > 0) == (side_b > 0)) continue;
+    const double along_a = a.dot(line.way);
+    const double along = along_a + side_a / (side_a - side_b) * (b.dot(line.way) - along_a);
+    if (!(along > 0 && along < line.length2)) continue;
+    const double share = along / line.length2;
+    if (z.contains(line.z_from + share * line.z_way) && visit(share, chain[i])) return true;
+  }
+  return false;
+}
+
+/// visit(circle of a piece of an outline) -> stop? for those of what never moves that the line may cross,
+/// each once or more.
+template <class Visit>
+bool Listener::any_wall(const Line& line, Visit&& visit) const {
+  if (together_)
+    return std::ranges::any_of(
+        walls_, [&](const BodyCircle& circle) { return line.passes_near(circle) && visit(circle); });
+  if (world_->scene().edge_count() == 0) return false;
+  const partition::FixedOutlines& outlines = world_->scene().outlines();
+  const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
+  bool stop = false;
+  for (double i = 0; i < strides && !stop; ++i) {
+    const Box box = line.piece(i / strides, (i + 1) / strides).expanded(outlines.largest_radius());
+    outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
+                          [&](std::span<const BodyCircle> circles) {
+                            for (const BodyCircle& circle : circles)
+                              stop = stop || (line.passes_near(circle) && visit(circle));
+                          });
+  }
+  return stop;
+}
+
+int Listener::hindrances(const Link& link) {
+  ++lines_;
+  if (!radio_->bodies_block && together_ && walls_.empty()) return 0;
+  const Line line = line_to(link);
+  if (line.length2 == 0) return 0;
+  if (radio_->bodies_block && is_behind_a_body(line, link)) return -1;
+  if (radio_->walls == Walls::pass) return 0;
+  const partition::StaticScene& scene = world_->scene();
+  const auto crossed = [&](const BodyCircle& circle, auto&& visit) {
+    const std::uint32_t solid = scene.outlines().solid(circle.row);
+    return any_crossing(line, scene.outlines().chain(circle.row), false, scene.solids()[solid].solid.z,
+                        [&](double at, const Vec2& end) { return visit(solid, at, end); });
+  };
+  if (radio_->walls == Walls::block) {
+    const auto any = [](std::uint32_t, double, const Vec2&) { return true; };
+    return any_wall(line, [&](const BodyCircle& circle) { return crossed(circle, any); }) ? -1 : 0;
+  }
+  crossings_.clear();
+  any_wall(line, [&](const BodyCircle& circle) {
+    return crossed(circle, [&](std::uint32_t solid, double at, const Vec2& end) {
+      crossings_.push_back({solid, at, end.x(), end.y()});
+      return false;
+    });
+  });
+  // In and out of a solid is one wall; so is in alone, where a radio stands inside.
+  std::ranges::sort(crossings_);
+  crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
+  int walls = 0;
+  for (std::size_t first = 0; first < crossings_.size();) {
+    std::size_t last = first + 1;
+    while (last < crossings_.size() && crossings_[last].solid == crossings_[first].solid) ++last;
+    walls += static_cast<int>((last - first + 1) / 2);
+    first = last;
+  }
+  return walls;
+}
+
+/// Whether the line crosses a body other than the two that talk, with all that is of their trees.
+bool Listener::is_behind_a_body(const Line& line, const Link& link) const {
+  const auto is_hidden_by = [&](const BodyCircle& circle) {
+    const Row row(circle.row);
+    return line.passes_near(circle) && !world_->same_tree(row, link.row) && !world_->same_tree(row, own_) &&
+           hides(line, row);
+  };
+  if (radio_->hears <= k_together_m) return std::ranges::any_of(circles_, is_hidden_by);
+  const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
+  bool is_hidden = false;
+  for (double i = 0; i < strides && !is_hidden; ++i)
+    world_->index().for_each_near(line.piece(i / strides, (i + 1) / strides), [&](const BodyCircle& circle) {
+      is_hidden = is_hidden || is_hidden_by(circle);
+    });
+  return is_hidden;
+}
+
+bool Listener::hides(const Line& line, Row row) const {
+  const std::span<const Vec2> vertices = world_->outline(row);
+  const double base = world_->poses()[row.index()].z;
+  return std::ranges::any_of(world_->type(row).outlines, [&](const RayOutline& outline) {
+    return any_crossing(line, vertices.subspan(outline.first, outline.count), true,
+                        outline.z.shifted(base + world_->lift(row, outline.joint)),
+                        [](double, const Vec2&) { return true; });
+  });
+}
+
+void Listener::keep_nearest() {
+  keys_.clear();
+  for (std::uint32_t i = 0; i < links_.size(); ++i) keys_.push_back({links_[i].range, links_[i].place(), i});
+  if (keys_.size() > radio_->most_heard) {
+    const auto kept = keys_.begin() + static_cast<std::ptrdiff_t>(radio_->most_heard);
+    std::ranges::nth_element(keys_, kept, {},
+                             [](const Key& key) { return std::tuple(key.range, key.place); });
+    lost_ += static_cast<std::uint32_t>(keys_.end() - kept);
+    keys_.erase(kept, keys_.end());
+  }
+  std::ranges::sort(keys_, {}, &Key::place);
+}
+
+void Listener::write(std::size_t slot) const {
+  engine::StateTable& state = batch_->state;
+  std::uint32_t& count = state.cell<std::uint32_t>(slot, k_radio_count)[0];
+  const std::size_t before = count;
+  count = static_cast<std::uint32_t>(keys_.size());
+  state.cell<std::uint32_t>(slot, k_radio_lost)[0] = lost_;
+  state.cell<std::uint32_t>(slot, k_radio_dropped)[0] = dropped_;
+  const auto senders = state.cell<std::uint32_t>(slot, k_radio_sender);
+  const auto ranges = state.cell<float>(slot, k_radio_range);
+  const auto bearings = state.cell<float>(slot, k_radio_bearing);
+  const auto strengths = state.cell<float>(slot, k_radio_strength);
+  const auto qualities = state.cell<float>(slot, k_radio_quality);
+  const auto lengths = state.cell<std::uint8_t>(slot, k_radio_length);
+  const auto payloads = state.cell<std::uint8_t>(slot, k_radio_payload);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const Link& link = links_[keys_[i].link];
+    const double budget = link.radio->power - radio_->sensitivity;
+    double quality = budget > 0 ? 1 - link.loss / budget : 0;
+    if (!radio_->has_law)
+      quality = std::min(quality, 1 - link.range / std::min(radio_->hears, link.radio->range));
+    senders[i] = link.body.value;
+    ranges[i] = static_cast<float>(link.range);
+    const Vec2 way = link.there - here_;
+    bearings[i] =
+        link.range > 0 ? static_cast<float>(wrap_angle(atan2(way.y(), way.x()) - heading_) + 0.0) : 0;
+    strengths[i] = static_cast<float>(link.radio->power - link.loss + 0.0);
+    qualities[i] = static_cast<float>(std::max(quality, 0.0));
+    lengths[i] = static_cast<std::uint8_t>(link.length());
+    const auto payload = payloads.subspan(i * radio_->payload, radio_->payload);
+    std::memcpy(payload.data(), link.command + k_radio_said, link.length());
+    std::memset(payload.data() + link.length(), 0, radio_->payload - link.length());
+  }
+  if (before <= keys_.size()) return;
+  // Behind those of the last time all entries are 0.
+  const auto clear = [&](auto entries) {
+    std::ranges::fill(entries.subspan(keys_.size(), before - keys_.size()), 0);
+  };
+  clear(senders);
+  clear(ranges);
+  clear(bearings);
+  clear(strengths);
+  clear(qualities);
+  clear(lengths);
+  std::ranges::fill(
+      payloads.subspan(keys_.size() * radio_->payload, (before - keys_.size()) * radio_->payload), 0);
+}
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  thread_local const auto listener = std::make_unique<Listener>();
+  const std::uint64_t before = listener->lines();
+  listener->begin(batch);
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) listener->listen(i);
+  return listener->lines() - before;
+}
+
+const FieldTable& radio_fields() {
+  constexpr double k_farthest = 10000;  // m
+  static const FieldTable table{{
+      {.name = "range",
+       .unit = Unit::meters,
+       .fallback = 5.0,
+       .min = 0,
+       .max = k_farthest,
+       .text = "how far it is heard, whatever the law",
+       .above_min = true},
+      {.name = "hears",
+       .unit = Unit::meters,
+       .fallback = 0.0,
+       .min = 0,
+       .max = k_farthest,
+       .text = "how far it hears; 0: as far as `range`"},
+      {.name = "channel",
+       .type = FieldType::text,
+       .fallback = std::string(),
+       .text = "radios hear those of their own channel"},
+      {.name = "payload",
+       .type = FieldType::integer,
+       .fallback = 8,
+       .min = 1,
+       .max = 255,
+       .text = "bytes of a message, at most"},
+      {.name = "most_heard",
+       .type = FieldType::integer,
+       .fallback = 16,
+       .min = 1,
+       .max = 1000,
+       .text = "messages a tick: of more the nearest are heard, the others are counted as lost"},
+      {.name = "drop_rate",
+       .fallback = 0.0,
+       .min = 0,
+       .max = 1,
+       .text = "the share of messages to it that get lost by chance"},
+      {.name = "walls",
+       .type = FieldType::text,
+       .fallback = std::string("block"),
+       .text = "what becomes of messages on whose way something stands that never moves and that rangers see",
+       .choices = {"block", "weaken", "pass"}},
+      {.name = "bodies",
+       .type = FieldType::text,
+       .fallback = std::string("pass"),
+       .text = "the same of other bodies",
+       .choices = {"block", "pass"}},
+      {.name = "law",
+       .type = FieldType::text,
+       .fallback = std::string("disc"),
+       .text = "how messages weaken with the distance, see docs/radio.md; `disc`: not at all",
+       .choices = {"disc", "friis", "itu_indoor", "log_distance"}},
+      {.name = "power_dBm", .fallback = 20.0, .min = -200, .max = 200, .text = "with which it sends"},
+      {.name = "sensitivity_dBm",
+       .fallback = -80.0,
+       .min = -200,
+       .max = 200,
+       .text = "it hears nothing weaker than this"},
+      {.name = "frequency_GHz",
+       .fallback = 2.4,
+       .min = 0.001,
+       .max = 1000,
+       .text = "of friis and the others"},
+      {.name = "power_loss_coefficient",
+       .fallback = 30.0,
+       .min = 0,
+       .max = 100,
+       .text = "of `itu_indoor`: N, dB for ten times the distance"},
+      {.name = "path_loss_exponent",
+       .fallback = 4.0,
+       .min = 0,
+       .max = 10,
+       .text = "of `log_distance`: n, 2 in free space"},
+      {.name = "wall_loss_dB",
+       .fallback = 10.0,
+       .min = 0,
+       .max = 1000,
+       .text = "for each wall on the way, where walls weaken"},
+      {.name = "beacon",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "says an empty message in each tick until a controller has it say another"},
+  }};
+  return table;
+}
+
+DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_radio) {
+  const FieldTable& table = radio_fields();
+  const auto of = [&](std::string_view name) -> const engine::Value& { return get(table, params, name); };
+  Radio radio{.pose_body_radio = pose_body_radio,
+              .range = of("range").number(),
+              .hears = of("hears").number(),
+              .channel = of("channel").text(),
+              .payload = static_cast<std::size_t>(of("payload").integer()),
+              .most_heard = static_cast<std::size_t>(of("most_heard").integer()),
+              .drop_rate = of("drop_rate").number(),
+              .walls = of("walls").text() == "block"    ? Walls::block
+                       : of("walls").text() == "weaken" ? Walls::weaken
+                                                        : Walls::pass,
+              .bodies_block = of("bodies").text() == "block",
+              .wall_loss = of("wall_loss_dB").number(),
+              .power = of("power_dBm").number(),
+              .sensitivity = of("sensitivity_dBm").number(),
+              .beacon = of("beacon").boolean()};
+  if (radio.hears == 0) radio.hears = radio.range;
+  constexpr double k_light = 299792458;  // m/s
+  const double decade = 1 / log(10.0);   // of one e-fold
+  const double hertz = of("frequency_GHz").number() * 1e9;
+  const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
+  const std::string& law = of("law").text();
+  radio.has_law = law != "disc";
+  if (law == "friis") {
+    radio.loss_at_1m = free_space;
+    radio.loss_a_fold = decade * 20;
+  } else if (law == "itu_indoor") {
+    radio.loss_at_1m = 20 * decade * log(hertz / 1e6) - 28;
+    radio.loss_a_fold = decade * of("power_loss_coefficient").number();
+  } else if (law == "log_distance") {
+    radio.loss_at_1m = free_space;
+    radio.loss_a_fold = decade * 10 * of("path_loss_exponent").number();
+  }
+  const auto n = static_cast<std::uint32_t>(radio.most_heard);
+  const auto bytes = static_cast<std::uint32_t>(radio.payload);
+  // Cells are chosen for sensors that look at much within their reach: one that hears far must not make them
+  // coarse for rangers that see little.
+  constexpr double k_most_reach = 4;
+  return {.data = radio,
+          .percepts = {{"count", Element::u32, 1, "", "messages heard"},
+                       {"lost", Element::u32, 1, "", "that arrived beside them: too many, or too long"},
+                       {"dropped", Element::u32, 1, "", "that got lost by chance"},
+                       {"sender", Element::u32, n, "", "id of the body that said each"},
+                       {"range", Element::f32, n, "m", "to the radio that said each, on the ground"},
+                       {"bearing", Element::f32, n, "rad", "of the radio that said each, frame of this one"},
+                       {"strength", Element::f32, n, "dBm", "of each"},
+                       {"quality", Element::f32, n, "", "of each link: 0 at its limit, 1 at no distance"},
+                       {"length", Element::u8, n, "", "bytes of each"},
+                       {"payload", Element::u8, n * bytes, "", "bytes of each, one message after another"}},
+          .commands = {{"mode", Element::u8, 1, "", "1: it says the payload, 2: it is silent", k_radio_mode},
+                       {"length", Element::u8, 1, "", "bytes of what it says", k_radio_bytes},
+                       {"payload", Element::u8, bytes, "", "what it says", k_radio_said}},
+          .command_bytes = k_radio_said + bytes,
+          .reach_m = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach)};
+}
+
+/// Radios are found by the circles of their bodies.
+std::string mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
+  const Radio& radio = *std::any_cast<Radio>(&data);
+  if (!(radio.sensitivity < radio.power))
+    return fmt::format(
+        "hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
+        "its power, {:g} dBm",
+        radio.sensitivity, radio.power);
+  double radius2 = 0;
+  for (const engine::PartSpec& part : type.parts)
+    for (const Solid& solid : part.solids)
+      for (const Ring& ring : solid.contours)
+        for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
+  const Vec2 place = radio.pose_body_radio.position();
+  if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
+  return fmt::format(
+      "stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
+      "there",
+      place.norm(), sqrt(radius2));
+}
+
+}  // namespace
+
+DeviceKind radio_kind() {
+  DeviceKind kind{.name = "radio",
+                  .text = "says something to others in range, and hears what they say, from where"};
+  kind.params = radio_fields();
+  kind.prepare = prepare;
+  kind.mount = mount;
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::models

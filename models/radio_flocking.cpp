@@ -1,0 +1,112 @@
+#include "models/radio_flocking.hpp"
+
+#include "base/geometry.hpp"
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/device_choice.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_push = 3;  // of a wall that is touched, in units of the heading
+
+const FieldTable& flocking_fields() {
+  static const FieldTable table{{
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.2, .min = 0, .text = "straight ahead"},
+      {.name = "distance",
+       .unit = Unit::meters,
+       .fallback = 0.6,
+       .min = 0,
+       .text = "that it keeps from others",
+       .above_min = true},
+      {.name = "spacing_weight", .fallback = 1.0, .min = 0, .text = "of that, against the others' headings"},
+      {.name = "gain",
+       .unit = Unit::per_second,
+       .fallback = 1.0,
+       .min = 0,
+       .text = "turn rate for each radian that it is to turn"},
+      {.name = "clearance",
+       .unit = Unit::meters,
+       .fallback = 0.8,
+       .min = 0,
+       .text = "walls and others that its scanner sees nearer than this push it away"},
+  }};
+  return table;
+}
+
+struct RadioFlocking {
+  double speed, distance, spacing_weight, gain, clearance;
+  std::vector<SinCos> beams;
+
+  static RadioFlocking make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number(), {}};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
+      return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
+    });
+    if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
+    if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
+      for (const double bearing : devices[choice.chosen().back()].prepared.bearings)
+        beams.push_back(sincos(bearing));
+    return choice.chosen();
+  }
+
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[0], actions.devices[0]);
+    const double own = percept.estimate.heading;
+    Vec2 headings(1, 0);
+    Vec2 spacing(0, 0);
+    std::size_t heard = 0;
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message message = radio[i];
+      float heading = 0;
+      if (!message.read(heading)) continue;
+      ++heard;
+      const SinCos theirs = sincos(heading - own);
+      headings += Vec2(theirs.cos, theirs.sin);
+      const SinCos way = sincos(message.bearing);
+      spacing += std::clamp((message.range - distance) / distance, -1.0, 1.0) * Vec2(way.cos, way.sin);
+    }
+    Vec2 aim = headings.squaredNorm() > 0 ? Vec2(headings / headings.norm()) : Vec2(1, 0);
+    if (heard > 0) aim += spacing_weight / static_cast<double>(heard) * spacing;
+    aim += push(percept);
+    const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
+    actions.command = {speed * std::max(0.0, cos(angle)), 0, gain * angle};
+    radio.say(static_cast<float>(own));
+  }
+
+  /// Away from what is near: the mean over the beams that see something nearer than the clearance.
+  Vec2 push(const engine::Percept& percept) const {
+    Vec2 sum(0, 0);
+    std::size_t count = 0;
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+      const double range = percept.ranges(1)[b];
+      if (!(range < clearance)) continue;
+      sum -= (1 - range / clearance) * Vec2(beams[b].cos, beams[b].sin);
+      ++count;
+    }
+    return count > 0 ? Vec2(k_push / static_cast<double>(count) * sum) : sum;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind radio_flocking_controller() {
+  return engine::make_controller_kind<RadioFlocking>(
+      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart",
+      flocking_fields());
+}
+
+}  // namespace troupe::models

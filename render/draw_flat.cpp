@@ -1,0 +1,135 @@
+#include "base/assert.hpp"
+#include "render/scene_layers.hpp"
+#include "render/solid_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+
+namespace troupe::render {
+namespace {
+
+using engine::Frame;
+using engine::FrameBody;
+using engine::FrameScene;
+using engine::FrameType;
+
+/// Robots narrower than this, strokes, are dots: nobody could see more of them, and a hundred thousand of
+/// them take their time.
+constexpr double k_smallest_shaped = 5;
+
+/// How much the bodies of each type are enlarged to be seen.
+std::vector<double> enlargements(const FrameScene& scene, const Framing& framing, double smallest) {
+  std::vector<double> scales;
+  for (const FrameType& type : scene.types) {
+    const double across = 2 * type.radius * framing.pixels_per_metre;
+    scales.push_back(across > 0 && across < smallest ? smallest / across : 1.0);
+  }
+  return scales;
+}
+
+/// Bodies by type, without those that lie outside the picture, and those of types that are left out (1; an
+/// empty list: none is). `colors` may be empty: the bodies' own.
+std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
+                                                     const std::vector<FrameBody>& bodies,
+                                                     std::span<const std::uint8_t> left_out,
+                                                     std::span<const Rgba> colors, const Framing& framing,
+                                                     double smallest, bool shows_stalls) {
+  const std::vector<double> scales = enlargements(scene, framing, smallest);
+  const Box world = framing.world();
+  std::vector<std::vector<Instance>> instances(scene.types.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const FrameBody& body = bodies[i];
+    TROUPE_ASSERT(body.type < scene.types.size());
+    if (!left_out.empty() && left_out[body.type] != 0) continue;
+    const double scale = scales[body.type];
+    const Vec2 position = body.pose_world_body.position();
+    const double reach =
+        scene.types[body.type].radius * scale + 2 * framing.stroke / framing.pixels_per_metre;
+    if (!Box::around(position, reach).touches(world)) continue;
+    const Vec2 place = framing.to_pixels(position);
+    const SinCos heading = sincos(body.pose_world_body.heading);
+    const Rgba color = colors.empty() ? to_rgba(body.color) : colors[i];
+    instances[body.type].push_back(
+        {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(heading.cos),
+         static_cast<float>(heading.sin), static_cast<float>(body.pose_world_body.z),
+         static_cast<float>(scale * framing.pixels_per_metre), color,
+         shows_stalls && body.stalled ? k_stalled_edge : darker(color), contrasting(color)});
+  }
+  return instances;
+}
+
+}  // namespace
+
+Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
+
+// With a shadow on the floor that lifts it off the paper.
+void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
+                    const Layers& shown) {
+  const FrameScene& scene = meshes.scene;
+  const auto by_type = instances_by_type(scene, scene.fixed, {}, {}, framing, 0, false);
+  std::vector<Layer> shadows;
+  std::vector<Layer> bodies;
+  for (std::size_t type = 0; type < by_type.size(); ++type) {
+    if (by_type[type].empty()) continue;
+    const MeshStyle style{static_cast<float>(framing.stroke), false};
+    bodies.push_back(
+        {body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type], bodies.empty()});
+    if (!shown.shadows) continue;
+    shadows.push_back({silhouette(bodies.back().mesh), by_type[type], shadows.empty()});
+    for (Instance& instance : shadows.back().instances) {
+      instance.x += static_cast<float>(2 * framing.stroke);
+      instance.y -= static_cast<float>(2 * framing.stroke);
+      instance.body = k_shadow;
+    }
+  }
+  std::ranges::move(shadows, std::back_inserter(layers));
+  std::ranges::move(bodies, std::back_inserter(layers));
+}
+
+void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
+                     std::span<const Rgba> colors, const Framing& framing, const Layers& shown) {
+  const FrameScene& scene = meshes.scene;
+  std::vector<double> across;  // of each type, strokes
+  for (const FrameType& type : scene.types)
+    across.push_back(2 * type.radius * framing.pixels_per_metre / framing.stroke);
+  // Robots lie on top of the floor plan at any height: a map that hides its robots is of no use.
+  bool first = true;
+  std::vector<std::uint8_t> is_dot;
+  std::vector<double> tops;
+  for (std::size_t type = 0; type < scene.types.size(); ++type) {
+    is_dot.push_back(across[type] < k_smallest_shaped && !scene.types[type].shapes.empty());
+    tops.push_back(heights_of(scene.types[type]).max);
+  }
+  PointLayer dots{.size = static_cast<float>(k_smallest_robot * framing.stroke), .on_map = true};
+  for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
+    const FrameBody& body = frame.mobile[i];
+    if (is_dot[body.type] == 0) continue;
+    const Vec2 place = framing.to_pixels(body.pose_world_body.position());
+    if (std::abs(place.x()) > framing.width || std::abs(place.y()) > framing.height) continue;
+    dots.points.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
+                           static_cast<float>(body.pose_world_body.z + tops[body.type]),
+                           colors.empty() ? to_rgba(body.color) : colors[i]});
+  }
+  if (!dots.points.empty()) {
+    dots.on_top = std::exchange(first, false);
+    layers.emplace_back(std::move(dots));
+  }
+
+  const auto by_type = instances_by_type(scene, frame.mobile, is_dot, colors, framing,
+                                         k_smallest_robot * framing.stroke, shown.stalls);
+  for (std::size_t type = 0; type < by_type.size(); ++type) {
+    if (by_type[type].empty()) continue;
+    MeshStyle style;
+    if (across[type] >= k_smallest_outlined)
+      style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across[type], 0.8, 1.6));
+    style.mark = shown.headings && scene.types[type].mobile && across[type] >= k_smallest_marked;
+    layers.push_back(Layer{body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type],
+                           std::exchange(first, false)});
+  }
+}
+
+}  // namespace troupe::render

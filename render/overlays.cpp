@@ -1,0 +1,375 @@
+#include "render/overlays.hpp"
+
+#include "render/lettering.hpp"
+#include "render/map_furniture.hpp"
+#include "render/solid_mesh.hpp"
+#include "render/value_colors.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace troupe::render {
+namespace {
+
+using engine::Frame;
+using engine::FrameBody;
+using engine::FrameScan;
+using engine::FrameScene;
+using engine::FrameTie;
+using engine::FrameTransducer;
+
+constexpr Rgba k_grid_line = {233, 227, 214, 255};
+constexpr Rgba k_sight = {196, 30, 110, 200};
+constexpr Rgba k_covered = {122, 168, 140, 255};
+constexpr Rgba k_link = {60, 56, 50, 220};
+constexpr Rgba k_free_beam = {52, 140, 70, 255};
+constexpr Rgba k_broken_beam = {206, 48, 40, 255};
+constexpr Rgba k_cell_line = {120, 112, 98, 150};
+constexpr double k_scan_opacity = 46;  // of up to k_few_scans; of more less, so that what lies below shows
+constexpr double k_few_scans = 20;
+constexpr double k_least_opacity = 5;
+constexpr std::uint8_t k_beam_opacity = 110;
+constexpr std::uint8_t k_heat_opacity = 150;
+constexpr std::uint8_t k_blob_opacity = 90;
+// Of squares where somebody was long ago, and of those where somebody is.
+constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
+
+constexpr double k_grid_strokes = 48;      // between two lines, at least
+constexpr double k_most_grid_lines = 120;  // each way
+constexpr double k_density_strokes = 36;   // edge of a square, at least
+constexpr std::size_t k_fan_steps = 8;     // of a single beam that has a width
+
+/// Meshes of an overlay are in metres from the projection's origin.
+SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
+  return {std::move(mesh), {{0, 0, 0, 1, 1, 0, {}, {}, {}}}, depth};
+}
+
+Rgba with_opacity(Rgba color, std::uint8_t opacity) { return {color[0], color[1], color[2], opacity}; }
+
+Rgba color_of(const Frame& frame, std::span<const Rgba> colors, std::size_t body) {
+  return colors.empty() ? to_rgba(frame.mobile[body].color) : colors[body];
+}
+
+std::uint8_t scan_opacity(const Frame& frame) {
+  const double crowd = std::max(1.0, static_cast<double>(frame.scans.size()) / k_few_scans);
+  return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
+}
+
+/// Where reading `i` of a transducer ends, from the projection's origin.
+Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std::size_t i, double range,
+                 const Vec3& origin) {
+  const double bearing = transducer.samples > 1
+                             ? -transducer.fov / 2 + static_cast<double>(i) * transducer.fov /
+                                                         static_cast<double>(transducer.samples - 1)
+                             : 0;
+  const Vec2 way = Rotation(pose_world.heading + bearing) * Vec2(range, 0);
+  return Vec3(pose_world.x + way.x(), pose_world.y + way.y(), pose_world.z) - origin;
+}
+
+/// A single beam that has a width is the slice of a circle.
+void add_slice(SolidMesh& mesh, const Pose& pose_world, double fov, double range, const Vec3& origin,
+               Rgba color) {
+  const Vec3 middle = Vec3(pose_world.x, pose_world.y, pose_world.z) - origin;
+  const FrameTransducer fan{.fov = fov, .samples = k_fan_steps + 1};
+  for (std::size_t i = 0; i < k_fan_steps; ++i)
+    add_plain(mesh, middle, end_of_beam(pose_world, fan, i, range, origin),
+              end_of_beam(pose_world, fan, i + 1, range, origin), color);
+}
+
+void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const Frame& frame,
+              const FrameScan& scan, const Projection& projection, Rgba color, const Layers& shown) {
+  const Vec3& origin = projection.origin();
+  const Rgba fill = with_opacity(color, scan_opacity(frame));
+  const Pose pose_world_mount = compose(frame.mobile[scan.body].pose_world_body, scan.moved);
+  for (const FrameTransducer& transducer : scene.rangers[scan.ranger].transducers) {
+    const Pose pose = compose(pose_world_mount, transducer.pose_body);
+    const Vec3 from = Vec3(pose.x, pose.y, pose.z) - origin;
+    const float* const ranges = frame.ranges.data() + scan.first + transducer.first;
+    if (shown.scans && transducer.samples == 1)
+      add_slice(fills, pose, transducer.fov, ranges[0], origin, fill);
+    for (std::size_t i = 0; i < transducer.samples; ++i) {
+      const Vec3 end = end_of_beam(pose, transducer, i, ranges[i], origin);
+      if (shown.scans && i > 0)
+        add_plain(fills, from, end_of_beam(pose, transducer, i - 1, ranges[i - 1], origin), end, fill);
+      if (shown.beams)
+        add_stroke(lines, from, end, 0.8 * projection.stroke(), Paint::own,
+                   with_opacity(color, k_beam_opacity));
+    }
+  }
+}
+
+/// How many robots there are in each square of the floor, by the square's place in a grid of this pitch.
+std::map<std::pair<std::int64_t, std::int64_t>, int> count_in_squares(const FrameScene& scene,
+                                                                      const Frame& frame, double pitch) {
+  std::map<std::pair<std::int64_t, std::int64_t>, int> counts;
+  for (const FrameBody& body : frame.mobile) {
+    if (!scene.types[body.type].mobile) continue;
+    const double x = std::floor(body.pose_world_body.x / pitch);
+    const double y = std::floor(body.pose_world_body.y / pitch);
+    if (std::abs(x) > 1e15 || std::abs(y) > 1e15) continue;
+    ++counts[{static_cast<std::int64_t>(x), static_cast<std::int64_t>(y)}];
+  }
+  return counts;
+}
+
+void add_square(SolidMesh& mesh, const Vec3& corner, double edge, Rgba color) {
+  const Vec3 across = corner + Vec3(edge, edge, 0);
+  add_plain(mesh, corner, corner + Vec3(edge, 0, 0), across, color);
+  add_plain(mesh, corner, across, corner + Vec3(0, edge, 0), color);
+}
+
+/// Squares on which robots have been: the longer ago, the paler.
+SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
+  SolidMesh mesh;
+  for (const engine::FrameSquare& square : frame.covered) {
+    const double opacity = k_stale_opacity + square.freshness * (k_fresh_opacity - k_stale_opacity);
+    add_square(mesh, Vec3(square.x * frame.covered_m, square.y * frame.covered_m, 0) - projection.origin(),
+               frame.covered_m, with_opacity(k_covered, static_cast<std::uint8_t>(opacity)));
+  }
+  return in_world(std::move(mesh), SolidLayer::Depth::floor);
+}
+
+/// Squares with robots: filled by how many there are, or outlined.
+SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection& projection, double pitch,
+                   bool filled) {
+  SolidMesh mesh;
+  const auto counts = count_in_squares(scene, frame, pitch);
+  int most = 1;
+  for (const auto& [square, count] : counts) most = std::max(most, count);
+  for (const auto& [square, count] : counts) {
+    const Vec3 a =
+        Vec3(static_cast<double>(square.first) * pitch, static_cast<double>(square.second) * pitch, 0) -
+        projection.origin();
+    if (filled) {
+      add_square(mesh, a, pitch,
+                 with_opacity(value_color(most > 1 ? (count - 1.0) / (most - 1.0) : 0.5), k_heat_opacity));
+    } else {
+      const std::array<Vec3, 4> corners = {a, a + Vec3(pitch, 0, 0), a + Vec3(pitch, pitch, 0),
+                                           a + Vec3(0, pitch, 0)};
+      for (std::size_t i = 0; i < 4; ++i)
+        add_stroke(mesh, corners[i], corners[(i + 1) % 4], projection.stroke(), Paint::own, k_cell_line);
+    }
+  }
+  return in_world(std::move(mesh), SolidLayer::Depth::floor);
+}
+
+/// The outlines of a body's shapes on the floor.
+void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& body,
+                   const Projection& projection, Rgba color) {
+  const Transform place(body.pose_world_body);
+  for (const engine::FrameShape& shape : scene.types[body.type].shapes) {
+    for (const Ring& ring : shape.solid.contours) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vec2 a = place * ring[i];
+        const Vec2 b = place * ring[(i + 1) % ring.size()];
+        add_stroke(mesh, Vec3(a.x(), a.y(), 0) - projection.origin(),
+                   Vec3(b.x(), b.y(), 0) - projection.origin(), projection.stroke(), Paint::own, color);
+      }
+    }
+  }
+}
+
+/// The older, the paler.
+void add_trail(SolidMesh& mesh, const engine::FrameTrail& trail, const Projection& projection, Rgba color) {
+  const std::size_t n = trail.points.size();
+  for (std::size_t i = 1; i < n; ++i) {
+    const double age = static_cast<double>(n - 1 - i) / static_cast<double>(n);
+    add_stroke(mesh, trail.points[i - 1] - projection.origin(), trail.points[i] - projection.origin(),
+               1.4 * projection.stroke(), Paint::own,
+               with_opacity(color, static_cast<std::uint8_t>(200 - 170 * age)));
+  }
+}
+
+void add_names(Lines& lines, const FrameScene& scene, const Frame& frame, const Projection& projection) {
+  const double unit = 0.75 * projection.stroke() * k_cap_height / 6;
+  const Vec2 half = Vec2(projection.width(), projection.height()) / 2;
+  for (std::size_t i = 0; i < frame.names.size(); ++i) {
+    const FrameBody& body = frame.mobile[i];
+    const ZInterval z = heights_of(scene.types[body.type]);
+    const Vec3 top(body.pose_world_body.x, body.pose_world_body.y, body.pose_world_body.z + z.max);
+    const auto place = projection.to_pixels(top);
+    if (!place || (place->cwiseAbs().array() > half.array()).any()) continue;
+    const double radius = scene.types[body.type].radius * projection.pixels_per_metre(top);
+    add_text(lines, frame.names[i], *place + Vec2(radius + 2 * unit, -3 * unit), unit);
+  }
+}
+
+/// A bar above each body that has a power pack: green, and red where little is left.
+void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const Projection& projection) {
+  constexpr double k_least_width = 10, k_height = 3;  // strokes
+  constexpr double k_little = 0.2;
+  constexpr Rgba k_rim = {60, 56, 50, 255}, k_none = {235, 232, 225, 255};
+  constexpr Rgba k_full = {52, 140, 70, 255}, k_low = {206, 48, 40, 255};
+  const double stroke = projection.stroke();
+  for (std::size_t i = 0; i < frame.charges.size(); ++i) {
+    if (std::isnan(frame.charges[i])) continue;
+    const FrameBody& body = frame.mobile[i];
+    const double radius = scene.types[body.type].radius;
+    const Vec3 top(body.pose_world_body.x, body.pose_world_body.y,
+                   body.pose_world_body.z + heights_of(scene.types[body.type]).max);
+    const auto place = projection.to_pixels(top);
+    if (!place) continue;
+    const double half = std::max(k_least_width * stroke / 2, radius * projection.pixels_per_metre(top));
+    const double bottom = place->y() + radius * projection.pixels_per_metre(top) + 3 * stroke;
+    const double share = std::clamp(frame.charges[i], 0.0, 1.0);
+    const Vec2 low(place->x() - half, bottom);
+    const Vec2 high(place->x() + half, bottom + k_height * stroke);
+    add_rectangle(mesh, low - Vec2(stroke, stroke), high + Vec2(stroke, stroke), k_rim);
+    add_rectangle(mesh, low, high, k_none);
+    add_rectangle(mesh, low, {low.x() + 2 * half * share, high.y()}, share < k_little ? k_low : k_full);
+  }
+}
+
+std::string number_text(double value) { return fmt::format("{:.4g}", value); }
+
+/// A bar of the colours with the values at its ends, in the upper left corner.
+void add_legend(Mesh& mesh, Lines& lines, const Frame& frame, const Framing& framing,
+                const std::pair<double, double>& range) {
+  constexpr double k_width = 160, k_height = 10, k_margin = 14;  // strokes
+  constexpr int k_steps = 40;
+  const double stroke = framing.stroke;
+  const double unit = stroke * k_cap_height / 6;
+  const Vec2 corner(k_margin * stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * stroke);
+  const double top = corner.y() - 10 * unit;
+  const double bottom = top - k_height * stroke;
+  for (int i = 0; i < k_steps; ++i) {
+    const double left = corner.x() + k_width * stroke * i / k_steps;
+    const double right = corner.x() + k_width * stroke * (i + 1) / k_steps;
+    add_rectangle(mesh, {left, bottom}, {right, top}, value_color((i + 0.5) / k_steps));
+  }
+  add_text(lines, frame.value_name, {corner.x(), corner.y() - 6 * unit}, unit);
+  const double below = bottom - 9 * unit;
+  const std::string high = number_text(range.second);
+  add_text(lines, number_text(range.first), {corner.x(), below}, unit);
+  add_text(lines, high, {corner.x() + k_width * stroke - text_width(high, unit), below}, unit);
+}
+
+}  // namespace
+
+double grid_pitch(const Projection& projection) {
+  const double scale = projection.pixels_per_metre(projection.floor_center());
+  const double at_least = scale > 0 ? k_grid_strokes * projection.stroke() / scale : 1;
+  return RoundLength::at_most(2.5 * at_least).metres;
+}
+
+SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, double pitch) {
+  SolidMesh mesh;
+  const Vec3& origin = projection.origin();
+  const Vec2 middle(origin.x(), origin.y());
+  Box shown = scene.bounds.empty() ? Box::around(middle, 5) : scene.bounds;
+  const Box near = Box::around(middle, 0.5 * k_most_grid_lines * pitch);
+  shown = {shown.min.cwiseMax(near.min), shown.max.cwiseMin(near.max)};
+  if (shown.empty()) shown = Box::around(middle, 5 * pitch);
+  const Vec2 first = pitch * (shown.min / pitch).array().floor().matrix();
+  const Vec2 last = pitch * (shown.max / pitch).array().ceil().matrix();
+  for (const int axis : {0, 1}) {
+    const int count = static_cast<int>(std::lround((last[axis] - first[axis]) / pitch)) + 1;
+    for (int i = 0; i < count; ++i) {
+      Vec2 a = first;
+      Vec2 b = last;
+      a[axis] = b[axis] = first[axis] + i * pitch;
+      add_stroke(mesh, Vec3(a.x(), a.y(), 0) - origin, Vec3(b.x(), b.y(), 0) - origin, projection.stroke(),
+                 Paint::own, k_grid_line);
+    }
+  }
+  return in_world(std::move(mesh), SolidLayer::Depth::floor);
+}
+
+void add_on_floor(std::vector<AnyLayer>& layers, const FrameScene& scene, const Frame& frame,
+                  std::span<const Rgba> colors, const Projection& projection, const Layers& shown) {
+  if (shown.coverage && !frame.covered.empty()) layers.emplace_back(covered_squares(frame, projection));
+  if (shown.density) {
+    const double scale = projection.pixels_per_metre(projection.floor_center());
+    const double at_least = scale > 0 ? k_density_strokes * projection.stroke() / scale : 1;
+    layers.emplace_back(squares(scene, frame, projection, RoundLength::at_most(2.5 * at_least).metres, true));
+  }
+  if (shown.tiles && scene.tile_m > 0)
+    layers.emplace_back(squares(scene, frame, projection, scene.tile_m, true));
+  if (shown.cells && scene.cell_m > 0)
+    layers.emplace_back(squares(scene, frame, projection, scene.cell_m, false));
+  SolidMesh lines;
+  if (shown.footprints) {
+    for (std::size_t i = 0; i < frame.mobile.size(); ++i)
+      add_footprint(lines, scene, frame.mobile[i], projection, darker(color_of(frame, colors, i)));
+  }
+  if (shown.trails) {
+    for (const engine::FrameTrail& trail : frame.trails)
+      add_trail(lines, trail, projection, color_of(frame, colors, trail.body));
+  }
+  if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), SolidLayer::Depth::floor));
+}
+
+void add_in_air(std::vector<AnyLayer>& layers, const FrameScene& scene, const Frame& frame,
+                std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
+                SolidLayer::Depth depth) {
+  SolidMesh fills;
+  SolidMesh lines;
+  if (shown.scans || shown.beams) {
+    for (const FrameScan& scan : frame.scans)
+      add_scan(fills, lines, scene, frame, scan, projection, color_of(frame, colors, scan.body), shown);
+  }
+  if (shown.sights) {
+    for (const engine::FrameSight& sight : frame.sights)
+      add_stroke(lines, sight.from - projection.origin(), sight.to - projection.origin(),
+                 1.2 * projection.stroke(), Paint::own, k_sight);
+  }
+  if (shown.blobs) {
+    for (const engine::FrameBlob& blob : frame.blobs) {
+      const Rgba color = to_rgba(blob.color);
+      const Vec3 from = blob.from - projection.origin();
+      const Vec3 right = blob.right - projection.origin();
+      const Vec3 left = blob.left - projection.origin();
+      add_plain(fills, from, right, left, with_opacity(color, k_blob_opacity));
+      add_stroke(lines, right, left, 2.5 * projection.stroke(), Paint::own, color);
+    }
+  }
+  if (!fills.empty()) layers.emplace_back(in_world(std::move(fills), depth));
+  if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), depth));
+}
+
+void add_ties(std::vector<AnyLayer>& layers, const Frame& frame, const Projection& projection,
+              const Layers& shown) {
+  SolidMesh lines;
+  const auto add = [&](const std::vector<FrameTie>& ties) {
+    for (const FrameTie& tie : ties) {
+      const bool is_light = tie.kind == FrameTie::Kind::beam || tie.kind == FrameTie::Kind::broken_beam;
+      const Rgba color = !is_light ? k_link : tie.kind == FrameTie::Kind::beam ? k_free_beam : k_broken_beam;
+      add_stroke(lines, tie.from - projection.origin(), tie.to - projection.origin(),
+                 (is_light ? 1.6 : 2.4) * projection.stroke(), Paint::own, color);
+    }
+  };
+  if (shown.links) add(frame.links);
+  if (shown.grips) add(frame.grips);
+  if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), SolidLayer::Depth::floor));
+}
+
+Mesh written(const FrameScene& scene, const Frame& frame, const Projection& projection,
+             const Framing& framing, const View& view) {
+  const bool from_above = !view.camera.perspective && view.camera.pitch == 0 && view.camera.yaw == 0;
+  Furniture shown;
+  shown.scale = view.layers.scale && from_above;
+  if (view.layers.scale && view.layers.grid && !from_above)
+    shown.left = fmt::format("grid {}", RoundLength::at_most(1.0001 * grid_pitch(projection)).text());
+  if (view.layers.clock)
+    shown.right = clock_text(frame.time_s, view.layers.speed ? frame.times_real_time : 0);
+  Mesh mesh;
+  Lines lines;
+  if (view.layers.energy) add_charges(mesh, scene, frame, projection);
+  if (view.layers.names) add_names(lines, scene, frame, projection);
+  if (view.layers.legend && !frame.values.empty() && framing.has_furniture())
+    add_legend(mesh, lines, frame, framing, view.values.value_or(range_of(frame.values)));
+  add_written(mesh, lines, framing.stroke);
+  const Mesh along_the_edge = furniture(framing, shown);
+  mesh.insert(mesh.end(), along_the_edge.begin(), along_the_edge.end());
+  return mesh;
+}
+
+}  // namespace troupe::render

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "render/mesh.hpp"
+
+#include <Eigen/Core>
+
+namespace troupe::render {
+
+struct SolidStyle {
+  float edge = 0;          ///< width of the lines along edges, pixels; 0: none
+  bool mark = false;       ///< a triangle that points forward, at the front
+  double least_side = 0;   ///< m: corners between shorter sides have no line, as those of a bitmap's steps
+  double least_edged = 0;  ///< m: narrower shapes have no lines
+};
+
+/// The shapes of a type as prisms, without their undersides, in its body frame, metres.
+SolidMesh prism_mesh(const engine::FrameType& type, const Pieces& pieces, const SolidStyle& style);
+/// A box around all shapes of a type, in the body's colour: for bodies of a few pixels.
+SolidMesh box_mesh(const engine::FrameType& type);
+/// The faces alone, all in the edges' colour: what throws a shadow.
+SolidMesh shadow_mesh(const SolidMesh& mesh);
+
+/// The heights that the shapes of a type take up, body frame, m.
+ZInterval heights_of(const engine::FrameType& type);
+
+/// A line of this width in pixels.
+void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
+                Paint paint, Rgba own = {});
+/// A triangle that is not lit.
+void add_plain(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+               Rgba own);
+
+}  // namespace troupe::render

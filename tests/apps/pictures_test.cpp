@@ -1,0 +1,155 @@
+#include "tests/apps/program.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Writes what it is given behind what it was called with, and ends as it is told.
+constexpr const char* k_fake_ffmpeg = R"(#!/bin/sh
+for last; do :; done
+echo "$@" > "$last"
+cat >> "$last"
+exit ${FAKE_FFMPEG_CODE:-0}
+)";
+
+class RunPictures : public ProgramTest {
+ protected:
+  void SetUp() override {
+    write("room.world",
+          std::string(k_room) + "\nbot( name \"scout\" pose [3 3 0 0] )\nwindow( size [80 60] scale 8 )\n");
+    std::filesystem::create_directory(path("bin"));
+    const Outcome outcome = run({"--snapshot", "try.png"});
+    if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;
+    std::filesystem::remove(path("try.png"));
+  }
+  void TearDown() override {
+    for (const char* name : {"FAKE_FFMPEG_CODE"}) unsetenv(name);
+    if (!old_path_.empty()) setenv("PATH", old_path_.c_str(), 1);
+  }
+  Outcome run(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"run", "room.world", "--for", "0.5", "--quiet", "--size", "64x48"});
+    return troupe(options);
+  }
+  /// From here on programs are looked for in the test's own folder first, or there alone.
+  void set_path(bool alone) {
+    if (const char* path = std::getenv("PATH"); path && old_path_.empty()) old_path_ = path;
+    setenv("PATH", (path("bin").string() + (alone ? "" : ":" + old_path_)).c_str(), 1);
+  }
+  void add_ffmpeg() {
+    write("bin/ffmpeg", k_fake_ffmpeg);
+    std::filesystem::permissions(path("bin/ffmpeg"), std::filesystem::perms::owner_all);
+    set_path(false);
+  }
+
+  std::string old_path_;
+};
+
+TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
+  const Outcome outcome =
+      run({"--snapshot", "p-{time}.png", "--snapshot-at", "0.25,0,0.5", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "h.log", "p-0.25.png", "p-0.5.png", "p-0.png", "room.world"));
+  const std::vector<std::string> lines = lines_of(read("h.log"));
+  const std::string hash = lines.back().substr(lines.back().find(' ') + 1, 16);
+  EXPECT_THAT(read("p-0.5.png"), HasSubstr(hash));
+  EXPECT_THAT(read("p-0.png"), Not(HasSubstr(hash)));
+}
+
+TEST_F(RunPictures, TheySeeThroughAnyCamera) {
+  for (const std::vector<std::string>& camera : std::vector<std::vector<std::string>>{
+           {"--camera", "perspective", "--angle", "60,-30"},
+           {"--camera", "window"},
+           {"--camera", "follow:scout", "--across", "3"},
+           {"--center", "-1,0.5", "--across", "4"},
+           {"--layers", "scans,trails,names,-grid", "--color-by", "velocity.x", "--color-range", "0,0.5"}}) {
+    std::vector<std::string> options = camera;
+    options.insert(options.end(), {"--snapshot", "p.png"});
+    const Outcome outcome = run(options);
+    EXPECT_EQ(outcome.code, 0) << camera[1] << ": " << outcome.err;
+    EXPECT_THAT(read("p.png"), HasSubstr("state_hash")) << camera[1];
+  }
+}
+
+TEST_F(RunPictures, AFilmHasThirtyPicturesASecond) {
+  add_ffmpeg();
+  const Outcome outcome = run({"--film", "f.mp4"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "f.mp4", "room.world"));
+  const std::string film = read("f.mp4");
+  const std::size_t head = film.find('\n') + 1;
+  EXPECT_THAT(film.substr(0, head), AllOf(HasSubstr("-video_size 64x48"), HasSubstr("-framerate 30 ")));
+  EXPECT_EQ((film.size() - head) % (64 * 48 * 4), 0u);
+  EXPECT_EQ((film.size() - head) / (64 * 48 * 4), 16u);  // 0 to 0.5 s
+}
+
+TEST_F(RunPictures, AFilmMayBeFasterOrOfFewerPictures) {
+  add_ffmpeg();
+  EXPECT_EQ(run({"--film", "f.mp4", "--fps", "10", "--film-speed", "2"}).code, 0);
+  const std::string film = read("f.mp4");
+  EXPECT_EQ((film.size() - film.find('\n') - 1) / (64 * 48 * 4), 3u);  // at 0, 0.2 and 0.4 s
+}
+
+TEST_F(RunPictures, AFilmMayBeAFolderOfPictures) {
+  std::filesystem::create_directory(path("frames"));
+  const Outcome outcome = run({"--film", "frames/%06d.png", "--fps", "10"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"frames/000000.png", "frames/000005.png"})
+    EXPECT_THAT(read(name), HasSubstr("time_s"));
+  EXPECT_FALSE(std::filesystem::exists(path("frames/000006.png")));
+}
+
+TEST_F(RunPictures, WithoutFfmpegNothingIsBegun) {
+  set_path(true);
+  const Outcome outcome = run({"--film", "f.mp4", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("f.mp4: error: cannot be written: ffmpeg is not installed"),
+                                 HasSubstr("apt install ffmpeg")));
+  EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {
+  add_ffmpeg();
+  setenv("FAKE_FFMPEG_CODE", "7", 1);
+  const Outcome outcome = run({"--film", "f.mp4"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with code 7"));
+  EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--snapshot", "p.png", "--camera", "follow:nobody"},
+       "room.world: error: there is no model \"nobody\" to follow"},
+      {{"--snapshot", "p.png", "--color-by", "velocity.q"},
+       "room.world: error: unknown value \"velocity.q\"; known: "},
+      {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},
+       "room.world: error: --snapshot-at 0.8: the run goes from 0 s to 0.5 s"},
+      {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},
+       "troupe run: error: --snapshot-at: several pictures need names of their own: write {time} in the "
+       "name, as in "
+       "--snapshot p-{time}.png; see"},
+      {{"--film", "none/%06d.png"}, "none/%06d.png: error: cannot be written: there is no folder none"},
+      {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
+  };
+  for (const auto& [options, message] : cases) {
+    std::vector<std::string> with_log = options;
+    with_log.insert(with_log.end(), {"--hash-log", "h.log"});
+    const Outcome outcome = run(with_log);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,184 @@
+#include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class Render : public ProgramTest {
+ protected:
+  void SetUp() override {
+    write("room.world", k_room);
+    const Outcome outcome = draw({"room.world"});
+    if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    first_ = pixels("p.png");
+  }
+  Outcome draw(std::vector<std::string> options) const {
+    options.insert(options.begin(), "render");
+    options.insert(options.end(), {"-o", "p.png", "--size", "96x64"});
+    return troupe(options);
+  }
+  void record() {
+    if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+    ASSERT_EQ(
+        troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--checkpoint", "c.h5"})
+            .code,
+        0);
+  }
+  /// The compressed pixels of a picture, without the texts about it.
+  std::string pixels(const std::string& png) const {
+    const std::string bytes = read(png);
+    const std::size_t begin = bytes.find("IDAT");
+    return begin == bytes.npos ? "" : bytes.substr(begin);
+  }
+
+  std::string first_;  // the world as it begins
+};
+
+TEST_F(Render, AWorldIsDrawnAsItBeginsAndAtOtherTimes) {
+  ASSERT_EQ(
+      troupe({"run", "room.world", "--for", "0.5", "--quiet", "--snapshot", "run.png", "--size", "96x64"})
+          .code,
+      0);
+  EXPECT_EQ(draw({"room.world", "--at", "0"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), first_);
+  EXPECT_EQ(draw({"room.world", "--at", "0.5"}).code, 0);
+  EXPECT_EQ(read("p.png"), read("run.png"));
+  EXPECT_NE(pixels("p.png"), first_);
+}
+
+TEST_F(Render, SeveralTimesAreSeveralPictures) {
+  const Outcome outcome =
+      troupe({"render", "room.world", "-o", "q-{time}.png", "--at", "0.2,0", "--size", "96x64"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("p.png", "q-0.2.png", "q-0.png", "room.world"));
+}
+
+TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
+  record();
+  if (IsSkipped()) return;
+  ASSERT_EQ(draw({"room.world", "--at", "1", "--layers", "scans"}).code, 0);
+  const std::string at_its_end = pixels("p.png");
+  EXPECT_EQ(draw({"c.h5", "--layers", "scans"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), at_its_end);
+  const Outcome earlier = draw({"c.h5", "--at", "0.5"});
+  EXPECT_EQ(earlier.code, 2);
+  EXPECT_EQ(earlier.err, "c.h5: error: --at 0.5: the run is at 1 s already\n");
+}
+
+TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
+  record();
+  if (IsSkipped()) return;
+  // Stalled robots have red outlines, and recordings are not asked to know.
+  std::vector<std::pair<std::vector<std::string>, std::string>> pictures;
+  for (const auto& [at, time] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--at", "0"}, "0"}, {{}, "1"}, {{"--at", "0.45"}, "0.4"}}) {
+    EXPECT_EQ(draw({"room.world", "--at", time, "--layers=trails,coverage,-stalls"}).code, 0);
+    pictures.emplace_back(at, pixels("p.png"));
+  }
+  std::filesystem::remove(path("room.world"));
+  for (const auto& [at, expected] : pictures) {
+    std::vector<std::string> options{"run.h5", "--layers=trails,coverage,-stalls"};
+    options.insert(options.end(), at.begin(), at.end());
+    const Outcome outcome = draw(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(pixels("p.png"), expected) << at.size();
+  }
+  EXPECT_THAT(read("p.png"), HasSubstr("run.h5"));
+}
+
+TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  ASSERT_EQ(
+      troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields", "all"})
+          .code,
+      0);
+  for (const std::vector<std::string>& look :
+       std::vector<std::vector<std::string>>{{"--layers=scans,beams,names"},
+                                             {"--color-by", "velocity.x"},
+                                             {"--camera", "perspective", "--color-by", "ranger.ranges.1"}}) {
+    std::vector<std::string> options{"room.world", "--at", "1"};
+    options.insert(options.end(), look.begin(), look.end());
+    EXPECT_EQ(draw(options).code, 0);
+    const std::string of_world = pixels("p.png");
+    options = {"all.h5"};
+    options.insert(options.end(), look.begin(), look.end());
+    if (look.back() == "ranger.ranges.1") options.back() = "sensors.ranges.1";
+    const Outcome outcome = draw(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    if (look.back() != "ranger.ranges.1") EXPECT_EQ(pixels("p.png"), of_world) << look.front();
+  }
+}
+
+TEST_F(Render, WhatARecordingHasNotIsRefused) {
+  record();
+  if (IsSkipped()) return;
+  std::filesystem::remove(path("p.png"));
+  const auto refusal = [&](std::vector<std::string> options) {
+    const Outcome outcome = draw(std::move(options));
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_FALSE(std::filesystem::exists(path("p.png")));
+    return outcome.err;
+  };
+  EXPECT_EQ(refusal({"run.h5", "--layers", "scans"}),
+            "run.h5: error: the recording has no ranges: record them with --record-fields pose,ranges\n");
+  EXPECT_EQ(refusal({"run.h5", "--layers", "energy"}),
+            "run.h5: error: the recording has no power packs: record them with --record-fields "
+            "pose,power_pack\n");
+  for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
+    EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
+              "run.h5: error: the layer \"" + std::string(layer) +
+                  "\" is drawn of worlds and checkpoints, not of recordings\n");
+  EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
+              AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
+                    HasSubstr("; --record-fields chooses what is recorded\n")));
+  EXPECT_EQ(refusal({"run.h5", "--camera", "follow:nobody"}),
+            "run.h5: error: there is no model \"nobody\" to follow\n");
+  EXPECT_THAT(refusal({"run.h5", "--camera", "window"}),
+              HasSubstr("run.h5: error: the world has no window; other cameras"));
+  EXPECT_EQ(refusal({"run.h5", "--at", "2"}), "run.h5: error: 2 s is not in it: it goes from 0 s to 1 s\n");
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
+                    "velocity"})
+                .code,
+            0);
+  EXPECT_EQ(refusal({"v.h5"}),
+            "v.h5: error: the recording has no poses: --record-fields chooses what is recorded\n");
+}
+
+TEST_F(Render, BadInputIsOneLine) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"render"}, "troupe render: error: "},
+      {{"render", "room.world"}, "troupe render: error: "},
+      {{"render", "room.world", "-o", "q.jpg"},
+       "troupe render: error: --output: \"q.jpg\" is not the name of a picture, as in --output crowd.png; "
+       "see"},
+      {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
+       "troupe render: error: --at: several pictures need names of their own: write {time} in the name, as "
+       "in "
+       "--output q-{time}.png; see"},
+      {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
+      {{"render", "room.world", "-o", "none/q.png"},
+       "none/q.png: error: cannot be written: there is no folder none"},
+      {{"render", "room.world", "-o", "q.png", "--camera", "window"},
+       "room.world: error: the world has no window"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(HasSubstr(message)));
+    EXPECT_THAT(files(), ElementsAre("p.png", "room.world"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,128 @@
+#include "tests/apps/program.hpp"
+
+namespace troupe::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+constexpr std::string_view k_world = R"({"troupe": 1, "bounds_m": [[-5, -5], [5, 5]],
+  "types": {"bot": {"size_m": [0.3, 0.3, 0.3], "drive": {"kind": "diff"},
+    "sensors": [{"name": "s", "kind": "ranger", "transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]}],
+    "controller": {"kind": "wander"}}},
+  "populations": [{"name": "r", "type": "bot", "count": 3, "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}]})";
+
+constexpr std::string_view k_study = R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
+  "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 5]}],
+  "seeds": {"from": 1, "count": 3}, "measures": ["path_length", "stalls"], "statistics": ["last", "max"]})";
+
+class Sweep : public ProgramTest {
+ protected:
+  Sweep() {
+    write("w.json", k_world);
+    write("study.json", k_study);
+  }
+  std::string table(const std::string& folder) { return read(folder + "/table.csv"); }
+};
+
+TEST_F(Sweep, MakesATableWithARowARun) {
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "6 of 6 runs done: out/table.csv\n");
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(7));
+  EXPECT_EQ(
+      lines[0],
+      "run,robots,seed,ticks,time_s,path_length_m,path_length_m_max,stalls,stalls_max,state_hash,error");
+  EXPECT_THAT(lines[1], StartsWith("0,2,1,10,1,"));
+  EXPECT_THAT(lines[6], StartsWith("5,5,3,10,1,"));
+  // A row is the run that `troupe run` makes.
+  const Outcome run =
+      troupe({"run", "w.json", "--for", "1", "--robots", "5", "--seed", "3", "--json", "--quiet"});
+  const std::size_t hash = run.out.find("\"state_hash\":\"") + 14;
+  EXPECT_THAT(lines[6], EndsWith("," + run.out.substr(hash, 16) + ","));
+}
+
+TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "one", "--threads", "1"}).code, 0);
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "four", "--threads", "4"}).code, 0);
+  EXPECT_EQ(table("four"), table("one"));
+  const Outcome first = troupe({"sweep", "study.json", "-o", "parts", "--part", "2/2"});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_EQ(first.out, "3 of 6 runs done; the table follows when all are\n");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out,
+            "6 of 6 runs done: parts/table.csv\n");
+  EXPECT_EQ(table("parts"), table("one"));
+}
+
+TEST_F(Sweep, GoesOnWhereItWasCutOff) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out", "--threads", "1"}).code, 0);
+  const std::string whole = table("out");
+  const std::string journal = read("out/runs-1-of-1.jsonl");
+  write("out/runs-1-of-1.jsonl", journal.substr(0, journal.size() * 2 / 3));  // in the middle of a line
+  std::filesystem::remove(path("out/table.csv"));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(table("out"), whole);
+}
+
+TEST_F(Sweep, DoesNotMixStudies) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  const std::string before = table("out");
+  std::string other(k_world);
+  other.replace(other.find("0.3, 0.3"), 3, "0.4");
+  write("w.json", other);
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("out/runs-1-of-1.jsonl: error: these runs are of another study"));
+  EXPECT_EQ(table("out"), before);
+}
+
+TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
+  std::string study(k_study);
+  study.replace(study.find("[2, 5]"), 6, "[2, 5000]");  // there is no room for them
+  write("study.json", study);
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out, "3 of 6 runs done, 3 failed: out/table.csv\n");
+  EXPECT_THAT(outcome.err, HasSubstr("run 3: "));
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(7));
+  EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,"), HasSubstr("placed")));
+}
+
+TEST_F(Sweep, ListsTheRunsAndMakesNone) {
+  const Outcome outcome = troupe({"sweep", "study.json", "--list"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(lines_of(outcome.out),
+              ElementsAre("run,robots,seed", "0,2,1", "1,2,2", "2,2,3", "3,5,1", "4,5,2", "5,5,3"));
+  EXPECT_THAT(files(), ElementsAre("study.json", "w.json"));
+}
+
+TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& message) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_THAT(files(), ElementsAre("study.json", "w.json"));
+  };
+  refused({"sweep", "study.json"}, "-o DIR is required");
+  refused({"sweep", "study.json", "-o", "out", "--part", "3/2"}, "\"3/2\" is not a part of several");
+  refused({"sweep", "w.json", "-o", "out"}, "missing \"troupe_study\"");
+  std::string study(k_study);
+  study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
+  write("study.json", study);
+  refused({"sweep", "study.json", "-o", "out"}, "--set /populations/7/count");
+  study = k_study;
+  study.replace(study.find("\"for_s\": 1,"), 11, "");
+  write("study.json", study);
+  refused({"sweep", "study.json", "-o", "out"}, "nothing says when a run ends");
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,631 @@
+// What is done to a world while it runs, and how its robots fail: at its tick, to those whom it should meet,
+// whatever the threads, and again after a reset or from the middle of it.
+
+#include "base/random.hpp"
+#include "engine/events.hpp"
+#include "engine/stop_conditions.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+#include "tests/support/scene.hpp"
+#include "tests/support/slow_build.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+using test::box;
+using test::SceneBuilder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Action = InterventionSpec::Action;
+using By = GroupSpec::By;
+
+GroupSpec population(std::string name, std::optional<std::int64_t> count = {},
+                     std::optional<double> share = {}) {
+  return {By::population, std::move(name), count, share};
+}
+GroupSpec model(std::string name) { return {By::model, std::move(name), {}, {}}; }
+
+InterventionSpec at(double time_s, Action action, GroupSpec whom) {
+  return {
+      .time_s = time_s, .action = action, .whom = std::move(whom), .pose = {}, .region = {}, .setting = {}};
+}
+
+FaultSpec fault(GroupSpec whom, double from_s, std::string kind,
+                std::initializer_list<std::pair<std::string_view, Value>> params) {
+  const Record record = test::record(test::registry().fault(kind)->params, params);
+  return {std::move(whom), from_s, {{std::move(kind), record}}, {}};
+}
+
+/// `count` robots in a row along y, 1 m apart, that look ahead and were told to drive at 1 m/s.
+struct Squad {
+  SceneBuilder scene;
+  TypeId type;
+  std::size_t count;
+
+  explicit Squad(std::size_t robots) : count(robots) {
+    type = scene.robot("bot", {box(0.4, 0.4)});
+    scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};
+    for (std::size_t i = 0; i < robots; ++i)
+      scene.body(fmt::format("r{}", i), type, {0, static_cast<double>(i), 0, 0});
+  }
+  std::unique_ptr<World> world(WorldOptions options = {.threads = 2}) const {
+    Diagnostics diagnostics;
+    auto world = std::make_unique<World>(scene.spec, test::registry(), options, diagnostics);
+    drive(*world);
+    return world;
+  }
+  static void drive(World& world) {
+    for (std::size_t r = 0; r < world.rows(); ++r)
+      if (world.is_there(Row(r))) world.set_command(Row(r), {1, 0, 0});
+  }
+  std::string errors() const {
+    Diagnostics diagnostics(scene.spec.files);
+    try {
+      World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+void step(World& world, int ticks) {
+  for (int tick = 0; tick < ticks; ++tick) world.step();
+}
+
+std::vector<std::string> there(const World& world) {
+  std::vector<std::string> names;
+  for (std::size_t b = 1; b < world.spec().bodies.size(); ++b)
+    if (const Row row = world.row(BodyId(b)); row.valid() && world.is_there(row))
+      names.push_back(world.spec().name(BodyId(b)));
+  return names;
+}
+
+double x_of(const World& world, std::string_view name) { return world.pose(world.find(name)).x; }
+
+TEST(Experiment, WhatIsDoneAtATimeIsDoneAsAProgramWouldBetweenItsTicks) {
+  Squad row(4);
+  row.scene.spec.mortal = true;
+  const auto plain = row.world();
+  row.scene.spec.experiment.at = {at(1, Action::remove, model("r2")), at(0, Action::remove, model("r0"))};
+  const auto world = row.world();
+  plain->remove(plain->row(plain->find("r0")));
+  for (int tick = 0; tick < 20; ++tick) {
+    if (tick == 10) plain->remove(plain->row(plain->find("r2")));
+    plain->step();
+    world->step();
+    ASSERT_EQ(world->hashes().state, plain->hashes().state) << "tick " << world->tick();
+  }
+  EXPECT_THAT(there(*world), ElementsAre("r1", "r3"));
+}
+
+TEST(Experiment, ATimeBetweenTwoTicksIsRoundedUp) {
+  Squad row(2);
+  row.scene.spec.experiment.at = {at(0.25, Action::remove, model("r0"))};
+  const auto world = row.world();
+  step(*world, 3);
+  EXPECT_EQ(world->robots(), 2u) << "tick 3, 0.3 s, is the last with it";
+  world->step();
+  EXPECT_EQ(world->robots(), 1u);
+}
+
+TEST(Experiment, SoManyAreChosenBySeedAndPlaceInTheList) {
+  const auto left = [](std::uint64_t seed, std::vector<InterventionSpec> list) {
+    Squad row(30);
+    row.scene.spec.seed = seed;
+    row.scene.spec.experiment.at = std::move(list);
+    const auto world = row.world();
+    step(*world, 12);
+    return there(*world);
+  };
+  const InterventionSpec ten = at(1, Action::remove, population("r", 10));
+  EXPECT_EQ(left(1, {ten}).size(), 20u);
+  EXPECT_EQ(left(1, {ten}), left(1, {ten}));
+  EXPECT_NE(left(1, {ten}), left(2, {ten}));
+  EXPECT_NE(left(1, {ten}), left(1, {at(5, Action::remove, model("r3")), ten}));
+  EXPECT_EQ(left(1, {ten, at(0.5, Action::remove, population("r", {}, 0.25))}).size(), 30u - 8 - 10)
+      << "a quarter of 30 is 7.5, of which 8 are the nearest";
+  EXPECT_EQ(left(1, {at(1, Action::remove, population("r", 100))}).size(), 0u);
+  EXPECT_EQ(left(1, {at(1, Action::remove, {By::type, "bot", 29, {}})}).size(), 1u);
+}
+
+TEST(Experiment, EveryoneIsChosenAsOftenAsTheOthers) {
+  std::vector<int> removed(10);
+  constexpr int k_seeds = test::k_slow_build ? 40 : 400;
+  for (int seed = 0; seed < k_seeds; ++seed) {
+    Squad row(10);
+    row.scene.spec.seed = static_cast<std::uint64_t>(seed);
+    row.scene.spec.experiment.at = {at(0, Action::remove, population("r", 3))};
+    const auto world = row.world({.threads = 1});
+    world->step();
+    for (std::size_t i = 0; i < removed.size(); ++i)
+      removed[i] += !world->is_there(world->row(world->find(fmt::format("r{}", i))));
+  }
+  // Binomial, p = 0.3: within four standard deviations.
+  const double sigma = std::sqrt(k_seeds * 0.3 * 0.7);
+  for (const int count : removed) EXPECT_NEAR(count, 0.3 * k_seeds, 4 * sigma);
+}
+
+TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
+  Squad row(2);
+  row.scene.wall(5, -1, 6, 5);
+  row.scene.spec.experiment.at = {at(1, Action::disable, model("r0")), at(2, Action::enable, model("r0"))};
+  const auto world = row.world();
+  const Row r0 = world->row(world->find("r0"));
+  const auto range = [&](std::string_view name) {
+    const Row r = world->row(world->find(name));
+    return world->percepts(world->type(r).devices[0]).cell<float>(world->slot(r), 0)[0];
+  };
+  step(*world, 10);
+  EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
+  EXPECT_FALSE(world->is_out(r0));
+  const float seen = range("r0");
+  EXPECT_FLOAT_EQ(seen, 5 - 0.9f) << "of tick 9, which tick 10 has looked at";
+  step(*world, 10);
+  EXPECT_TRUE(world->is_out(r0));
+  EXPECT_EQ(world->ailing_count(), 1u);
+  EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
+  EXPECT_NEAR(x_of(*world, "r1"), 2, 1e-12);
+  EXPECT_EQ(range("r0"), seen);
+  EXPECT_FLOAT_EQ(range("r1"), 5 - 1.9f);
+  EXPECT_EQ(world->velocities()[r0.index()].x, 0);
+  EXPECT_FALSE(world->stalled(r0));
+  EXPECT_EQ(world->beams_cast(), 10u * 2 + 10);
+  step(*world, 10);
+  EXPECT_FALSE(world->is_out(r0));
+  EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it goes on as it was told before";
+  EXPECT_FLOAT_EQ(range("r0"), 5 - 1.9f);
+}
+
+TEST(Experiment, EventsTellWhoFailsAndRecovers) {
+  Squad row(3);
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, model("r0")),
+                                  at(0.1, Action::disable, model("r2")), at(0.2, Action::enable, model("r0")),
+                                  at(0.2, Action::remove, model("r2"))};
+  const auto world = row.world();
+  EventWatch watch(*world);
+  std::vector<std::string> lines;
+  for (int tick = 0; tick < 4; ++tick) {
+    world->step();
+    for (const Event& event : watch.see(*world))
+      lines.push_back(
+          fmt::format("{} {} {}", world->tick(), event_name(event.type), world->spec().name(event.body)));
+  }
+  EXPECT_THAT(lines, ElementsAre("2 fails r0", "2 fails r2", "3 recovers r0", "3 death r2"));
+}
+
+TEST(Experiment, OfThoseDisabledSomeAreEnabled) {
+  Squad row(10);
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, population("r", 6)),
+                                  at(0.2, Action::disable, population("r", 2)),
+                                  at(0.3, Action::enable, population("r", {}, 0.5))};
+  const auto world = row.world();
+  const auto out = [&] {
+    std::size_t count = 0;
+    for (std::size_t r = 0; r < world->rows(); ++r) count += world->is_out(Row(r));
+    return count;
+  };
+  std::vector<std::size_t> counts;
+  for (int tick = 0; tick < 5; ++tick) {
+    world->step();
+    counts.push_back(out());
+  }
+  EXPECT_THAT(counts, ElementsAre(0, 6, 8, 4, 4)) << "the second two are others, and half of eight is four";
+}
+
+TEST(Experiment, DeadSensorsKeepTheirReadings) {
+  Squad row(2);
+  row.scene.wall(5, -1, 6, 5);
+  row.scene[row.type].devices.push_back(test::ranger("back", {{.pose = {0, 0, 0, k_pi}, .range_max = 5}}));
+  row.scene.spec.experiment.faults = {fault(model("r0"), 0.5, "dead_sensors", {{"sensors", "eye"}})};
+  const auto world = row.world();
+  step(*world, 20);
+  const auto range = [&](std::string_view name, std::size_t device) {
+    const Row r = world->row(world->find(name));
+    return world->percepts(world->type(r).devices[device]).cell<float>(world->slot(r), 0)[0];
+  };
+  EXPECT_FLOAT_EQ(range("r0", 0), 5 - 0.4f) << "of tick 4, as tick 5 saw it";
+  EXPECT_FLOAT_EQ(range("r1", 0), 5 - 1.9f);
+  EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it drives on";
+  EXPECT_EQ(world->beams_cast(), 20u * 4 - 15) << "the others look on";
+}
+
+TEST(Experiment, SlowWheelsGiveTheirShareOfEverySpeed) {
+  Squad row(4);
+  row.scene.spec.experiment.faults = {fault(model("r0"), 0, "slow_wheels", {{"factor", 0.5}}),
+                                      fault(model("r2"), 0, "slow_wheels", {{"factor", 0.25}}),
+                                      fault(model("r2"), 0.5, "slow_wheels", {{"factor", 0.5}})};
+  const auto world = row.world();
+  for (const std::string_view name : {"r2", "r3"})
+    world->set_command(world->row(world->find(name)), {0.3, 0, 0.1, ControlMode::acceleration});
+  step(*world, 5);
+  EXPECT_EQ(2 * x_of(*world, "r0"), x_of(*world, "r1")) << "powers of two lose nothing";
+  EXPECT_NEAR(x_of(*world, "r0"), 0.25, 1e-12);
+  const auto speed = [&](std::string_view name) {
+    return world->velocities()[world->row(world->find(name)).index()];
+  };
+  EXPECT_EQ(4 * speed("r2").x, speed("r3").x) << "what it accelerates is what it would have";
+  EXPECT_EQ(4 * speed("r2").turn, speed("r3").turn);
+  step(*world, 5);
+  EXPECT_EQ(8 * speed("r2").x, speed("r3").x) << "two faults, an eighth";
+}
+
+TEST(Experiment, DropOutsComeAsAPoissonProcessWould) {
+  constexpr std::size_t k_robots = test::k_slow_build ? 200 : 1000;
+  Squad row(k_robots);
+  row.scene.spec.experiment.faults = {fault(population("r"), 1, "drop_out", {{"rate", 0.1}})};
+  const auto world = row.world();
+  step(*world, 11);
+  EXPECT_LE(world->ailing_count(), k_robots / 20u) << "from 1 s on";
+  step(*world, 100);
+  // 10 s after it began 1 - exp(-1) of them are out, within four standard deviations.
+  const double share = 1 - std::exp(-1.0);
+  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_robots,
+              4 * std::sqrt(k_robots * share * (1 - share)));
+}
+
+TEST(Experiment, DropOutsThatPassComeAgain) {
+  constexpr std::size_t k_robots = test::k_slow_build ? 200 : 1000;
+  Squad row(k_robots);
+  row.scene.spec.experiment.faults = {fault(population("r"), 0, "drop_out", {{"rate", 1.0}, {"for", 1.0}})};
+  const auto world = row.world();
+  step(*world, 100);
+  // In for 1 s in the mean, and half a tick as ticks round up; out for 1 s.
+  const double share = 1 / 2.05;
+  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_robots,
+              4 * std::sqrt(k_robots * share * (1 - share)));
+}
+
+TEST(Experiment, AShareOfThemFailsWithAllThatTheEntryNames) {
+  Squad row(20);
+  FaultSpec both = fault(population("r", {}, 0.3), 0, "slow_wheels", {{"factor", 0.5}});
+  both.ailments.push_back({"dead_sensors", {""}});
+  row.scene.spec.experiment.faults = {both};
+  const auto world = row.world();
+  step(*world, 10);
+  std::size_t slow = 0;
+  for (std::size_t i = 0; i < row.count; ++i) {
+    const Row r = world->row(world->find(fmt::format("r{}", i)));
+    const bool is_slow = world->poses()[r.index()].x < 0.75;
+    slow += is_slow;
+    EXPECT_EQ(world->works(r, world->type(r).devices[0]), !is_slow);
+  }
+  EXPECT_EQ(slow, 6u);
+}
+
+TEST(Experiment, OthersAreAddedWhereTheyAreFree) {
+  Squad row(2);
+  row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 50});
+  for (int i = 0; i < 50; ++i) row.scene.body(fmt::format("more{}", i), row.type);
+  Box region;
+  region.extend(Vec2(-3, -3));
+  region.extend(Vec2(3, -1));
+  InterventionSpec some = at(0.5, Action::add, population("more", 20));
+  some.region = region;
+  InterventionSpec one = at(0.5, Action::add, population("more", 2));
+  one.pose = Pose{9, 9, 0, 1};
+  InterventionSpec rest = at(1, Action::add, population("more"));
+  rest.region = Box::around(Vec2(0, 30), 20);
+  row.scene.spec.experiment.at = {some, one, rest};
+  const auto world = row.world();
+  step(*world, 6);
+  EXPECT_EQ(world->robots(), 2u + 20 + 1) << "one pose holds one";
+  EXPECT_EQ(world->pose(world->find("more20")), (Pose{9, 9, 0, 1}));
+  for (std::size_t a = 0; a < world->rows(); ++a) {
+    if (!world->is_there(Row(a))) continue;
+    for (std::size_t b = 0; b < a; ++b) {
+      if (!world->is_there(Row(b))) continue;
+      const auto& shape = world->type(Row(a)).obstacle;
+      EXPECT_FALSE(overlap(shape, world->poses()[a], shape, world->poses()[b]));
+    }
+  }
+  for (int i = 0; i < 20; ++i)
+    EXPECT_TRUE(region.contains(world->pose(world->find(fmt::format("more{}", i))).position()));
+  step(*world, 5);
+  EXPECT_EQ(world->unborn(0), 0u);
+  EXPECT_EQ(world->robots(), 52u);
+}
+
+TEST(Experiment, WhoFindsNoPlaceIsNotAdded) {
+  Squad row(1);
+  row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 9});
+  for (int i = 0; i < 9; ++i) row.scene.body(fmt::format("more{}", i), row.type);
+  InterventionSpec all = at(0, Action::add, population("more"));
+  all.region = Box::around(Vec2(9, 9), 0.2);  // of two bodies of 0.4 m the second overlaps the first
+  row.scene.spec.experiment.at = {all};
+  const auto world = row.world();
+  step(*world, 1);
+  EXPECT_EQ(world->robots(), 2u);
+  EXPECT_EQ(world->unborn(0), 8u);
+}
+
+TEST(Experiment, ABodyIsPutElsewhereAndSeenThere) {
+  Squad row(2);
+  InterventionSpec there = at(0.3, Action::move, model("r1"));
+  there.pose = Pose{3, 0, 0, 7};
+  row.scene.spec.experiment.at = {there};
+  const auto world = row.world();
+  for (std::size_t r = 0; r < 2; ++r) world->set_command(Row(r), {});
+  step(*world, 3);
+  EXPECT_EQ(world->pose(world->find("r1")).y, 1);
+  step(*world, 1);
+  EXPECT_EQ(world->pose(world->find("r1")), (Pose{3, 0, 0, wrap_angle(7)}));
+  const Row r0 = world->row(world->find("r0"));
+  EXPECT_FLOAT_EQ(world->percepts(world->type(r0).devices[0]).cell<float>(world->slot(r0), 0)[0],
+                  static_cast<float>(3 - 0.2 / std::cos(7 - 2 * k_pi)));
+}
+
+InterventionSpec setting(double time_s, TypeId type, SettingSpec::Of of, const FieldTable& table,
+                         std::string_view name, Value value) {
+  Record params(table.fields.size());
+  params[static_cast<std::size_t>(table.find(name))] = std::move(value);
+  InterventionSpec set = at(time_s, Action::set, {});
+  set.setting = SettingSpec{type, of, 0, params};
+  return set;
+}
+
+TEST(Experiment, ParametersAreSetForATimeAndByTheNextReset) {
+  Squad row(1);
+  const FieldTable& drive = test::registry().drive("diff")->params;
+  const FieldTable& ranger = test::registry().device("ranger")->params;
+  row.scene.wall(5, -1, 6, 1);
+  Record fan = test::ranger("eye", {{.range_max = 2}}).params;
+  row.scene.spec.experiment.at = {
+      setting(2, row.type, SettingSpec::Of::drive, drive, "velocity_max_x", 0.25),
+      setting(1, row.type, SettingSpec::Of::drive, drive, "velocity_max_x", 0.5),
+      setting(1, row.type, SettingSpec::Of::drive, drive, "velocity_min_x", -0.125),
+      setting(2.5, row.type, SettingSpec::Of::device, ranger, "transducers", fan[0])};
+  const auto world = row.world();
+  std::vector<std::uint64_t> first;
+  for (int round = 0; round < 2; ++round) {
+    step(*world, 10);
+    EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
+    step(*world, 10);
+    EXPECT_NEAR(x_of(*world, "r0"), 1.5, 1e-12);
+    world->set_command(Row(0), {-1, 0, 0});
+    step(*world, 5);
+    EXPECT_NEAR(x_of(*world, "r0"), 1.5 - 0.5 * 0.125, 1e-12) << "what was set before stays";
+    const auto range = [&] { return world->percepts(world->type(Row(0)).devices[0]).cell<float>(0, 0)[0]; };
+    EXPECT_GT(range(), 3);
+    world->set_command(Row(0), {1, 0, 0});
+    step(*world, 5);
+    EXPECT_NEAR(x_of(*world, "r0"), 1.5 - 0.5 * 0.125 + 0.5 * 0.25, 1e-12);
+    EXPECT_EQ(range(), 2);
+    first.push_back(world->hashes().state);
+    world->reset();
+    row.drive(*world);
+  }
+  EXPECT_EQ(first[0], first[1]);
+}
+
+// ---- errors
+
+TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
+  const auto errors = [](auto&& change) {
+    Squad row(3);
+    row.scene.spec.files = std::make_shared<SourceFiles>();
+    const Where where{row.scene.spec.files->add("w.json"), 7};
+    row.scene.wall(5, -1, 6, 1);
+    change(row);
+    for (InterventionSpec& each : row.scene.spec.experiment.at) each.where = where;
+    for (FaultSpec& each : row.scene.spec.experiment.faults) each.where = where;
+    return row.errors();
+  };
+  const auto doing = [&](InterventionSpec spec) {
+    return errors([&](Squad& row) { row.scene.spec.experiment.at = {spec}; });
+  };
+  EXPECT_THAT(doing(at(1, Action::remove, population("rs"))),
+              HasSubstr("w.json:7: error: unknown population \"rs\"; known: r"));
+  EXPECT_THAT(doing(at(1, Action::disable, {By::type, "bto", {}, {}})),
+              HasSubstr("unknown type \"bto\"; known: bot (did you mean \"bot\"?)"));
+  EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
+              HasSubstr("unknown model \"r9\"; known: r0, r1, r2"));
+  EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
+              HasSubstr("\"wall4\" never moves, senses or decides"));
+  EXPECT_THAT(doing(at(1.5, Action::add, population("r"))),
+              HasSubstr("w.json:7: error: at 1.5 s: nobody can be added to \"r\": no population has a "
+                        "\"reserve\""));
+  InterventionSpec outside = at(1, Action::move, model("r0"));
+  outside.pose = Pose{1e6, 0, 0, 0};
+  EXPECT_THAT(doing(outside), HasSubstr("\"r0\" would be put outside of the world's bounds"));
+  const FieldTable& drive = test::registry().drive("diff")->params;
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
+              HasSubstr("drive \"diff\": the bounds of velocity_x stand the wrong way round"));
+  EXPECT_THAT(
+      doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
+      HasSubstr("\"localization\": what changes while a world runs must keep the shape of its state"));
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, test::registry().device("ranger")->params,
+                            "transducers", test::ranger("eye", {{.samples = 3}}).params[0])),
+              HasSubstr("device \"eye\": what changes while a world runs must keep the shape of its state"));
+
+  const auto failing = [&](FaultSpec spec) {
+    return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });
+  };
+  EXPECT_THAT(failing(fault(population("r"), 0, "dead_sensors", {{"sensors", "eye, ear"}})),
+              HasSubstr("w.json:7: error: fault \"dead_sensors\": unknown sensor of type \"bot\" \"ear\"; "
+                        "known: eye"));
+  EXPECT_THAT(failing(fault(population("q"), 0, "drop_out", {{"rate", 1.0}})),
+              HasSubstr("unknown population \"q\"; known: r"));
+}
+
+// ---- determinism
+
+/// A crowd to which everything happens that can.
+class Trial {
+ public:
+  static constexpr int k_ticks = test::k_slow_build ? 25 : 60;
+
+  explicit Trial(const WorldOptions& options) {
+    const TypeId type = scene_.robot("bot", {box(0.3, 0.3, 0.3)}, "omni");
+    scene_[type].devices = {test::ranger("eye", {{.range_max = 2}}), test::ranger("ear", {{.range_max = 1}})};
+    for (int i = 0; i < 60; ++i)
+      scene_.body(fmt::format("r{}", i), type, {0.5 * (i % 10), 0.5 * (i / 10), 0, 0});
+    scene_.spec.reserves.push_back({"more", BodyId(scene_.spec.bodies.size()), 40});
+    for (int i = 0; i < 40; ++i) scene_.body(fmt::format("more{}", i), type);
+    scene_.spec.bounds = Box::around(Vec2(2, 1), 6);
+    ExperimentSpec& e = scene_.spec.experiment;
+    InterventionSpec move = at(1.2, Action::move, model("r7"));
+    move.pose = Pose{-3, -3, 0, 1};
+    e.at = {at(0.4, Action::remove, population("r", 10)),
+            at(0.8, Action::add, population("more", 20)),
+            at(1.0, Action::disable, {By::type, "bot", {}, 0.3}),
+            move,
+            at(1.6, Action::enable, {By::type, "bot", {}, 0.5}),
+            setting(2, type, SettingSpec::Of::drive, test::registry().drive("omni")->params, "velocity_max_x",
+                    0.3),
+            at(2.2, Action::add, population("more"))};
+    e.faults = {fault(population("r", {}, 0.3), 0.2, "slow_wheels", {{"factor", 0.4}}),
+                fault(population("r", 9), 0.3, "dead_sensors", {{"sensors", "ear"}}),
+                fault({By::type, "bot", {}, {}}, 0, "drop_out", {{"rate", 0.5}, {"for", 0.3}})};
+    Diagnostics diagnostics;
+    world_ = std::make_unique<World>(scene_.spec, test::registry(), options, diagnostics);
+  }
+  World& world() { return *world_; }
+  void step() {
+    for (std::size_t r = 0; r < world_->rows(); ++r) {
+      const Row row(r);
+      if (!world_->is_there(row)) continue;
+      Random random(7, 1, world_->body(row).value, static_cast<std::uint32_t>(world_->tick()));
+      world_->set_command(row, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    }
+    world_->step();
+  }
+  std::vector<std::uint64_t> run(int ticks) {
+    std::vector<std::uint64_t> hashes{world_->hashes().state};
+    for (int tick = 0; tick < ticks; ++tick) {
+      step();
+      hashes.push_back(world_->hashes().state);
+    }
+    return hashes;
+  }
+
+ private:
+  SceneBuilder scene_;
+  std::unique_ptr<World> world_;
+};
+
+TEST(Experiment, IsTheSameOnAnyThreadsAndTilesAndAfterAReset) {
+  Trial first({.threads = 1});
+  const auto expected = first.run(Trial::k_ticks);
+  EXPECT_GT(first.world().ailing_count(), 10u);
+  EXPECT_EQ(first.world().robots(), 60u - 10 + 40);
+  EXPECT_EQ(Trial({.threads = 2, .tile_size_m = 0.9}).run(Trial::k_ticks), expected);
+  EXPECT_EQ(Trial({.threads = 8, .tile_size_m = 30}).run(Trial::k_ticks), expected);
+  first.world().reset();
+  EXPECT_EQ(first.world().ailing_count(), 0u);
+  EXPECT_EQ(first.run(Trial::k_ticks), expected) << "after a reset";
+}
+
+TEST(Experiment, GoesOnFromTheMiddleOfIt) {
+  for (const int middle : {3, 10, 17, 21}) {
+    Trial straight({.threads = 1});
+    straight.run(middle);
+    World& world = straight.world();
+    const std::vector<StateTable> saved(world.tables().begin(), world.tables().end());
+    const std::uint64_t tick = world.tick();
+    const World::Counters counters = world.counters();
+    const std::uint64_t hash = world.hashes().state;
+    const auto expected = straight.run(Trial::k_ticks - middle);
+
+    Trial other({.threads = 2});
+    other.run(test::k_slow_build ? 0 : 40);  // has been elsewhere
+    ASSERT_TRUE(other.world().restore(tick, counters, hash, [&](std::span<StateTable> into) {
+      for (std::size_t t = 0; t < saved.size(); ++t) into[t] = saved[t];
+    }));
+    EXPECT_EQ(other.run(Trial::k_ticks - middle), expected) << "from tick " << middle;
+  }
+}
+
+TEST(Experiment, AStateThatCannotHaveComeAboutIsRefused) {
+  Trial trial({.threads = 1});
+  trial.run(15);
+  World& world = trial.world();
+  const std::vector<StateTable> saved(world.tables().begin(), world.tables().end());
+  const World::Counters counters = world.counters();
+  const auto restored = [&](auto&& change) {
+    std::uint64_t hash = 0;
+    std::vector<StateTable> tables = saved;
+    for (StateTable& table : tables)
+      if (table.component() == "condition") change(table.as<Condition>(0));
+    for (StateTable& table : tables) hash += table.hash_rows(0, table.rows());
+    return world.restore(15, counters, hash, [&](std::span<StateTable> into) {
+      for (std::size_t t = 0; t < tables.size(); ++t) into[t] = tables[t];
+    });
+  };
+  EXPECT_TRUE(restored([](Condition&) {}));
+  EXPECT_FALSE(restored([](Condition& now) { now.speed = 2; }));
+  EXPECT_FALSE(restored([](Condition& now) { now.speed = std::nan(""); }));
+  EXPECT_FALSE(restored([](Condition& now) { now.out = 4; }));
+}
+
+TEST(Experiment, AWorldWithoutOneHasNoSuchComponent) {
+  Squad row(2);
+  const auto plain = row.world();
+  const auto has_conditions = [](const World& world) {
+    return std::ranges::any_of(world.tables(),
+                               [](const StateTable& table) { return table.component() == "condition"; });
+  };
+  EXPECT_FALSE(has_conditions(*plain));
+  step(*plain, 3);
+  row.scene.spec.experiment.faults = {fault(population("r"), 9, "drop_out", {{"rate", 1.0}})};
+  const auto world = row.world();
+  EXPECT_TRUE(has_conditions(*world));
+  step(*world, 3);
+  EXPECT_EQ(world->hashes().state, plain->hashes().state) << "who is sound adds nothing";
+}
+
+// ---- the end
+
+TEST(StopConditions, TheFirstThatHoldsIsToldAfterItsTick) {
+  EXPECT_TRUE(holds(1, Comparison::at_least, 1));
+  EXPECT_FALSE(holds(1, Comparison::above, 1));
+  EXPECT_TRUE(holds(1, Comparison::at_most, 1));
+  EXPECT_FALSE(holds(1, Comparison::below, 1));
+  EXPECT_TRUE(holds(1, Comparison::equal, 1));
+  EXPECT_TRUE(holds(1, Comparison::unequal, 2));
+  EXPECT_FALSE(holds(std::nan(""), Comparison::unequal, 2)) << "no number is nothing";
+
+  Squad row(3);
+  row.scene.spec.experiment.at = {at(1, Action::remove, population("r", 2))};
+  const auto world = row.world();
+  const auto on = [](std::string kind, Comparison comparison, double value) {
+    return StopSpec{{std::move(kind), "", "", {}, {}}, comparison, value};
+  };
+  const std::vector<StopSpec> conditions{on("displacement", Comparison::at_least, 2),
+                                         on("alive", Comparison::below, 2),
+                                         on("alive", Comparison::equal, 0)};
+  EXPECT_EQ(text_of(conditions[0]), "displacement >= 2");
+  Diagnostics diagnostics;
+  StopConditions stop(*world, test::registry(), conditions, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  for (int tick = 1; tick <= 10; ++tick) {
+    world->step();
+    stop.see();
+    EXPECT_FALSE(stop.holding()) << tick;
+  }
+  world->step();
+  stop.see();
+  EXPECT_EQ(stop.holding(), 1u);
+  step(*world, 1);  // measures begin anew where ticks are missed, and say what is
+  for (int tick = 0; tick < 9; ++tick) {
+    world->step();
+    stop.see();
+  }
+  EXPECT_EQ(stop.holding(), 0u) << "2 m at tick 20, and the first of those that hold is told";
+  world->reset();
+  stop.begin();
+  EXPECT_FALSE(stop.holding());
+}
+
+}  // namespace
+}  // namespace troupe::engine

@@ -1,0 +1,240 @@
+#include "models/ground.hpp"
+
+#include "base/random.hpp"
+#include "engine/sight.hpp"
+#include "engine/world.hpp"
+#include "models/led.hpp"
+#include "tests/support/scene.hpp"
+#include "tests/support/slow_build.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::World;
+using test::box;
+using test::SceneBuilder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Params = std::vector<std::pair<std::string_view, engine::Value>>;
+
+engine::DeviceSpec device(std::string kind, const Params& params = {}, const Pose& pose = {}) {
+  const engine::FieldTable& table = test::registry().device(kind)->params;
+  engine::DeviceSpec out{.name = kind,
+                         .kind = kind,
+                         .params = table.defaults(),
+                         .pose_body_sensor = pose,
+                         .active = true,
+                         .where = {}};
+  for (const auto& [name, value] : params) out.params.at(static_cast<std::size_t>(table.find(name))) = value;
+  return out;
+}
+
+engine::Value rgb(double r, double g, double b) { return std::vector<double>{r, g, b}; }
+
+/// Paints what is below it in a colour of its own: red after its id.
+struct Painter {
+  static constexpr std::array k_uses{std::string_view("brush")};
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    actions.device<BrushCommand>(0).paint(static_cast<float>(percept.body) / 16, 0, 1);
+  }
+};
+
+/// Shows green in tick 2, and leaves it at that.
+struct Signaller {
+  static constexpr bool needs_drive = false;
+  static constexpr std::array k_uses{std::string_view("led")};
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    if (percept.tick == 2) actions.device<LedCommand>(0).show(0, 7, -1);
+    if (percept.tick == 3) actions.device<LedCommand>(0).shows = 0;
+  }
+};
+
+const engine::Registry& registry() {
+  static const engine::Registry kinds = [] {
+    engine::Registry all = make_registry();
+    all.controllers.push_back(engine::make_controller_kind<Painter>("painter", "", {}));
+    all.controllers.push_back(engine::make_controller_kind<Signaller>("signaller", "", {}));
+    return all;
+  }();
+  return kinds;
+}
+
+struct GroundScene : SceneBuilder {
+  BodyId zone(double x, double y, double size, const Color& color, double height = 0.01,
+              const std::vector<engine::DeviceSpec>& devices = {}, double heading = 0) {
+    const std::string name = "zone" + std::to_string(spec.bodies.size());
+    const TypeId id = type(name, {box(size, size, height)}, {.obstacle = false, .ranger = -1});
+    (*this)[id].devices = devices;
+    const BodyId body = SceneBuilder::body(name, id, {x, y, 0, heading});
+    spec.bodies[body.index()].color = color;
+    return body;
+  }
+  BodyId robot_with(const std::vector<engine::DeviceSpec>& devices, const Pose& pose,
+                    const std::string& controller = {}) {
+    const std::string name = "robot" + std::to_string(spec.bodies.size());
+    const TypeId id = robot(name, {box(0.2, 0.2, 0.2)});
+    (*this)[id].devices = devices;
+    if (!controller.empty()) (*this)[id].controllers = {{.kind = controller, .params = {}, .where = {}}};
+    return body(name, id, pose);
+  }
+  World world(engine::WorldOptions options = {.threads = 2}) const {
+    Diagnostics diagnostics;
+    return World(spec, registry(), options, diagnostics);
+  }
+};
+
+template <class T>
+std::vector<T> read(const World& world, BodyId body, std::size_t field, std::size_t d = 0) {
+  const Row row = world.row(body);
+  const auto cell = world.percepts(world.type(row).devices[d]).cell<T>(world.slot(row), field);
+  return {cell.begin(), cell.end()};
+}
+
+TEST(Ground, EachPointHasTheColourOfWhatLiesBelowIt) {
+  GroundScene scene;
+  const BodyId red = scene.zone(0, 0, 2, {1, 0, 0, 1});
+  const BodyId blue = scene.zone(0.5, 0, 0.4, {0, 0, 1, 1}, 0.02);  // on top of it
+  scene.zone(0, 5, 2, {0, 1, 0, 1}, 0.5);                           // too high to be ground
+  const BodyId robot = scene.robot_with(
+      {device("ground",
+              {{"points", std::vector<double>{0, 0, 0.5, 0, 0.5, 1.5}}, {"floor", rgb(0.5, 0.25, 0)}})},
+      {0, 0, 0, 0});
+  World world = scene.world();
+  world.step();
+  EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(1, 0, 0, 0, 0, 1, 0.5f, 0.25f, 0));
+  EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(red.value, blue.value, 0u));
+  world.set_poses(std::vector<World::Placed>{{world.row(robot), {0, 5, 0, -k_pi / 2}}});
+  world.step();
+  EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(0u, 0u, 0u));
+  world.set_poses(std::vector<World::Placed>{{world.row(robot), {0.5, 0.5, 0, -k_pi / 2}}});
+  world.step();  // its second point lies at (0.5, 0), its third at (2, 0)
+  EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(red.value, blue.value, 0u));
+}
+
+TEST(Ground, OfEqualZonesTheLowerBodysCounts) {
+  GroundScene scene;
+  scene.zone(0, 0, 1, {1, 0, 0, 1}, 0.01, {device("led", {{"shows", rgb(0, 1, 1)}})});
+  scene.zone(0, 0, 1, {0, 1, 0, 1});
+  const BodyId robot = scene.robot_with({device("ground")}, {0.1, 0.1, 0, 0});
+  World world = scene.world();
+  world.step();
+  EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(0, 1, 1)) << "that of its led";
+}
+
+TEST(Ground, APointOnABorderLiesInOneTile) {
+  GroundScene scene;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) scene.zone(i, j, 1, {0, 0, 0, 1});
+  std::vector<BodyId> robots;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      robots.push_back(scene.robot_with({device("ground")}, {i + 0.5, j + 0.5, 0, 0}));
+  World world = scene.world();
+  world.step();
+  for (const BodyId robot : robots) EXPECT_NE(read<std::uint32_t>(world, robot, k_ground_body)[0], 0u);
+}
+
+TEST(Led, ShowsItsColourToAllThatLook) {
+  GroundScene scene;
+  const TypeId id = scene.type("post", {box(0.2, 0.2)});
+  scene[id].devices = {device("led", {{"shows", rgb(0.5, 0, 1)}})};
+  scene[id].controllers = {{.kind = "signaller", .params = {}, .where = {}}};
+  const BodyId post = scene.body("post", id, {2, 0, 0, 0});
+  World world = scene.world();
+  const auto seen = [&] { return color_of(world, first_met(world, {.length = 9})); };
+  EXPECT_EQ(seen(), (Color{0.5f, 0, 1, 1}));
+  EXPECT_EQ(world.frame().mobile.front().color, (Color{0.5f, 0, 1, 1}));
+  world.step();
+  world.step();
+  EXPECT_EQ(seen(), (Color{0.5f, 0, 1, 1})) << "it was asked just now";
+  world.step();
+  EXPECT_EQ(seen(), (Color{0, 1, 0, 1})) << "kept within 0 and 1";
+  world.step();
+  world.step();
+  EXPECT_EQ(seen(), (Color{0, 1, 0, 1})) << "and stays so";
+  EXPECT_EQ(world.frame().mobile.front().color, (Color{0, 1, 0, 1}));
+  EXPECT_THAT(read<float>(world, post, 0), ElementsAre(0, 1, 0));
+}
+
+TEST(Brush, PaintsTheZoneBelow) {
+  GroundScene scene;
+  const BodyId paper = scene.zone(0, 0, 1, {1, 1, 1, 1}, 0.01, {device("led")});
+  const BodyId stone = scene.zone(3, 0, 1, {1, 1, 1, 1});
+  const BodyId painter =
+      scene.robot_with({device("brush", {}, {0.3, 0, 0, 0}), device("ground")}, {0, 0, 0, 0}, "painter");
+  const BodyId other = scene.robot_with({device("brush"), device("ground")}, {3, 0, 0, 0}, "painter");
+  World world = scene.world();
+  world.step();
+  EXPECT_THAT(read<float>(world, paper, 0), ElementsAre(1, 1, 1));
+  world.step();
+  const float red = static_cast<float>(painter.value) / 16;
+  EXPECT_THAT(read<float>(world, paper, 0), ElementsAre(red, 0, 1));
+  EXPECT_THAT(read<float>(world, painter, k_ground_color, 1), ElementsAre(1, 1, 1))
+      << "before it was painted";
+  world.step();
+  EXPECT_THAT(read<float>(world, painter, k_ground_color, 1), ElementsAre(red, 0, 1));
+  EXPECT_EQ(read<std::uint64_t>(world, painter, 0)[0], 1u) << "painted once, the same since";
+  EXPECT_THAT(read<float>(world, other, k_ground_color, 1), ElementsAre(1, 1, 1)) << "what has no led stays";
+  EXPECT_EQ(read<std::uint32_t>(world, other, k_ground_body, 1)[0], stone.value);
+  EXPECT_EQ(read<std::uint64_t>(world, other, 0)[0], 0u);
+}
+
+TEST(Brush, OfSeveralTheHighestIdHasItInTheEnd) {
+  GroundScene scene;
+  const BodyId paper = scene.zone(0, 0, 1, {1, 1, 1, 1}, 0.01, {device("led")});
+  scene.robot_with({device("brush")}, {0.3, 0, 0, 0}, "painter");
+  const BodyId last = scene.robot_with({device("brush")}, {-0.3, 0, 0, 0}, "painter");
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    World world = scene.world({.threads = threads});
+    world.step();
+    world.step();
+    EXPECT_THAT(read<float>(world, paper, 0), ElementsAre(static_cast<float>(last.value) / 16, 0, 1));
+  }
+}
+
+TEST(Brush, ThreadsAndTilesChangeNothing) {
+  GroundScene scene;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) scene.zone(0.5 * i, 0.5 * j, 0.5, {1, 1, 1, 1}, 0.01, {device("led")});
+  const TypeId id = scene.robot("painter", {box(0.1, 0.1, 0.1)});
+  scene[id].devices = {device("brush"), device("ground")};
+  scene[id].controllers = {{.kind = "painter", .params = {}, .where = {}},
+                           test::controller("script", {{"law", "wave"}})};
+  Random random(3, 0, 0, 0);
+  for (int i = 0; i < 60; ++i)
+    scene.body("p" + std::to_string(i), id,
+               {random.uniform(0, 6), random.uniform(0, 6), 0, random.uniform(-3, 3)});
+  std::vector<std::uint64_t> first;
+  for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(2u, 0.5), std::pair(8u, 3.0)}) {
+    World world = scene.world({.threads = threads, .tile_size_m = tile_m});
+    std::vector<std::uint64_t> states;
+    for (int tick = 0; tick < (test::k_slow_build ? 5 : 50); ++tick) {
+      world.step();
+      states.push_back(world.hashes().state);
+    }
+    if (first.empty()) first = states;
+    EXPECT_EQ(states, first) << threads << " threads";
+  }
+}
+
+TEST(Ground, WhatCannotBeIsAnError) {
+  GroundScene scene;
+  scene.robot_with({device("ground", {{"points", std::vector<double>{0, 1, 2}}})}, {});
+  try {
+    scene.world();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("device \"ground\" needs \"points\": x and y of each, one after another"));
+  }
+}
+
+}  // namespace
+}  // namespace troupe::models

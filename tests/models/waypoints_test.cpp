@@ -1,0 +1,174 @@
+// Movers: bodies that keep to times and speeds, and to the rule of motions.
+
+#include "base/math.hpp"
+#include "engine/world.hpp"
+#include "tests/support/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::Record;
+using engine::Value;
+using ::testing::HasSubstr;
+
+struct Goal {
+  double x = 0, y = 0, heading = 0;
+  double at_s = 0, speed = 0, wait_s = 0;
+};
+
+engine::ControllerSpec waypoints(const std::vector<Goal>& goals, bool again = false) {
+  std::vector<Record> records;
+  for (const Goal& goal : goals)
+    records.push_back({goal.x, goal.y, 0.0, goal.heading, goal.at_s, goal.speed, goal.wait_s});
+  return test::controller("waypoints", {{"goals", records}, {"again", again}});
+}
+
+/// A body of 0.4 m that goes its way, from the origin.
+struct Mover {
+  test::SceneBuilder scene;
+  TypeId type;
+  BodyId body;
+
+  explicit Mover(const std::vector<Goal>& goals, bool again = false, double period_s = 0) {
+    type = scene.robot("mover", {test::box(0.4, 0.4)}, "omni");
+    scene[type].controllers = {waypoints(goals, again)};
+    scene[type].drive->period_s = period_s;
+    body = scene.body("m", type);
+  }
+  std::string fault() const {
+    Diagnostics diagnostics;
+    try {
+      engine::World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+};
+
+/// Poses after each tick, from tick 0 on.
+std::vector<Pose> way_of(engine::World& world, BodyId body, int ticks) {
+  std::vector<Pose> poses{world.pose(body)};
+  for (int tick = 0; tick < ticks; ++tick) {
+    world.step();
+    poses.push_back(world.pose(body));
+  }
+  return poses;
+}
+
+constexpr double k_exact = 1e-9;
+
+TEST(Movers, AreWhereTheirTimesSay) {
+  // It waits at the origin until 1 s, is 2 m on at 3 s, turned by a right angle 1.2 s later, then 1 m aside.
+  const Mover mover({{0, 0, 0, 1}, {2, 0, 0, 3}, {2, 0, k_pi / 2, 4.2}, {2, -1, k_pi / 2, 5.2}});
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> way = way_of(world, mover.body, 80);
+  EXPECT_EQ(way[10], Pose()) << "at 1 s";
+  EXPECT_NEAR(way[11].x, 0.1, k_exact);
+  EXPECT_NEAR(way[20].x, 1, k_exact) << "at 2 s, half-way";
+  EXPECT_NEAR(way[30].x, 2, k_exact);
+  EXPECT_NEAR(way[36].heading, k_pi / 4, k_exact) << "at 3.6 s";
+  EXPECT_NEAR(way[36].x, 2, k_exact);
+  EXPECT_NEAR(way[42].heading, k_pi / 2, k_exact);
+  EXPECT_NEAR(way[47].y, -0.5, k_exact) << "sideways, whatever it faces";
+  for (const std::size_t tick : {52u, 60u, 80u}) {
+    EXPECT_NEAR(way[tick].x, 2, k_exact) << "there it stays";
+    EXPECT_NEAR(way[tick].y, -1, k_exact);
+  }
+}
+
+TEST(Movers, WhoseDriveIsRarelyDueAreThereThatMuchLaterAtMost) {
+  const Mover mover({{0, 0, 0, 1}, {1.5, 0, 0, 3}, {1.5, 1, 0, 5}}, false, 0.3);
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> way = way_of(world, mover.body, 80);
+  EXPECT_NEAR(way[33].x, 1.5, k_exact);
+  EXPECT_NEAR(way[33].y, 0, 0.15);
+  EXPECT_NEAR(way[53].y, 1, k_exact);
+}
+
+TEST(Movers, GoAtTheirSpeedsAndWait) {
+  const Mover mover({{1, 0, 0, 0, 0.5, 0.7}, {1, 1, 0, 0, 0.25}});
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> way = way_of(world, mover.body, 90);
+  EXPECT_EQ(way[1].x, 0) << "a command acts a tick after it is given";
+  EXPECT_NEAR(way[2].x, 0.05, k_exact);
+  EXPECT_NEAR(way[21].x, 1, k_exact);
+  EXPECT_NEAR(way[28].y, 0, k_exact) << "0.7 s";
+  EXPECT_NEAR(way[29].y, 0.025, k_exact);
+  EXPECT_NEAR(way[68].y, 1, k_exact);
+  EXPECT_NEAR(way[90].y, 1, k_exact);
+}
+
+TEST(Movers, BeginAgainAfterTheLastGoal) {
+  const Mover mover({{0, 0, 0, 1}, {1, 0, 0, 2}, {1, 0, 0, 3}, {0, 0, 0, 4}}, true);
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> way = way_of(world, mover.body, 130);
+  for (const int round : {0, 40, 80}) {
+    EXPECT_NEAR(way[static_cast<std::size_t>(round) + 10].x, 0, k_exact) << round;
+    EXPECT_NEAR(way[static_cast<std::size_t>(round) + 15].x, 0.5, k_exact) << round;
+    EXPECT_NEAR(way[static_cast<std::size_t>(round) + 30].x, 1, k_exact) << round;
+    EXPECT_NEAR(way[static_cast<std::size_t>(round) + 38].x, 0.2, k_exact) << round;
+  }
+}
+
+TEST(Movers, StopBeforeWhatStandsInTheirWayAndHurryThen) {
+  Mover mover({{0, 0, 0, 1}, {4, 0, 0, 9}, {4, 0, 0, 12}});  // at 0.5 m/s
+  const TypeId crate = mover.scene.robot("crate", {test::box(0.4, 0.4)});
+  const BodyId other = mover.scene.body("crate", crate, {2, 0, 0, 0});
+  engine::World world = mover.scene.world();
+  std::vector<Pose> way = way_of(world, mover.body, 50);
+  EXPECT_GT(way[50].x, 1.5);
+  EXPECT_LE(way[50].x, 1.6 + k_exact) << "it touches, and goes no farther";
+  world.set_poses(std::vector<engine::World::Placed>{{world.row(other), {2, 3, 0, 0}}});
+  way = way_of(world, mover.body, 20);
+  EXPECT_NEAR(way[20].x, way[0].x + 1, 0.45) << "between 0.6 m/s, which is enough, and 1 m/s";
+  way = way_of(world, mover.body, 20);
+  EXPECT_NEAR(way[20].x, 4, k_exact) << "at 9 s, in time";
+}
+
+TEST(Movers, WhoIsLateGoesAsFastAsItCanAndLeavesNoGoalOut) {
+  Mover mover({{0, 0, 0, 1}, {1, 0, 0, 2}, {1, 2, 0, 6}});
+  const BodyId wall =
+      mover.scene.body("crate", mover.scene.robot("crate", {test::box(0.4, 0.4)}), {0.41, 0, 0, 0});
+  engine::World world = mover.scene.world();
+  std::vector<Pose> way = way_of(world, mover.body, 30);
+  EXPECT_LE(way[30].x, 0.01 + k_exact);
+  world.set_poses(std::vector<engine::World::Placed>{{world.row(wall), {9, 9, 0, 0}}});
+  way = way_of(world, mover.body, 12);
+  EXPECT_NEAR(way[11].x, 1, 0.02) << "1 m/s is all its drive gives";
+  EXPECT_NEAR(way[11].y, 0, 0.15);
+  way = way_of(world, mover.body, 18);
+  EXPECT_NEAR(way[18].y, 2, k_exact) << "and at 6 s it is where it should be";
+}
+
+TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
+  Mover mover({{0, 0, 0, 1}, {4, 0, 0, 5}});
+  mover.scene[mover.type].parts[0].returns.obstacle = false;
+  mover.scene.wall(1, -1, 1.2, 1);
+  engine::World world = mover.scene.world();
+  EXPECT_NEAR(way_of(world, mover.body, 50).back().x, 4, k_exact);
+}
+
+TEST(Movers, WhatTheyCannotKeepIsTold) {
+  EXPECT_THAT(
+      Mover({{1, 0, 0, 0, 2}}).fault(),
+      HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive gives 1 m/s in "
+                "any direction"));
+  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).fault(),
+              HasSubstr("has a goal 2 3 m from the one before it, in 1 s: its drive gives 1 m/s"));
+  EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).fault(),
+              HasSubstr("has a goal 2 at 2 s, and one before it at 3 s: times must rise"));
+  EXPECT_THAT(Mover({{1, 0, 0, 3, 1}}).fault(), HasSubstr("with both `at` and `speed`"));
+  Mover diff({{1, 0, 0, 3}});
+  diff.scene[diff.type].drive = test::drive("diff");
+  EXPECT_THAT(diff.fault(), HasSubstr("which need an omni drive"));
+}
+
+}  // namespace
+}  // namespace troupe::models

@@ -1,0 +1,438 @@
+#!/usr/bin/env python3
+"""Opens pages of `troupe replay` in a headless Chromium and uses them as people do.
+
+    replay_page_test.py TROUPE [PICTURES]    PICTURES: a folder that screenshots are kept in
+
+The bundle itself, apps/replay_page/replay.html, must be of the sources beside it; that is checked without a browser.
+"""
+
+import hashlib
+import json
+import math
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from tests.support.chromium import Page, Picture, find  # noqa: E402
+
+SKIPPED = 77  # ctest's SKIP_RETURN_CODE
+TROUPE = None
+PICTURES = None
+PROGRAM = find()
+SIZE = (1000, 625)  # CSS pixels: graphics in software take their time
+# A picture's script, with 10,000 robots. What a busy machine takes says little: who wants to know says TROUPE_TIMED=1.
+MOST_SCRIPT_MS = 10 if os.environ.get("TROUPE_TIMED") else 100
+
+WORLD = {
+    "troupe": 1, "title": "A page's test", "seed": 3,
+    "types": {
+        "runner": {"size_m": [0.5, 0.4, 0.3], "drive": {"kind": "diff", "velocity_max_x_mps": 1},
+                   "controller": {"kind": "script", "legs": [{"until_s": 100, "forward_mps": 0.5}]}},
+        "looker": {"size_m": [0.5, 0.4, 0.3], "drive": {"kind": "diff"},
+                   "sensors": [{"name": "eye", "kind": "ranger",
+                                "transducers": [{"range_max_m": 3, "samples": 9, "fov_deg": 180}]}]},
+        "wall": {"size_m": [12, 0.2, 0.6]},
+    },
+    "models": [
+        {"name": "red", "type": "runner", "color": [0.8, 0.1, 0.1], "pose": {"x_m": -4, "y_m": -1}},
+        {"name": "blue", "type": "looker", "color": [0.1, 0.2, 0.8], "pose": {"x_m": 1, "y_m": 1.5, "heading_deg": 90}},
+        {"name": "north", "type": "wall", "color": "gray40", "pose": {"y_m": 3}},
+        {"name": "south", "type": "wall", "color": "gray40", "pose": {"y_m": -3}},
+    ],
+}
+
+
+YARD = {
+    "troupe": 1, "title": "Comings and goings", "bounds_m": [[-5, -5], [5, 5]],
+    "types": {
+        "crane": {"size_m": [0.6, 0.6, 0.3], "color": "gray40",
+                  "devices": [{"name": "arm", "kind": "actuator", "pose": {"z_m": 0.3}, "type": "rotational", "max_position": 3,
+                               "max_speed": 0.5, "color": [0.8, 0.1, 0.1],
+                               "blocks": [{"points_m": [[0, -0.2], [2, -0.2], [2, 0.2], [0, 0.2]], "z_m": [0, 0.2]}]}],
+                  "sensors": [{"name": "eye", "kind": "ranger", "on": "arm", "pose": {"x_m": 2, "z_m": 0.1},
+                               "transducers": [{"range_max_m": 2, "samples": 5, "fov_deg": 60}]}],
+                  "controller": {"kind": "operate", "orders": [{"at_s": 1, "device": "arm", "order": "go_to", "value": 1.5708}]}},
+        "door": {"size_m": [0.3, 0.3, 0.3], "color": "gold",
+                 "devices": [{"name": "out", "kind": "spawner", "population": "walker", "every_s": 2, "pose": {"x_m": 0.5}}]},
+        "walker": {"size_m": [0.4, 0.4, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"},
+                   "devices": [{"name": "pack", "kind": "power_pack", "capacity_kJ": 0.01, "mass_kg": 1, "when_empty": "die"}],
+                   "controller": {"kind": "script", "legs": [{"until_s": 100, "forward_mps": 0.5}]}},
+    },
+    "models": [{"name": "crane", "type": "crane", "pose": {"x_m": -1, "y_m": 2}},
+               {"name": "door", "type": "door", "pose": {"x_m": -4, "y_m": -3}}],
+    "populations": [{"name": "walker", "type": "walker", "count": 0, "reserve": 3,
+                     "place": {"rule": "uniform", "region_m": [[-4, -2], [-3, -1]]}}],
+}
+
+
+def troupe(folder, *arguments):
+    return subprocess.run([TROUPE, *map(str, arguments)], cwd=folder, check=True, capture_output=True, text=True).stdout
+
+
+class TheBundle(unittest.TestCase):
+    def test_is_of_these_sources(self):
+        folder = ROOT / "apps" / "replay_page"
+        names = ["build.mjs", "index.html", "package-lock.json", "package.json", "style.css"]
+        names += [f"src/{path.name}" for path in (folder / "src").iterdir()]
+        digest = hashlib.sha256()
+        for name in sorted(names):
+            digest.update(f"{name}\n".encode() + (folder / name).read_bytes() + b"\n")
+        bundle = (folder / "replay.html").read_text()
+        self.assertIn(f"Sources: apps/replay_page, sha256 {digest.hexdigest()}\n", bundle,
+                      "the sources have changed: scripts/replay-page makes the bundle")
+
+
+class Used(unittest.TestCase):
+    """One page, opened once, in a browser of its own."""
+
+    options = ["--record-fields", "pose,stall,ranges"]
+    seconds = 10
+
+    @classmethod
+    def world(cls, folder):
+        path = folder / "world.json"
+        path.write_text(json.dumps(WORLD))
+        return path
+
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.temporary.name)
+        cls.addClassCleanup(cls.temporary.cleanup)
+        troupe(cls.folder, "run", cls.world(cls.folder), "--quiet", "--for", cls.seconds, "--record", "run.h5", *cls.options)
+        cls.told = troupe(cls.folder, "replay", "run.h5", "-o", "page.html")
+        cls.page = Page(PROGRAM, SIZE)
+        cls.addClassCleanup(cls.page.__exit__)
+        cls.page.open(cls.folder / "page.html")
+        cls.page.wait("window.troupe && troupe.state().shown")
+
+    def tearDown(self):
+        self.assertEqual(self.page.problems, [])
+
+    def state(self):
+        return self.page.run("(({scriptMs, ...rest}) => rest)(troupe.state())")
+
+    def seek(self, time_s):
+        self.page.run(f"troupe.play(false), troupe.seek({time_s})")
+        self.shown()
+
+    def shown(self):
+        """Until what is on the screen is what was asked for."""
+        self.page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.page.wait("troupe.state().shown")
+
+    def keep(self, name):
+        """A screenshot for people to look at."""
+        if PICTURES:
+            (PICTURES / f"{name}.png").write_bytes(self.page.screenshot())
+
+    def box(self, x0, y0, x1, y1):
+        """A part of the screen. (Whole ones take seconds to decode.)"""
+        return Picture(self.page.screenshot((x0, y0, x1, y1)))
+
+    def pixel(self, place):
+        x, y = int(place[0]), int(place[1])
+        return self.box(x, y, x + 1, y + 1).at(0, 0)
+
+    def place(self, name):
+        return self.page.run(f"troupe.screenPlace({json.dumps(name)})")
+
+    def wait_for_text(self, selector, pattern):
+        """What the panel shows of a sensor is unpacked first."""
+        self.page.wait(f"new RegExp({json.dumps(pattern)}).test(document.querySelector({json.dumps(selector)}).innerText)")
+
+    def text(self, selector):
+        return self.page.run(f"document.querySelector({json.dumps(selector)}).innerText")
+
+
+class APage(Used):
+    def setUp(self):
+        self.page.run("troupe.select(null), troupe.color('own colours'), troupe.trails(0), troupe.theme('light')")
+        self.seek(2)
+
+    def test_says_what_it_shows(self):
+        self.assertRegex(self.told, r"page.html: 2 robots, 101 frames every 0.1 s, 0\.\d MB\n")
+        self.assertEqual(self.text("h1"), "A page's test")
+        self.assertEqual(self.text("#about p"), "2 robots, seed 3")
+        self.assertEqual(self.text("#time"), "0:02.0")
+        self.assertEqual(self.text("#end"), "0:10.0")
+        self.assertIn("A page's test", self.page.run("document.title"))
+
+    def test_robots_are_where_they_were(self):
+        x2, y2, z2, heading2 = self.page.run("troupe.pose('red')")
+        self.seek(6)
+        x6, y6, _, _ = self.page.run("troupe.pose('red')")
+        self.assertAlmostEqual(x6 - x2, 2, delta=0.002)
+        self.assertAlmostEqual(y2, -1, delta=0.001)
+        self.assertAlmostEqual(y6, -1, delta=0.001)
+        self.assertEqual((z2, heading2), (0, 0))
+        self.seek(6.05)  # between two frames
+        self.assertAlmostEqual(self.page.run("troupe.pose('red')")[0] - x6, 0.025, delta=0.001)
+
+    def test_plays_and_pauses_by_key_and_button(self):
+        self.page.press(" ", "Space")
+        self.page.wait("troupe.state().time > 2.5")
+        self.assertTrue(self.state()["playing"])
+        self.page.click(*self.center("#play"))
+        self.shown()
+        stopped = self.state()["time"]
+        time.sleep(0.3)
+        self.assertEqual(self.state()["time"], stopped)
+        self.page.run("troupe.setSpeed(100), troupe.play()")
+        self.page.wait("!troupe.state().playing")
+        self.assertEqual(self.state()["time"], 10)
+        self.page.run("troupe.setSpeed(1), troupe.play()")
+        self.page.wait("troupe.state().time < 5")  # from the start again
+
+    def center(self, selector):
+        box = self.page.run(f"(({{x, y, width, height}}) => [x, y, width, height])"
+                            f"(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
+        return box[0] + box[2] / 2, box[1] + box[3] / 2
+
+    def test_scrubs(self):
+        self.page.click(*self.center("#scrub"))
+        self.shown()
+        self.assertAlmostEqual(self.state()["time"], 5, delta=0.2)
+        self.page.press("ArrowLeft")
+        self.assertAlmostEqual(self.state()["time"], 4, delta=0.2)
+        self.page.press("Home")
+        self.assertEqual(self.state()["time"], 0)
+        self.page.press("End")
+        self.assertEqual(self.state()["time"], 10)
+        self.page.press(",", "Comma")
+        self.assertAlmostEqual(self.state()["time"], 9.9, delta=1e-6)
+        self.page.press("+")
+        self.assertEqual(self.state()["speed"], 2)
+        self.page.press("-")
+        self.assertEqual(self.state()["speed"], 1)
+
+    def test_robots_and_walls_are_drawn(self):
+        self.keep("above")
+        at = self.place("red")
+        self.assertEqual(self.pixel(at), (204, 26, 26))
+        self.assertEqual(self.pixel(self.place("blue")), (26, 51, 204))
+        wall = self.page.run("troupe.screenPlace('red', [0, 4, 0.6])")
+        self.assertEqual(self.pixel(wall), (102, 102, 102))  # gray40
+        self.seek(8)
+        self.assertGreater(min(self.pixel(at)), 200, "it has gone from there")
+
+    def test_a_click_selects(self):
+        self.page.click(*self.place("blue"))
+        self.shown()
+        self.assertEqual(self.state()["selected"], "blue")
+        self.assertEqual(self.text("#panel h2"), "blue")
+        self.wait_for_text("#panel", r"ranges\s+1\.400 to 3\.000 m")
+        self.wait_for_text("#panel", r"stalled\s+0")
+        panel = self.text("#panel")
+        self.assertIn("id 2, looker", panel)
+        self.assertRegex(panel, r"x\s+1\.000 m")
+        self.assertRegex(panel, r"heading\s+90\.\d °")
+        self.shown()
+        self.keep("selected")
+        self.page.press("Escape")
+        self.assertIsNone(self.state()["selected"])
+        self.assertTrue(self.page.run("document.getElementById('panel').hidden"))
+        self.page.click(*self.page.run("troupe.screenPlace('red', [4, 0, 0])"))  # nobody is there
+        self.assertIsNone(self.state()["selected"])
+
+    def test_colour_by_field(self):
+        self.assertEqual(self.page.run("troupe.colors()"),
+                         ["own colours", "speed", "least of looker, eye: ranges", "stall: stalled"])
+        at = self.place("red")
+        self.page.run("troupe.color('speed')")
+        self.shown()
+        self.assertEqual(self.pixel(at), (173, 220, 48), "none is faster")
+        self.assertEqual(self.pixel(self.place("blue")), (68, 1, 84), "none is slower")
+        self.assertIn("speed, m/s", self.text("#legend"))
+        self.assertIn("0.50", self.text("#legend"))
+        self.page.run("troupe.color('least of looker, eye: ranges')")
+        self.page.wait("troupe.state().coloured")
+        self.shown()
+        self.assertEqual(self.pixel(at), (176, 170, 158), "it has no such sensor")
+        self.page.press("c", "KeyC")
+        self.shown()
+        self.assertIn("stalled", self.text("#legend"))
+
+    def test_trails(self):
+        self.seek(8)
+        x, y = map(int, self.place("red"))
+        behind, ahead = (x - 90, y - 4, x - 35, y + 5), (x + 35, y - 4, x + 90, y + 5)
+        before = self.box(*behind), self.box(*ahead)
+        self.page.run("troupe.trails(5)")
+        for _ in range(10):  # marks are sent a few a picture
+            self.shown()
+        self.keep("trails")
+        self.assertGreater(self.box(*behind).different(before[0]), 40)
+        self.assertEqual(self.box(*ahead).different(before[1]), 0)
+
+    def test_pans_zooms_and_turns(self):
+        place = "troupe.screenPlace('blue')"
+        x, y = self.page.run(place)
+        self.page.drag((500, 320), (400, 280))
+        self.settle()
+        moved = self.page.run(place)
+        self.assertAlmostEqual(moved[0] - x, -100, delta=12)
+        self.assertAlmostEqual(moved[1] - y, -40, delta=12)
+        red = self.page.run("troupe.screenPlace('red')")
+        apart = red[0] - moved[0]
+        self.page.mouse("mouseWheel", 500, 320, deltaX=0, deltaY=-240)
+        self.settle()
+        nearer = self.page.run("troupe.screenPlace('red')")[0] - self.page.run(place)[0]
+        self.assertGreater(nearer / apart, 1.1)
+        self.page.press("v", "KeyV")
+        self.settle()
+        self.keep("slanted")
+        self.assertEqual(self.text("#slant"), "top")
+        before = self.page.run(place)
+        self.page.drag((500, 320), (600, 320), button="right")
+        self.settle()
+        self.assertNotAlmostEqual(self.page.run(place)[0], before[0], delta=3)
+        self.page.press("v", "KeyV")
+        self.settle()
+        back = self.page.run(place)
+        self.assertAlmostEqual(back[0], x, delta=1)
+        self.assertAlmostEqual(back[1], y, delta=1)
+
+    def settle(self):
+        """Movements of the eye run out softly."""
+        self.page.run("(async () => { for (let i = 0; i < 40; i++) await new Promise(requestAnimationFrame); })()")
+
+    def test_is_dark_where_it_is_dark(self):
+        empty = self.page.run("troupe.screenPlace('blue', [-3, 0, 0])")
+        light = self.pixel(empty)
+        self.page.press("d", "KeyD")
+        self.shown()
+        self.keep("dark")
+        self.assertGreater(min(light), 200)
+        self.assertLess(max(self.pixel(empty)), 60)
+        self.assertEqual(self.pixel(self.place("red"))[0] > 150, True)
+        self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+        self.shown()
+        self.assertEqual(self.pixel(empty), light)
+
+    def test_shows_its_keys(self):
+        self.page.press("?", "Slash", shift=True)
+        self.assertTrue(self.page.run("document.getElementById('keys').open"))
+        self.assertIn("play or pause", self.text("#keys"))
+        self.page.run("document.getElementById('keys').close()")
+
+
+class PartsThatMove(Used):
+    options = ["--record-fields", "pose,ranges,stall"]
+    seconds = 8
+
+    @classmethod
+    def world(cls, folder):
+        path = folder / "yard.json"
+        path.write_text(json.dumps(YARD))
+        return path
+
+    def arm(self, angle):
+        """A place on the arm, where it has turned by so much."""
+        return self.page.run(f"troupe.screenPlace('crane', [{1.5 * math.cos(angle)}, {1.5 * math.sin(angle)}, 0.5])")
+
+    def test_an_arm_turns(self):
+        self.assertNotIn("at rest", self.told)
+        self.seek(0.5)
+        ahead, left = self.arm(0), self.arm(math.pi / 2)
+        self.assertEqual(self.pixel(ahead), (204, 26, 26))
+        self.assertGreater(min(self.pixel(left)), 200)
+        self.seek(2.05)  # between two frames: it began at 1.1 s
+        x, y = self.arm(0.5 * 0.95)
+        self.assertEqual(self.pixel((x, y)), (204, 26, 26))
+        self.seek(6)
+        self.keep("arm")
+        self.assertGreater(min(self.pixel(ahead)), 200)
+        self.assertEqual(self.pixel(left), (204, 26, 26))
+
+    def test_what_stands_on_it_looks_from_there(self):
+        self.seek(6)
+        beam = self.page.run("troupe.screenPlace('crane', [0, 2.8, 0.4])")  # straight ahead of the eye, in open space
+        before = self.pixel(beam)
+        self.page.run("troupe.select('crane')")
+        self.wait_for_text("#panel", r"ranges")
+        self.shown()
+        self.page.wait("troupe.state().scanned")
+        self.shown()
+        self.keep("arm_sees")
+        self.assertNotEqual(self.pixel(beam), before)
+        self.page.run("troupe.select(null)")
+
+    def test_who_is_born_comes_and_who_dies_goes(self):
+        self.seek(0)
+        self.assertEqual(self.text("#about p"), "0 of 3 robots and 2 other bodies, seed 1")
+        self.page.run("troupe.select('walker0')")
+        self.shown()
+        self.assertRegex(self.text("#panel"), r"x\s+not there")
+        self.assertRegex(self.text("#panel"), r"stalled\s+–")
+        self.seek(3.5)
+        self.assertEqual(self.text("#about p"), "1 of 3 robots and 2 other bodies, seed 1")
+        self.assertRegex(self.text("#panel"), r"x\s+-?[0-9.]+ m")
+        self.assertEqual(self.pixel(self.place("walker0")), (26, 51, 204))
+        self.keep("born")
+        self.seek(8)
+        self.assertRegex(self.text("#panel"), r"x\s+not there")
+        self.page.run("troupe.select(null)")
+
+
+class TenThousandRobots(Used):
+    options = ["--record-fields", "pose,stall"]
+    seconds = 2
+
+    @classmethod
+    def world(cls, folder):
+        return ROOT / "worlds" / "hospital-10cm.json"
+
+    def test_script_takes_less_than_10_ms_a_picture(self):
+        self.assertEqual(self.state()["robots"], 10000)
+        self.page.run("troupe.color('speed'), troupe.trails(2), troupe.setSpeed(0.25)")
+        for attempt in range(3):  # the machine may be busy with something else
+            self.page.run("troupe.seek(0), troupe.play(), troupe.state().scriptMs.length")
+            self.page.run("(async () => { for (let i = 0; i < 40; i++) await new Promise(requestAnimationFrame); })()")
+            times = self.page.run("troupe.state().scriptMs.slice(-30)")
+            median = statistics.median(times)
+            print(f"10,000 robots: script takes {median:.2f} ms a picture, at most {max(times):.2f}")
+            if median < MOST_SCRIPT_MS:
+                break
+        self.assertLess(median, MOST_SCRIPT_MS)
+        self.page.run("troupe.play(false), troupe.seek(1.5)")
+        self.shown()
+        self.keep("ten_thousand")
+
+
+class ADamagedPage(unittest.TestCase):
+    def test_says_so(self):
+        with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:
+            folder = Path(name)
+            (folder / "w.json").write_text(json.dumps(WORLD))
+            troupe(folder, "run", "w.json", "--quiet", "--for", 1, "--record", "run.h5")
+            troupe(folder, "replay", "run.h5", "-o", "page.html")
+            whole = (folder / "page.html").read_text()
+            cut = re.sub(r'(id="recording" type="text/plain">[^<]*)[^<]{400}</script>', r"\1</script>", whole)
+            self.assertNotEqual(cut, whole)
+            (folder / "cut.html").write_text(cut)
+            page.open(folder / "cut.html")
+            page.wait("document.getElementById('problem')?.innerText.startsWith('This page cannot be shown')")
+
+
+if __name__ == "__main__":
+    TROUPE = str(Path(sys.argv.pop(1)).resolve())
+    if len(sys.argv) > 1:
+        PICTURES = Path(sys.argv.pop(1)).resolve()
+        PICTURES.mkdir(parents=True, exist_ok=True)
+    if PROGRAM is None:
+        suite = unittest.defaultTestLoader.loadTestsFromTestCase(TheBundle)
+        if not unittest.TextTestRunner().run(suite).wasSuccessful():
+            sys.exit(1)
+        print("SKIPPED: no Chromium (scripts/setup --checks installs it): nobody has looked at the replay page")
+        sys.exit(SKIPPED)
+    unittest.main()

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Kills `troupe sweep` with SIGKILL at random moments, and asks for the table of one that was not killed.
+
+    sweep_kill_test.py PROGRAM [KILLS] [SEED]    KILLS: 3 unless given
+
+The study is apps/examples/study/coverage.json, 64 runs. Every kill must strike before the sweep ends by itself; what it
+had noted must be made no second time.
+"""
+
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+STUDY = ROOT / "apps/examples/study/coverage.json"
+PROGRAM = Path(sys.argv[1]).resolve()
+KILLS = int(sys.argv[2]) if len(sys.argv) > 2 else 3
+SEED = int(sys.argv[3]) if len(sys.argv) > 3 else time.time_ns()
+
+
+def noted(folder):
+    return sum(len(file.read_text().splitlines()) - 1 for file in folder.glob("runs-*.jsonl") if file.stat().st_size)
+
+
+def main():
+    draws = random.Random(SEED)
+    with tempfile.TemporaryDirectory(prefix="troupe-sweep-") as name:
+        whole, killed = Path(name) / "whole", Path(name) / "killed"
+        start = time.monotonic()
+        subprocess.run([PROGRAM, "sweep", STUDY, "-o", whole, "--threads", "1", "--quiet"], check=True)
+        takes_s = time.monotonic() - start
+        kills = 0
+        for _ in range(100 * KILLS):
+            if kills == KILLS:
+                break
+            process = subprocess.Popen([PROGRAM, "sweep", STUDY, "-o", killed, "--threads", "2", "--quiet"])
+            time.sleep(draws.uniform(0, takes_s / KILLS))
+            process.send_signal(signal.SIGKILL)
+            if process.wait() == -signal.SIGKILL:
+                kills += 1
+            else:  # it had ended: begin again
+                shutil.rmtree(killed)
+                kills = 0
+        before = noted(killed) if killed.exists() else 0
+        subprocess.run([PROGRAM, "sweep", STUDY, "-o", killed, "--threads", "2", "--quiet"], check=True)
+        print(f"{kills} kills (seed {SEED}), {before} of 64 runs noted before the last call")
+        if kills < KILLS or noted(killed) != 64:
+            print(f"{noted(killed)} runs are noted, after {kills} kills")
+            return 1
+        for table in ("table.csv", "table.h5"):
+            if (whole / table).exists() and (whole / table).read_bytes() != (killed / table).read_bytes():
+                print(f"{table} is another one than without kills")
+                return 1
+        return 0 if (whole / "table.csv").exists() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

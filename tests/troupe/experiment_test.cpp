@@ -1,0 +1,201 @@
+// Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
+
+#include "engine/world.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/troupe.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+
+void step(Simulation& simulation, int ticks) {
+  for (int tick = 0; tick < ticks; ++tick) simulation.step();
+}
+
+std::vector<std::string> log_of(Simulation& simulation, int ticks) {
+  std::vector<std::string> lines{simulation.hash_log_line()};
+  for (int tick = 0; tick < ticks; ++tick) {
+    simulation.step();
+    lines.push_back(simulation.hash_log_line());
+  }
+  return lines;
+}
+
+TEST(DoorScene, TheDoorOpensInTimeAndWhoWaitedGoesThrough) {
+  Simulation simulation(k_worlds / "door.json", {.threads = 2});
+  const Model door = simulation.find("door");
+  const Model scout = simulation.find("scout");
+  step(simulation, 200);
+  EXPECT_EQ(door.pose().y, 0) << "at 20 s";
+  // From x = -4 at 0.5 m/s, a tick after its first command, to its front at the door's face, x = -0.1.
+  EXPECT_NEAR(scout.pose().x, -0.2, 0.05);
+  EXPECT_LE(scout.pose().x, -0.2 + 1e-9);
+  EXPECT_TRUE(scout.stalled());
+  step(simulation, 20);
+  EXPECT_NEAR(door.pose().y, 1.1, 1e-9) << "2.2 m in 4 s";
+  step(simulation, 20);
+  EXPECT_NEAR(door.pose().y, 2.2, 1e-9);
+  // The scout's lane is y = -0.8: its upper side, y = -0.7, is free when the door's lower one is above that,
+  // 0.3 m from where it was, at 20.55 s: in tick 206.
+  step(simulation, 10);
+  EXPECT_NEAR(scout.pose().x, -0.2 + 0.05 * (250 - 206), 0.1);
+  EXPECT_FALSE(scout.stalled());
+}
+
+TEST(DoorScene, WalkersKeepToTheirRounds) {
+  Simulation simulation(k_worlds / "door.json", {.threads = 1});
+  const Model guard = simulation.find("guard");
+  step(simulation, 40);
+  EXPECT_NEAR(guard.pose().y, 0, 1e-9) << "half-way at 4 s";
+  const Pose first = guard.pose();
+  step(simulation, 120);
+  EXPECT_NEAR(guard.pose().y, first.y, 1e-9) << "a round of 12 s later";
+  EXPECT_NEAR(guard.pose().x, first.x, 1e-9);
+}
+
+TEST(FailuresScene, AThirdDiesAndTheOthersStillCoverTheGround) {
+  if (test::k_slow_build) GTEST_SKIP() << "it takes minutes";
+  Simulation simulation(k_worlds / "failures.json", {.threads = 2});
+  step(simulation, 200);
+  EXPECT_EQ(simulation.robots(), 61u) << "with the crate, which a drive could move";
+  simulation.step();
+  EXPECT_EQ(simulation.robots(), 41u) << "0.333 of 60 is 19.98";
+  simulation.run_for(600);
+  ASSERT_TRUE(simulation.stopped());
+  EXPECT_EQ(*simulation.stopped(), "covered >= 0.9");
+  const double end_s = simulation.time_s();
+  EXPECT_GT(end_s, 20.1) << "not before they died";
+
+  SimulationOptions options{.threads = 2};
+  options.set = {{"/at", "[]"}, {"/faults", "[]"}};
+  Simulation sound(k_worlds / "failures.json", options);
+  sound.run_for(600);
+  ASSERT_TRUE(sound.stopped());
+  EXPECT_LT(sound.time_s(), end_s) << "more of them are faster";
+}
+
+class ExperimentScenes : public test::ScratchTest, public ::testing::WithParamInterface<const char*> {};
+
+constexpr int k_ticks = test::k_slow_build ? 30 : 260;
+
+TEST_P(ExperimentScenes, DependOnNeitherThreadsNorTilesAndComeAgain) {
+  Simulation first(k_worlds / GetParam(), {.threads = 1});
+  const std::vector<std::string> expected = log_of(first, k_ticks);
+  for (const auto& [threads, tile_m] : {std::pair(2u, 0.7), std::pair(8u, 20.0)}) {
+    Simulation simulation(k_worlds / GetParam(), {.threads = threads, .tile_size_m = tile_m});
+    EXPECT_EQ(log_of(simulation, k_ticks), expected) << threads << " threads";
+  }
+  first.reset();
+  EXPECT_EQ(log_of(first, k_ticks), expected) << "after a reset";
+}
+
+TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const int before = test::k_slow_build ? 22 : 205;
+  Simulation straight(k_worlds / GetParam(), {.threads = 1});
+  step(straight, before);
+  straight.save(folder_ / "run.h5");
+  const std::vector<std::string> expected = log_of(straight, k_ticks - before);
+  Simulation resumed = Simulation::resume(folder_ / "run.h5", {.threads = 3, .tile_size_m = 1.7});
+  EXPECT_EQ(log_of(resumed, k_ticks - before), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::Values("door.json", "failures.json"));
+
+class StopWhen : public test::ScratchTest {
+ protected:
+  /// A robot that drives 1 m/s along x, from x = 0; the first motion is that of tick 2.
+  fs::path world(const std::string& keys) const {
+    return write("w.json", fmt::format(R"({{"troupe": 1, "bounds_m": [[-1, -1], [20, 1]], "quit_time_s": 100,
+      "types": {{"bot": {{"size_m": [0.4, 0.4, 0.4], "drive": {{"kind": "diff"}},
+        "controller": {{"kind": "script", "legs": [{{"until_s": 1000, "forward_mps": 1}}]}}}}}},
+      "models": [{{"name": "r", "type": "bot"}}], {}}})",
+                                       keys));
+  }
+};
+
+TEST_F(StopWhen, TheRunIsOverWithTheFirstTickAfterWhichOneHolds) {
+  Simulation simulation(world(R"("stop_when": ["displacement >= 5.01", "alive == 0"])"));
+  EXPECT_FALSE(simulation.stopped());
+  simulation.run_for(100);
+  EXPECT_EQ(simulation.tick(), 52u) << "5.1 m, 0.1 m each tick from the second on";
+  EXPECT_EQ(simulation.stopped(), "displacement >= 5.01");
+  simulation.run_for(1);
+  EXPECT_EQ(simulation.tick(), 52u) << "it stays over";
+  simulation.step();
+  EXPECT_EQ(simulation.tick(), 53u) << "but for who steps all the same";
+  simulation.reset();
+  EXPECT_FALSE(simulation.stopped());
+  simulation.run_for(100);
+  EXPECT_EQ(simulation.tick(), 52u) << "and again after a reset";
+}
+
+TEST_F(StopWhen, WhatIsRememberedOfTheWayIsInTheCheckpoint) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  // Cells of 1 m, of which the robot has been on those from 0 to n: 21 x 2 of them are free.
+  const fs::path file = world(R"("stop_when": ["coverage >= 0.2"])");
+  Simulation straight(file);
+  straight.run_for(100);
+  const std::uint64_t end = straight.tick();
+  EXPECT_THAT(end, ::testing::AnyOf(81u, 82u)) << "0.2 * 42 = 8.4: the ninth cell begins at x = 8";
+  Simulation first(file);
+  first.run_for(5);
+  first.save(folder_ / "run.h5");
+  Simulation resumed = Simulation::resume(folder_ / "run.h5");
+  EXPECT_FALSE(resumed.stopped());
+  resumed.run_for(100);
+  EXPECT_EQ(resumed.tick(), end);
+  EXPECT_EQ(resumed.stopped(), "coverage >= 0.2");
+  resumed.save(folder_ / "end.h5");
+
+  Simulation over = Simulation::resume(folder_ / "end.h5");
+  EXPECT_EQ(over.stopped(), "coverage >= 0.2") << "what was over is over";
+  over.run_for(1);
+  EXPECT_EQ(over.tick(), end);
+  ResumeOptions options;
+  options.set = {{"/stop_when", R"(["displacement > 10"])"}};
+  Simulation longer = Simulation::resume(folder_ / "end.h5", options);
+  EXPECT_FALSE(longer.stopped());
+  longer.run_for(100);
+  EXPECT_EQ(longer.stopped(), "displacement > 10");
+}
+
+TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
+  const auto error = [&](const std::string& keys) {
+    try {
+      Simulation simulation(world(keys));
+    } catch (const InputError& fault) {
+      return std::string(fault.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(error(R"("stop_when": ["displacement:q > 3"])"),
+              HasSubstr("w.json:4: error: unknown type or population of robots \"q\"; known: bot"));
+  EXPECT_THAT(error(R"("at": [{"time_s": 3, "remove": {"population": "r"}}])"),
+              HasSubstr("w.json:4: error: unknown population \"r\""));
+}
+
+TEST_F(StopWhen, ThereIsNothingToStopWhereNothingIsSaid) {
+  Simulation simulation(world(R"("title": "plain")"));
+  simulation.run_for(3);
+  EXPECT_EQ(simulation.tick(), 30u);
+  EXPECT_FALSE(simulation.stopped());
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,157 @@
+#include "worldio/study.hpp"
+
+#include "tests/worldio/json_test_world.hpp"
+#include "troupe/registry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+namespace troupe::worldio {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class StudyFile : public testing::Test {
+ protected:
+  StudyFile() : file_(std::filesystem::path(testing::TempDir()) / "study.json") {}
+
+  Study study(const std::string& members) {
+    std::ofstream(file_) << "{\"troupe_study\": 1, \"world\": \"w/hall.json\""
+                         << (members.empty() ? "" : ",\n") << members << "}";
+    diagnostics_ = Diagnostics();
+    return load_study(file_, make_registry(), diagnostics_);
+  }
+  std::vector<std::string> wrong(const std::string& members) {
+    study(members);
+    std::vector<std::string> texts;
+    for (const std::string& text : findings(diagnostics_))
+      texts.push_back(text.substr(text.rfind("study.json")));
+    return texts;
+  }
+  std::vector<std::vector<std::string>> values(const std::string& members) {
+    std::vector<std::vector<std::string>> all;
+    for (const Study::Run& run : study(members).runs) all.push_back(run.values);
+    EXPECT_THAT(findings(diagnostics_), IsEmpty());
+    return all;
+  }
+
+  std::filesystem::path file_;
+  Diagnostics diagnostics_;
+};
+
+TEST_F(StudyFile, WithoutParametersIsOneRunOfTheWorldBesideIt) {
+  const Study one = study("");
+  EXPECT_EQ(one.world, file_.parent_path() / "w/hall.json");
+  ASSERT_THAT(one.runs, SizeIs(1));
+  EXPECT_THAT(one.runs[0].values, IsEmpty());
+  EXPECT_FALSE(one.runs[0].seed || one.for_s);
+  EXPECT_THAT(one.statistics, ElementsAre(Statistic::last));
+  EXPECT_EQ(one.measure_every_s, 1);
+}
+
+TEST_F(StudyFile, AGridIsAllCombinationsTheFirstSlowestAndSeedsFastest) {
+  const Study grid = study(R"("for_ms": 500, "parameters": [
+    {"set": "/a/0/b", "values": [1, "two", {"x": [3]}]}, {"set": "/c", "name": "gain", "from": 0, "to": 1, "steps": 3}],
+    "seeds": [7, 5])");
+  EXPECT_EQ(grid.for_s, 0.5);
+  ASSERT_THAT(grid.runs, SizeIs(3 * 3 * 2));
+  EXPECT_THAT(grid.runs[0].values, ElementsAre("1", "0"));
+  EXPECT_EQ(grid.runs[0].seed, 7u);
+  EXPECT_EQ(grid.runs[1].seed, 5u);
+  EXPECT_THAT(grid.runs[2].values, ElementsAre("1", "0.5"));
+  EXPECT_THAT(grid.runs[17].values, ElementsAre("{\"x\": [3]}", "1"));
+  EXPECT_EQ(grid.parameters[0].name, "a.0.b");
+  EXPECT_EQ(grid.parameters[1].name, "gain");
+  EXPECT_THAT(grid.settings(grid.runs[7]),
+              ElementsAre(testing::Pair("/a/0/b", "\"two\""), testing::Pair("/c", "0")));
+}
+
+TEST_F(StudyFile, StepsEndAtTheLastValueExactly) {
+  EXPECT_THAT(values(R"("parameters": [{"set": "/x", "from": 0.1, "to": 0.7, "steps": 7}])").back(),
+              ElementsAre("0.7"));
+}
+
+TEST_F(StudyFile, SamplesAreDrawnWithinTheirIntervals) {
+  const auto drawn = values(R"("samples": 500, "parameters": [{"set": "/u", "uniform": [-1, 3]},
+    {"set": "/l", "log_uniform": [0.01, 100]}, {"set": "/i", "integers": [3, 6]}, {"set": "/v", "values": ["a", "b"]}])");
+  ASSERT_THAT(drawn, SizeIs(500));
+  std::set<std::string> integers, listed;
+  double below_one = 0;
+  for (const auto& row : drawn) {
+    EXPECT_GE(std::stod(row[0]), -1);
+    EXPECT_LT(std::stod(row[0]), 3);
+    EXPECT_GE(std::stod(row[1]), 0.01);
+    EXPECT_LE(std::stod(row[1]), 100);
+    below_one += std::stod(row[1]) < 1;
+    integers.insert(row[2]);
+    listed.insert(row[3]);
+  }
+  EXPECT_THAT(integers, ElementsAre("3", "4", "5", "6"));
+  EXPECT_THAT(listed, ElementsAre("\"a\"", "\"b\""));
+  EXPECT_NEAR(below_one / 500, 0.5, 0.09);  // half of the decades; four standard deviations
+}
+
+TEST_F(StudyFile, SamplesOfOneParameterDependNeitherOnTheOthersNorOnTheirNumber) {
+  const auto column = [](const std::vector<std::vector<std::string>>& rows, std::size_t at) {
+    std::vector<std::string> cells;
+    for (const auto& row : rows) cells.push_back(row[at]);
+    return cells;
+  };
+  const auto alone = column(values(R"("samples": 3, "parameters": [{"set": "/u", "uniform": [0, 1]}])"), 0);
+  auto more = column(
+      values(
+          R"("samples": 9, "parameters": [{"set": "/n", "integers": [1, 9]}, {"set": "/u", "uniform": [0, 1]}])"),
+      1);
+  more.resize(3);
+  EXPECT_EQ(alone, more);
+  EXPECT_NE(
+      alone,
+      column(values(R"("samples": 3, "random_seed": 2, "parameters": [{"set": "/u", "uniform": [0, 1]}])"),
+             0));
+}
+
+TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
+              testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
+              ElementsAre(HasSubstr("expected a JSON pointer")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"), ElementsAre(HasSubstr("needs 1 to")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [2, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("must be below the second")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("above 0")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("whole numbers")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"),
+              ElementsAre(HasSubstr("say how often")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
+              testing::Contains(HasSubstr("not both")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
+              ElementsAre(HasSubstr("another column is called \"seed\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
+              ElementsAre(HasSubstr("/parameters/1: another column is called \"x\"")));
+  EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
+  EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
+  EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("twice")));
+  EXPECT_THAT(wrong(R"("seeds": [])"), ElementsAre(HasSubstr("at least one seed")));
+  EXPECT_THAT(wrong(R"("seeds": 4)"), ElementsAre(HasSubstr("expected a list of seeds")));
+  EXPECT_THAT(
+      wrong(
+          R"("seeds": {"from": 1, "count": 1000}, "parameters": [{"set": "/x", "from": 0, "to": 1, "steps": 1001}])"),
+      ElementsAre(HasSubstr("these are 1.001e+06 runs; at most 1000000 are allowed")));
+  EXPECT_THAT(wrong(R"("sample": 3)"), ElementsAre(HasSubstr("unknown key \"sample\"")));
+  Diagnostics nowhere;
+  load_study("nowhere.json", make_registry(), nowhere);
+  EXPECT_THAT(findings(nowhere), ElementsAre("nowhere.json: error: there is no such file"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio

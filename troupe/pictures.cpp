@@ -1,0 +1,410 @@
+#include "troupe/pictures.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "engine/watch_spec.hpp"
+#include "troupe/frame_history.hpp"
+#include "troupe/picture_source.hpp"
+#include "troupe/simulation_source.hpp"
+#include "worldio/png.hpp"
+
+#ifdef TROUPE_HAS_RENDER
+#include "render/draw.hpp"
+#endif
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+constexpr std::string_view k_follow = "follow:";
+
+constexpr std::array<PictureLayer, 22> k_layers = {{
+    {"grid", true, "lines on the floor"},
+    {"shadows", true, "of what stands, on the floor"},
+    {"headings", true, "a mark at the front of each robot"},
+    {"stalls", true, "a red outline around who may not move"},
+    {"scale", true, "a bar of a round length, or how far apart the grid's lines are"},
+    {"clock", true, "the simulated time"},
+    {"speed", false, "times real time, beside the clock: of a film the film's, else the run's"},
+    {"legend", true, "of --color-by"},
+    {"scans", false, "what rangers see, filled and transparent"},
+    {"beams", false, "the same, a line a beam"},
+    {"sights", false, "lines from fiducial finders to what they have found"},
+    {"blobs", false, "what blob finders see, in its colours"},
+    {"grips", false, "light beams of grippers, red where broken, and what they hold"},
+    {"links", false, "lines from carriers to what they carry"},
+    {"trails", false, "where robots were in the last 20 s, the older the paler"},
+    {"names", false, "of robots"},
+    {"energy", false, "bars of what power packs hold"},
+    {"footprints", false, "outlines of bodies on the floor"},
+    {"coverage", false, "squares of 1 m on which robots have been, the longer ago the paler"},
+    {"density", false, "how many robots there are in squares of the floor"},
+    {"tiles", false, "how many there are in each tile, the unit of parallel work"},
+    {"cells", false, "cells of the index in which robots are"},
+}};
+
+/// A layer and whether it is to be shown; false where a word is none.
+struct LayerSwitch {
+  std::string_view name;
+  bool on = true;
+};
+
+std::vector<LayerSwitch> switches_of(std::string_view list) {
+  std::vector<LayerSwitch> switches;
+  for (std::size_t start = 0; !list.empty() && start <= list.size();) {
+    const std::size_t end = std::min(list.find(',', start), list.size());
+    std::string_view word = list.substr(start, end - start);
+    const bool off = word.starts_with('-');
+    if (off || word.starts_with('+')) word.remove_prefix(1);
+    switches.push_back({word, !off});
+    start = end + 1;
+  }
+  return switches;
+}
+
+}  // namespace
+
+std::span<const PictureLayer> picture_layers() { return k_layers; }
+
+std::string layers_fault(const std::string& layers) {
+  for (const LayerSwitch& layer : switches_of(layers)) {
+    if (std::ranges::find(k_layers, layer.name, &PictureLayer::name) != k_layers.end()) continue;
+    std::vector<std::string_view> known;
+    for (const PictureLayer& one : k_layers) known.push_back(one.name);
+    return unknown_name("layer", std::string(layer.name), known);
+  }
+  return {};
+}
+
+std::string camera_fault(const std::string& camera) {
+  const std::vector<std::string_view> known = {"follow:NAME", "perspective", "top", "window"};
+  const bool follows = camera.starts_with(k_follow) && camera.size() > k_follow.size();
+  if (follows || std::ranges::find(known.begin() + 1, known.end(), camera) != known.end()) return {};
+  return unknown_name("camera", camera, known);
+}
+
+#ifdef TROUPE_HAS_RENDER
+
+namespace {
+
+constexpr double k_default_pitch = 40 * k_pi / 180;
+constexpr double k_follow_widths = 24;  // radii of the model that is followed, across the picture
+constexpr double k_least_followed_m = 0.05;
+constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical
+
+bool* switch_of(render::Layers& layers, std::string_view name) {
+  const std::array<std::pair<std::string_view, bool*>, k_layers.size()> all = {
+      {{"grid", &layers.grid},         {"shadows", &layers.shadows}, {"headings", &layers.headings},
+       {"stalls", &layers.stalls},     {"scale", &layers.scale},     {"clock", &layers.clock},
+       {"speed", &layers.speed},       {"legend", &layers.legend},   {"scans", &layers.scans},
+       {"beams", &layers.beams},       {"sights", &layers.sights},   {"blobs", &layers.blobs},
+       {"grips", &layers.grips},       {"links", &layers.links},     {"trails", &layers.trails},
+       {"names", &layers.names},       {"energy", &layers.energy},   {"footprints", &layers.footprints},
+       {"coverage", &layers.coverage}, {"density", &layers.density}, {"tiles", &layers.tiles},
+       {"cells", &layers.cells}}};
+  const auto found = std::ranges::find(all, name, &std::pair<std::string_view, bool*>::first);
+  return found == all.end() ? nullptr : found->second;
+}
+
+/// What a world's window says, by the names of its fields.
+class Window {
+ public:
+  explicit Window(const engine::Record& record) : record_(record) {}
+  bool on(std::string_view name) const { return value(name).boolean(); }
+  const std::vector<double>& numbers(std::string_view name) const { return value(name).numbers(); }
+  const engine::Value& value(std::string_view name) const {
+    return engine::get(engine::window_fields(), record_, name);
+  }
+
+ private:
+  const engine::Record& record_;
+};
+
+/// In both of its cameras yaw turns the camera counter-clockwise and pitch tilts it up from straight down, as
+/// in ours.
+void look_through(const Window& window, render::View& view) {
+  const auto& size = window.numbers("size_px");
+  if (size[0] >= 1 && size[1] >= 1) {
+    view.width = static_cast<int>(size[0]);
+    view.height = static_cast<int>(size[1]);
+  }
+  render::Camera& camera = view.camera;
+  camera.perspective = window.on("perspective");
+  const auto& angle = window.numbers(camera.perspective ? "camera_angle" : "rotate");
+  camera.pitch = angle[0];
+  camera.yaw = angle[1];
+  if (camera.perspective) {
+    const auto& eye = window.numbers("camera");
+    camera.eye = Eigen::Vector3d(eye[0], eye[1], eye[2]);
+    camera.fov = k_stage_fov;
+  } else {
+    const auto& center = window.numbers("center");
+    camera.center = Eigen::Vector3d(center[0], center[1], 0);
+    camera.across_m = view.width / window.value("scale_px_per_m").number();
+  }
+  const bool shows_data = window.on("show_data");
+  render::Layers& layers = view.layers;
+  layers.grid = window.on("show_grid");
+  layers.clock = window.on("show_clock");
+  layers.footprints = window.on("show_footprints");
+  layers.cells = window.on("show_occupancy");
+  layers.scans = shows_data && window.on("show_ranger_ranges");
+  layers.sights = shows_data && window.on("show_fiducial");
+  layers.blobs = shows_data && window.on("blobfinder_vis");
+  layers.grips = shows_data && window.on("show_gripper_data");
+}
+
+/// A body of this id, where there is one in the list, which is in their order.
+const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies, std::uint32_t id) {
+  const auto found = std::ranges::lower_bound(bodies, id, {}, &engine::FrameBody::id);
+  return found == bodies.end() || found->id != id ? nullptr : &*found;
+}
+
+}  // namespace
+
+struct Pictures::ShotData {
+  engine::Frame frame;
+  std::optional<Eigen::Vector3d> center;  // of what is followed
+  std::optional<double> across_m;         // for it
+  std::vector<std::pair<std::string, std::string>> text;
+};
+
+struct Pictures::Impl {
+  PictureOptions options;
+  render::View view;
+  std::string file;                     // of the source, for people
+  std::optional<std::uint32_t> follow;  // BodyId
+  std::optional<Eigen::Vector3d> last_center;
+  std::optional<double> last_across_m;
+  FrameWishes wishes;
+  Trails trails;
+  Covered covered;
+  std::optional<render::Painter> painter;
+  engine::FrameScene scene;  // the painter has a copy
+
+  Impl(const PictureSource& source, PictureOptions wanted)
+      : options(std::move(wanted)), file(source.file()), trails(source.tick_s()), scene(source.scene()) {
+    if (const std::string fault = camera_fault(options.camera); !fault.empty()) refuse(fault);
+    if (const std::string fault = layers_fault(options.layers); !fault.empty()) refuse(fault);
+    set_camera(source);
+    for (const LayerSwitch& layer : switches_of(options.layers))
+      *switch_of(view.layers, layer.name) = layer.on;
+    if (options.color_range) view.values = std::pair((*options.color_range)[0], (*options.color_range)[1]);
+    const render::Layers& shown = view.layers;
+    wishes = {shown.scans || shown.beams,
+              shown.sights,
+              shown.blobs,
+              shown.grips,
+              shown.links,
+              shown.energy,
+              shown.names,
+              shown.speed,
+              std::nullopt};
+    if (!options.color_by.empty()) {
+      std::string fault;
+      wishes.value = source.find_value(options.color_by, fault);
+      if (!wishes.value) refuse(fault);
+    }
+    if (const std::string fault = source.missing(wishes); !fault.empty()) refuse(fault);
+  }
+
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw InputError(fmt::format("{}: error: {}", file, message));
+  }
+
+  void find_followed(const PictureSource& source, const std::string& name) {
+    follow = source.find_body(name);
+    if (!follow) refuse(fmt::format("there is no model \"{}\" to follow", name));
+  }
+
+  void set_camera(const PictureSource& source) {
+    const std::string& camera = options.camera;
+    if (camera == "window") {
+      if (!source.window()) refuse("the world has no window; other cameras: follow:NAME, perspective, top");
+      const Window window(*source.window());
+      look_through(window, view);
+      if (const std::string& name = window.value("follow").text(); !name.empty()) {
+        find_followed(source, name);
+        view.camera.eye.reset();
+      }
+    } else if (camera != "top") {
+      view.camera.perspective = true;
+      view.camera.pitch = k_default_pitch;
+      if (camera.starts_with(k_follow)) find_followed(source, camera.substr(k_follow.size()));
+    }
+    if (options.width > 0) view.width = options.width;
+    if (options.height > 0) view.height = options.height;
+    if (options.angle_rad) {
+      view.camera.pitch = (*options.angle_rad)[0];
+      view.camera.yaw = (*options.angle_rad)[1];
+    }
+    if (options.center_m) {
+      view.camera.center = Eigen::Vector3d((*options.center_m)[0], (*options.center_m)[1], 0);
+      view.camera.eye.reset();
+    }
+    if (options.across_m) {
+      view.camera.across_m = options.across_m;
+      view.camera.eye.reset();
+    }
+  }
+
+  /// Has the picture show what is followed. Who is not there any more was last seen somewhere.
+  void follow_in(ShotData& shot) {
+    if (!follow) return;
+    const engine::Frame& frame = shot.frame;
+    const engine::FrameBody* body = find_body(frame.mobile, *follow);
+    if (!body) body = find_body(scene.fixed, *follow);
+    if (body) {
+      const std::size_t known = scene.types.size();
+      const engine::FrameType& type =
+          body->type < known ? scene.types[body->type] : frame.types[body->type - known];
+      const Pose& pose = body->pose_world_body;
+      last_center = Eigen::Vector3d(pose.x, pose.y, pose.z);
+      last_across_m = k_follow_widths * std::max(type.radius, k_least_followed_m);
+    }
+    shot.center = last_center;
+    shot.across_m = last_across_m;
+  }
+
+  render::Picture paint(const engine::Frame& frame, const render::View& from) {
+    if (!painter) painter.emplace(scene);
+    return painter->draw(frame, from);
+  }
+
+  std::vector<std::uint8_t> draw(const ShotData& shot) {
+    render::View own = view;
+    if (shot.center) own.camera.center = shot.center;
+    if (!own.camera.across_m) own.camera.across_m = shot.across_m;
+    return paint(shot.frame, own).rgba;
+  }
+};
+
+Pictures::Pictures(const PictureSource& source, PictureOptions options)
+    : impl_(std::make_unique<Impl>(source, std::move(options))) {}
+Pictures::Pictures(const Simulation& simulation, PictureOptions options)
+    : Pictures(SimulationSource(simulation), std::move(options)) {}
+Pictures::~Pictures() = default;
+Pictures::Pictures(Pictures&&) noexcept = default;
+Pictures& Pictures::operator=(Pictures&&) noexcept = default;
+
+int Pictures::width() const { return impl_->view.width; }
+int Pictures::height() const { return impl_->view.height; }
+double Pictures::history_s() const {
+  if (impl_->view.layers.coverage) return std::numeric_limits<double>::infinity();
+  return impl_->view.layers.trails ? Trails::k_seconds : 0;
+}
+
+void Pictures::see(const Simulation& simulation) {
+  if (impl_->view.layers.coverage || (impl_->view.layers.trails && impl_->trails.wants(simulation.tick())))
+    see(SimulationSource(simulation));
+}
+
+void Pictures::see(const PictureSource& source) {
+  if (history_s() == 0) return;
+  const engine::Frame frame = source.frame({});
+  if (impl_->view.layers.trails) impl_->trails.see(frame);
+  if (impl_->view.layers.coverage) impl_->covered.see(impl_->scene, frame);
+}
+
+Pictures::Shot Pictures::take(const Simulation& simulation, double times_real_time) {
+  return take(SimulationSource(simulation), times_real_time);
+}
+
+Pictures::Shot Pictures::take(const PictureSource& source, double times_real_time) {
+  auto shot = std::make_shared<ShotData>();
+  shot->frame = source.frame(impl_->wishes);
+  shot->frame.times_real_time = times_real_time;
+  impl_->follow_in(*shot);
+  if (impl_->view.layers.trails) impl_->trails.add_to(shot->frame);
+  if (impl_->view.layers.coverage) impl_->covered.add_to(shot->frame);
+  shot->text = {{"Software", version_line()},
+                {"world", impl_->file},
+                {"time_s", fmt::format("{}", shot->frame.time_s)},
+                {"seed", fmt::format("{}", source.seed())},
+                {"state_hash", hex(source.state_hash())}};
+  return shot;
+}
+
+Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double share) {
+  auto shot = std::make_shared<ShotData>(*earlier);
+  const auto mix = [share](double a, double b) { return a + share * (b - a); };
+  engine::Frame& frame = shot->frame;
+  const engine::Frame& next = later->frame;
+  frame.time_s = mix(frame.time_s, next.time_s);
+  for (std::size_t i = 0, k = 0; i < frame.mobile.size(); ++i) {
+    // Both are in the order of ids; who dies in between stays until then, who is born comes then.
+    while (k < next.mobile.size() && next.mobile[k].id < frame.mobile[i].id) ++k;
+    if (k == next.mobile.size() || next.mobile[k].id != frame.mobile[i].id) continue;
+    Pose& pose = frame.mobile[i].pose_world_body;
+    const Pose& to = next.mobile[k].pose_world_body;
+    pose = {mix(pose.x, to.x), mix(pose.y, to.y), mix(pose.z, to.z),
+            pose.heading + share * wrap_angle(to.heading - pose.heading)};
+  }
+  for (engine::FrameTrail& trail : frame.trails) {
+    const Pose& pose = frame.mobile[trail.body].pose_world_body;
+    trail.points.back() = {pose.x, pose.y, pose.z};
+  }
+  if (shot->center && later->center)
+    shot->center = Eigen::Vector3d(*shot->center + share * (*later->center - *shot->center));
+  std::erase_if(shot->text, [](const auto& entry) { return entry.first == "state_hash"; });  // of no state
+  for (auto& [key, value] : shot->text)
+    if (key == "time_s") value = fmt::format("{}", frame.time_s);
+  return shot;
+}
+
+void Pictures::rehearse(const std::filesystem::path& png) {
+  const std::filesystem::path beside = std::filesystem::path(png).concat(fmt::format(".{}.png", getpid()));
+  render::View view = impl_->view;
+  view.width = view.height = 16;
+  render::Picture picture = impl_->paint({}, view);
+  worldio::write_png(beside, {picture.width, picture.height, std::move(picture.rgba)});
+  std::error_code ignored;
+  std::filesystem::remove(beside, ignored);
+}
+
+std::vector<std::uint8_t> Pictures::draw(const Shot& shot) { return impl_->draw(*shot); }
+
+void Pictures::write(const Shot& shot, const std::filesystem::path& png) {
+  worldio::write_png(png, {width(), height(), impl_->draw(*shot)}, shot->text);
+}
+
+#else
+
+struct Pictures::ShotData {};
+struct Pictures::Impl {};
+
+namespace {
+[[noreturn]] void refuse_to_draw() {
+  throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+}
+}  // namespace
+
+Pictures::Pictures(const Simulation&, PictureOptions) { refuse_to_draw(); }
+Pictures::Pictures(const PictureSource&, PictureOptions) { refuse_to_draw(); }
+Pictures::~Pictures() = default;
+Pictures::Pictures(Pictures&&) noexcept = default;
+Pictures& Pictures::operator=(Pictures&&) noexcept = default;
+int Pictures::width() const { return 0; }
+int Pictures::height() const { return 0; }
+double Pictures::history_s() const { return 0; }
+void Pictures::see(const Simulation&) {}
+void Pictures::see(const PictureSource&) {}
+Pictures::Shot Pictures::take(const Simulation&, double) { refuse_to_draw(); }
+Pictures::Shot Pictures::take(const PictureSource&, double) { refuse_to_draw(); }
+Pictures::Shot Pictures::between(const Shot&, const Shot&, double) { refuse_to_draw(); }
+void Pictures::rehearse(const std::filesystem::path&) { refuse_to_draw(); }
+std::vector<std::uint8_t> Pictures::draw(const Shot&) { refuse_to_draw(); }
+void Pictures::write(const Shot&, const std::filesystem::path&) { refuse_to_draw(); }
+
+#endif
+
+}  // namespace troupe

@@ -1,0 +1,435 @@
+#include "troupe/recorded_run.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/mount.hpp"
+#include "troupe/value_names.hpp"
+#include "worldio/hdf5_file.hpp"
+#include "worldio/recorded_scene.hpp"
+#include "worldio/recording_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using engine::Element;
+using engine::Frame;
+using engine::FrameScene;
+using worldio::RecordedScene;
+using worldio::RecordingReader;
+using Array = RecordingReader::Array;
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+// 0.3 s of 0.1 s ticks may be a little later than 0.3.
+constexpr double k_same_s = 1e-9;
+
+template <class T>
+void convert(std::span<const std::byte> bytes, std::span<double> into) {
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    T value;
+    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
+    into[i] = static_cast<double>(value);
+  }
+}
+
+void convert(Element element, std::span<const std::byte> bytes, std::span<double> into) {
+  switch (element) {
+    case Element::f64: return convert<double>(bytes, into);
+    case Element::f32: return convert<float>(bytes, into);
+    case Element::i64: return convert<std::int64_t>(bytes, into);
+    case Element::i32: return convert<std::int32_t>(bytes, into);
+    case Element::u64: return convert<std::uint64_t>(bytes, into);
+    case Element::u32: return convert<std::uint32_t>(bytes, into);
+    case Element::u8: return convert<std::uint8_t>(bytes, into);
+  }
+}
+
+/// What a world calls `ranger/eye` is `sensors/minibot/eye` in the recording of minibots.
+bool has_name(const Array& array, std::string_view name) {
+  const std::string_view component = array.component;
+  if (component == name || component.substr(0, component.find('/')) == name) return true;
+  if (!component.starts_with("sensors/")) return false;
+  const auto slash = name.rfind('/');
+  return slash != name.npos && component.substr(component.rfind('/') + 1) == name.substr(slash + 1);
+}
+
+template <class T>
+T number_in(const RecordingReader& reader, const std::string& key, T fallback) {
+  const auto found = reader.meta().find(key);
+  if (found == reader.meta().end()) return fallback;
+  const std::string& text = found->second;
+  T value = fallback;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return fault == std::errc() && end == text.data() + text.size() ? value : fallback;
+}
+
+}  // namespace
+
+struct RecordedRun::Impl {
+  RecordingReader reader;
+  RecordedScene world;
+  std::optional<engine::Record> window;
+  std::array<const Array*, 4> pose{};  // x, y, z, heading; z may be null
+  const Array* stalled = nullptr;
+  /// What each ranger of the scene reads: null where that was not recorded.
+  std::vector<const Array*> readings;
+  std::vector<std::uint32_t> rows;  // of each body: its row of the recording, or k_none
+  /// Where the joints of each type were, four numbers each; empty where that was not recorded.
+  std::vector<std::vector<std::array<const Array*, 4>>> joints;
+  std::size_t frame = 0;
+
+  static constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
+
+  explicit Impl(const std::filesystem::path& file)
+      : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
+    if (reader.frames() == 0) refuse("the recording has no frame");
+    pose = find_pose("pose");
+    rows.assign(world.bodies.size(), k_none);
+    for (std::size_t row = 0; row < reader.ids().size(); ++row)
+      rows[reader.ids()[row]] = static_cast<std::uint32_t>(row);
+    if (!pose[0] || !pose[1] || !pose[3])
+      refuse("the recording has no poses: --record-fields chooses what is recorded");
+    stalled = find("stall", "stalled");
+    for (const RecordedScene::Type& type : world.types) {
+      // Recordings tell types of one name apart by "~2": `type_name` is what /bodies/type says.
+      for (const RecordedScene::Eye& eye : type.eyes) {
+        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
+        std::size_t beams = 0;
+        for (const RecordedScene::Fan& fan : eye.fans) beams += fan.beams;
+        readings.push_back(ranges && ranges->field.columns == beams ? ranges : nullptr);
+      }
+      auto& of_type = joints.emplace_back();
+      for (const RecordedScene::Joint& joint : type.joints) of_type.push_back(find_pose(joint.component));
+      const auto is_whole = [](const auto& arrays) {
+        return std::ranges::all_of(arrays, [](const Array* array) { return array != nullptr; });
+      };
+      if (!std::ranges::all_of(of_type, is_whole)) of_type.clear();
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw InputError(fmt::format("{}: error: {}", reader.file().string(), message));
+  }
+
+  /// What /bodies/type calls it; empty where no recorded body is of it.
+  std::string type_name(const RecordedScene::Type& type) const {
+    for (std::size_t row = 0; row < reader.ids().size(); ++row)
+      if (&world.types[world.bodies[reader.ids()[row]].type] == &type) return reader.types()[row];
+    return {};
+  }
+
+  const Array* find(std::string_view component, std::string_view field) const {
+    for (const Array& array : reader.arrays())
+      if (array.component == component && array.field.name == field) return &array;
+    return nullptr;
+  }
+
+  std::array<const Array*, 4> find_pose(std::string_view component) const {
+    return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
+  }
+
+  /// Row-major: a row each of its bodies.
+  std::vector<double> read(const Array& array) const {
+    std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
+    std::vector<double> values(array.bodies.size() * array.field.columns);
+    reader.read(array, frame, bytes);
+    convert(array.field.element, bytes, values);
+    return values;
+  }
+
+  /// A component with the fields of a pose, a row each of the recording.
+  class Poses {
+   public:
+    Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
+      for (std::size_t f = 0; f < arrays.size(); ++f)
+        if (arrays[f]) values_[f] = run.read(*arrays[f]);
+    }
+    Pose of(std::size_t row, double z) const {
+      return {values_[0][row], values_[1][row], values_[2].empty() ? z : values_[2][row], values_[3][row]};
+    }
+
+   private:
+    std::array<std::vector<double>, 4> values_;
+  };
+
+  Frame bodies() const {
+    Frame shown{reader.times_s()[frame], reader.ticks()[frame], {}};
+    const std::vector<std::uint8_t> alive = reader.alive(frame);
+    const Poses poses(*this, pose);
+    const std::vector<double> stalls = stalled ? read(*stalled) : std::vector<double>();
+    for (std::size_t row = 0; row < reader.ids().size(); ++row) {
+      const std::uint32_t id = reader.ids()[row];
+      const RecordedScene::Body& body = world.bodies[id];
+      const Pose at = poses.of(row, body.pose_world_body.z);
+      if (alive[row] == 0 || !std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.heading))
+        continue;  // it was not there then
+      shown.mobile.push_back({body.type, at, body.color, row < stalls.size() && stalls[row] > 0, id});
+    }
+    return shown;
+  }
+
+  /// Where the joints of a type have carried what stands on them, in the body's frame: of each recorded row a
+  /// list; empty where that is not known.
+  std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
+    std::vector<std::vector<engine::Mount>> mounts;
+    if (joints[type].empty()) return mounts;
+    mounts.resize(reader.ids().size());
+    for (std::size_t j = 0; j < joints[type].size(); ++j) {
+      const RecordedScene::Joint& joint = world.types[type].joints[j];
+      const Poses states(*this, joints[type][j]);
+      const engine::Mount at_rest(joint.pose_body_joint);
+      for (std::size_t row = 0; row < mounts.size(); ++row) {
+        const Pose state = states.of(row, 0);
+        const engine::Mount parent =
+            joint.parent < 0 ? engine::Mount() : mounts[row][static_cast<std::size_t>(joint.parent)];
+        const bool is_known = std::isfinite(state.x) && std::isfinite(state.heading);
+        mounts[row].push_back(
+            is_known ? compose(compose(compose(parent, at_rest), engine::Mount(state)), inverse(at_rest))
+                     : parent);
+      }
+    }
+    return mounts;
+  }
+
+  /// Bodies of which parts have moved look as they then did.
+  void move_parts(Frame& shown) const {
+    for (std::uint32_t type = 0; type < world.types.size(); ++type) {
+      const auto moved = mounts(type);
+      if (moved.empty()) continue;
+      const RecordedScene::Type& at_rest = world.types[type];
+      for (engine::FrameBody& body : shown.mobile) {
+        if (body.type != type) continue;
+        engine::FrameType look = at_rest.look;
+        for (std::size_t k = 0; k < look.shapes.size(); ++k) {
+          if (at_rest.shape_joints[k] < 0) continue;
+          const engine::Mount& now = moved[rows[body.id]][static_cast<std::size_t>(at_rest.shape_joints[k])];
+          Solid& solid = look.shapes[k].solid;
+          for (Ring& ring : solid.contours)
+            for (Vec2& point : ring) point = now.transform * point;
+          solid.z = solid.z.shifted(now.z);
+        }
+        body.type = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
+        shown.types.push_back(std::move(look));
+      }
+    }
+  }
+
+  /// Of each recorded row: its place among the frame's bodies, or none.
+  std::vector<std::uint32_t> places_in(const Frame& shown) const {
+    std::vector<std::uint32_t> places(reader.ids().size(), k_none);
+    for (std::size_t row = 0, i = 0; row < places.size() && i < shown.mobile.size(); ++row)
+      if (reader.ids()[row] == shown.mobile[i].id) places[row] = static_cast<std::uint32_t>(i++);
+    return places;
+  }
+
+  void add_scans(Frame& shown) const {
+    const std::vector<std::uint32_t> places = places_in(shown);
+    std::size_t ranger = 0;
+    for (std::size_t type = 0; type < world.types.size(); ++type) {
+      const auto moved = mounts(type);
+      for (const RecordedScene::Eye& eye : world.types[type].eyes) {
+        const std::size_t index = ranger++;
+        if (!readings[index]) continue;
+        const Array& array = *readings[index];
+        const std::vector<double> ranges = read(array);
+        const std::size_t columns = array.field.columns;
+        for (std::size_t r = 0; r < array.bodies.size(); ++r) {
+          const std::uint32_t place = places[array.bodies[r]];
+          if (place == k_none || columns == 0 || !(ranges[r * columns] > 0)) continue;  // it did not look
+          Pose by_joint;
+          if (eye.joint >= 0 && !moved.empty())
+            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(eye.joint)].pose();
+          shown.scans.push_back({place, static_cast<std::uint32_t>(index), shown.ranges.size(), by_joint});
+          for (std::size_t c = 0; c < columns; ++c)
+            shown.ranges.push_back(static_cast<float>(ranges[r * columns + c]));
+        }
+      }
+    }
+    // A robot's own follow one another, as they do in a simulation.
+    std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
+  }
+
+  /// A number each of the frame's bodies, from every array that the name means.
+  std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
+                             std::size_t column) const {
+    const std::vector<std::uint32_t> places = places_in(shown);
+    std::vector<double> values(shown.mobile.size(), k_nan);
+    for (const Array& array : reader.arrays()) {
+      if (array.field.name != field || column >= array.field.columns || !has_name(array, component)) continue;
+      const std::vector<std::uint8_t> has = reader.has(array);
+      const std::vector<double> all = read(array);
+      for (std::size_t r = 0; r < array.bodies.size(); ++r)
+        if (const std::uint32_t place = places[array.bodies[r]]; place != k_none && has[r] != 0)
+          values[place] = all[r * array.field.columns + column];
+    }
+    return values;
+  }
+};
+
+namespace {
+
+/// What libraries throw of a file that is damaged, said as of any other input.
+template <class Work>
+auto checked(Work&& work) {
+  try {
+    return work();
+  } catch (const worldio::Hdf5Error& fault) {
+    throw InputError(fault.what());
+  }
+}
+
+}  // namespace
+
+RecordedRun::RecordedRun(const std::filesystem::path& recording)
+    : impl_(checked([&] { return std::make_unique<Impl>(recording); })) {
+  set_index(impl_->reader.frames() - 1);
+}
+
+RecordedRun::~RecordedRun() = default;
+RecordedRun::RecordedRun(RecordedRun&&) noexcept = default;
+RecordedRun& RecordedRun::operator=(RecordedRun&&) noexcept = default;
+
+std::size_t RecordedRun::index() const { return impl_->frame; }
+void RecordedRun::set_index(std::size_t frame) { impl_->frame = frame; }
+
+std::size_t RecordedRun::first_within(double history_s) const {
+  const std::span<const double> times = impl_->reader.times_s();
+  const auto first = std::ranges::lower_bound(times, times[impl_->frame] - history_s - k_same_s);
+  return std::min(static_cast<std::size_t>(first - times.begin()), impl_->frame);
+}
+
+void RecordedRun::go_to(double time_s) {
+  const std::span<const double> times = impl_->reader.times_s();
+  if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
+    impl_->refuse(fmt::format("{:g} s is not in it: it goes from {:g} s to {:g} s", time_s, times.front(),
+                              times.back()));
+  const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
+  set_index(static_cast<std::size_t>(later - times.begin()) - 1);
+}
+
+double RecordedRun::last_s() const { return impl_->reader.times_s().back(); }
+std::string RecordedRun::file() const { return impl_->reader.file().string(); }
+std::uint64_t RecordedRun::seed() const { return number_in(impl_->reader, "seed", std::uint64_t{0}); }
+double RecordedRun::tick_s() const { return number_in(impl_->reader, "tick_s", 0.1); }
+const engine::Record* RecordedRun::window() const { return impl_->window ? &*impl_->window : nullptr; }
+
+FrameScene RecordedRun::scene() const {
+  FrameScene scene;
+  scene.title = impl_->world.title;
+  std::vector<std::uint8_t> moves(impl_->world.bodies.size(), 0);
+  for (const std::uint32_t id : impl_->reader.ids()) moves[id] = 1;
+  for (std::size_t t = 0; t < impl_->world.types.size(); ++t) {
+    const RecordedScene::Type& type = impl_->world.types[t];
+    scene.types.push_back(type.look);
+    for (const RecordedScene::Eye& eye : type.eyes) {
+      engine::FrameRanger ranger{static_cast<std::uint32_t>(t), 0, {}};
+      for (const RecordedScene::Fan& fan : eye.fans) {
+        ranger.transducers.push_back(
+            {fan.pose_body_fan, fan.range_max_m, fan.fov_rad, ranger.readings, fan.beams});
+        ranger.readings += fan.beams;
+      }
+      scene.rangers.push_back(std::move(ranger));
+    }
+  }
+  const std::vector<std::uint8_t> alive = checked([&] { return impl_->reader.alive(0); });
+  std::vector<std::uint8_t> starts(impl_->world.bodies.size(), 0);
+  for (std::size_t row = 0; row < alive.size(); ++row) starts[impl_->reader.ids()[row]] = alive[row];
+  for (std::size_t b = 0; b < impl_->world.bodies.size(); ++b) {
+    const RecordedScene::Body& body = impl_->world.bodies[b];
+    const engine::FrameType& look = impl_->world.types[body.type].look;
+    if (moves[b] != 0) {
+      if (starts[b] != 0) scene.bounds.extend(Box::around(body.pose_world_body.position(), look.radius));
+      continue;
+    }
+    scene.fixed.push_back(
+        {body.type, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
+    for (const engine::FrameShape& shape : look.shapes)
+      for (const Ring& ring : placed(shape.solid, body.pose_world_body).contours)
+        scene.bounds.extend(bounds(ring));
+  }
+  return scene;
+}
+
+std::optional<std::uint32_t> RecordedRun::find_body(std::string_view name) const {
+  for (std::size_t b = impl_->world.bodies.size(); b-- > 0;)  // of equal names the last body has it
+    if (impl_->world.bodies[b].name == name) return static_cast<std::uint32_t>(b);
+  return std::nullopt;
+}
+
+std::optional<ChosenValue> RecordedRun::find_value(const std::string& name, std::string& fault) const {
+  for (ChosenValue& reading : readings_of(name)) {
+    for (const Array& array : impl_->reader.arrays()) {
+      if (array.field.name != reading.field || !has_name(array, reading.component)) continue;
+      if (reading.column >= array.field.columns) {
+        fault = columns_fault(reading, array.field.columns);
+        return std::nullopt;
+      }
+      reading.text = with_unit(name, array.field.unit);
+      return reading;
+    }
+  }
+  std::vector<std::string> known;
+  for (const Array& array : impl_->reader.arrays())
+    known.push_back(fmt::format("{}.{}", array.component, array.field.name));
+  fault = fmt::format("{}; --record-fields chooses what is recorded",
+                      unknown_name("value", name, {known.begin(), known.end()}));
+  return std::nullopt;
+}
+
+std::string RecordedRun::missing(const FrameWishes& wishes) const {
+  const auto not_recorded = [](std::string_view what, std::string_view field) {
+    return fmt::format("the recording has no {}: record them with --record-fields pose,{}", what, field);
+  };
+  const bool has_ranges = std::ranges::any_of(impl_->readings, [](const Array* a) { return a != nullptr; });
+  if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");
+  const auto has = [&](std::string_view component, std::string_view field) {
+    return std::ranges::any_of(impl_->reader.arrays(), [&](const Array& array) {
+      return array.field.name == field && has_name(array, component);
+    });
+  };
+  if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
+  for (const auto& [wished, layer] :
+       {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
+        std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links"), std::pair(wishes.speed, "speed")})
+    if (wished)
+      return fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer);
+  return {};
+}
+
+double RecordedRun::time_s() const { return impl_->reader.times_s()[impl_->frame]; }
+std::uint64_t RecordedRun::state_hash() const { return impl_->reader.hashes()[impl_->frame]; }
+
+Frame RecordedRun::frame(const FrameWishes& wishes) const {
+  return checked([&] {
+    Frame shown = impl_->bodies();
+    if (wishes.scans) impl_->add_scans(shown);
+    if (wishes.charges) {
+      const std::vector<double> stored = impl_->values(shown, "sensors", "stored", 0);
+      const std::vector<double> capacity = impl_->values(shown, "sensors", "capacity", 0);
+      for (std::size_t i = 0; i < stored.size(); ++i)
+        shown.charges.push_back(capacity[i] > 0 ? stored[i] / capacity[i] : k_nan);
+    }
+    if (wishes.names)
+      for (const engine::FrameBody& body : shown.mobile)
+        shown.names.push_back(impl_->world.bodies[body.id].name);
+    impl_->move_parts(shown);
+    if (wishes.value) {
+      shown.values = impl_->values(shown, wishes.value->component, wishes.value->field, wishes.value->column);
+      shown.value_name = wishes.value->text;
+    }
+    return shown;
+  });
+}
+
+}  // namespace troupe

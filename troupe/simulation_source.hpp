@@ -1,0 +1,30 @@
+#pragma once
+
+#include "troupe/picture_source.hpp"
+
+namespace troupe {
+
+class Simulation;
+
+/// A simulation as it stands. Refers to it.
+class SimulationSource : public PictureSource {
+ public:
+  explicit SimulationSource(const Simulation& simulation) : simulation_(simulation) {}
+
+  std::string file() const override;
+  std::uint64_t seed() const override;
+  double tick_s() const override;
+  const engine::Record* window() const override;
+  engine::FrameScene scene() const override;
+  std::optional<std::uint32_t> find_body(std::string_view name) const override;
+  std::optional<ChosenValue> find_value(const std::string& name, std::string& fault) const override;
+  std::string missing(const FrameWishes& wishes) const override;
+  double time_s() const override;
+  std::uint64_t state_hash() const override;
+  engine::Frame frame(const FrameWishes& wishes) const override;
+
+ private:
+  const Simulation& simulation_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,44 @@
+#include "troupe/value_names.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+/// Splits off what stands behind the last dot; nothing where there is none.
+std::optional<std::pair<std::string, std::string>> split_last(const std::string& name) {
+  const auto dot = name.rfind('.');
+  if (dot == name.npos) return std::nullopt;
+  return std::pair(name.substr(0, dot), name.substr(dot + 1));
+}
+
+}  // namespace
+
+std::vector<ChosenValue> readings_of(const std::string& name) {
+  std::vector<ChosenValue> readings;
+  const auto whole = split_last(name);
+  if (!whole) return readings;
+  readings.push_back({whole->first, whole->second, 0, {}});
+  std::size_t column = 0;
+  const std::string& last = whole->second;
+  const auto [end, fault] = std::from_chars(last.data(), last.data() + last.size(), column);
+  if (fault != std::errc() || end != last.data() + last.size()) return readings;
+  if (const auto field = split_last(whole->first))
+    readings.push_back({field->first, field->second, column, {}});
+  return readings;
+}
+
+std::string with_unit(const std::string& name, std::string_view unit) {
+  return unit.empty() ? name : fmt::format("{} ({})", name, unit);
+}
+
+std::string columns_fault(const ChosenValue& value, std::size_t columns) {
+  if (columns == 0) return fmt::format("\"{}.{}\" is empty", value.component, value.field);
+  return fmt::format("\"{}.{}\" has the columns 0 to {}", value.component, value.field, columns - 1);
+}
+
+}  // namespace troupe
