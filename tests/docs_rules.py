@@ -5,9 +5,9 @@ Patterns are searched in a command; texts are known by their page and by how the
 
 # Commands that are never run: (pattern, why).
 NOT_RUN = [
-    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|check-\w+)\b",
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|format|lint|check-\w+)\b",
      "builds, or takes minutes"),
-    (r"^cmake --preset ", "builds all of Troupe"),
+    (r"^(cmake|ctest) --preset ", "builds, or tests, all of Troupe"),
     (r"\bpip3? ", "builds all of Troupe"),
     (r"\bcpack\b", "tests/install/package_test.cmake makes the packages"),
     (r"\bsudo\b", "needs root"),
