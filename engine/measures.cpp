@@ -13,21 +13,6 @@ bool is_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
 }
 
-/// What `of` may name, but for single robots: types and populations.
-std::vector<std::string> names_of_robots(const World& world) {
-  std::set<std::string> names;
-  const WorldSpec& spec = world.spec();
-  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    if (!row.valid() || !world.type(row).drive) continue;
-    names.insert(world.type(row).name);
-    std::string name = spec.name(BodyId(b));
-    name.erase(name.find_last_not_of("0123456789") + 1);
-    if (!name.empty()) names.insert(std::move(name));
-  }
-  return {names.begin(), names.end()};
-}
-
 std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
   const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
   if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
@@ -129,6 +114,20 @@ std::vector<Row> robots_of(const World& world, std::string_view of) {
     robots.push_back(row);
   }
   return robots;
+}
+
+std::vector<std::string> names_of_robots(const World& world) {
+  std::set<std::string> names;
+  const WorldSpec& spec = world.spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (!row.valid() || !world.type(row).drive) continue;
+    names.insert(world.type(row).name);
+    std::string name = spec.name(BodyId(b));
+    name.erase(name.find_last_not_of("0123456789") + 1);
+    if (!name.empty()) names.insert(std::move(name));
+  }
+  return {names.begin(), names.end()};
 }
 
 }  // namespace troupe::engine

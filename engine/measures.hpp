@@ -55,6 +55,8 @@ class MeasureSet {
 /// The robots that `of` names, in the order of their ids: those of the type or the population of this name,
 /// or the one robot; of an empty text all. Empty where no robot is called so.
 std::vector<Row> robots_of(const World& world, std::string_view of);
+/// What `of` may name, but for single robots: the types and populations of robots, sorted.
+std::vector<std::string> names_of_robots(const World& world);
 
 /// How many of the rows are in the world.
 std::size_t count_there(const World& world, std::span<const Row> rows);

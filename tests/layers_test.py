@@ -28,13 +28,13 @@ BELOW = {
     "troupe": ["base", "partition", "engine", "sensors", "models", "worldio", "render"],
 }
 LIBRARY = list(BELOW)
-ANYTHING = LIBRARY + ["apps", "tests", "perf"]
-BELOW |= {"apps": LIBRARY, "tests": ANYTHING, "perf": ANYTHING}
+ANYTHING = LIBRARY + ["apps", "python", "tests", "perf"]
+BELOW |= {"apps": LIBRARY, "python": LIBRARY, "tests": ANYTHING, "perf": ANYTHING}
 
 # Third-party headers: (pattern, name, glob patterns of the files that may include them).
 # Library headers are installed, so a `.hpp` there knows Eigen only.
 LIBRARY_SOURCES = [f"{folder}/*.cpp" for folder in LIBRARY]
-TOP = ["apps/*", "apps/*/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
+TOP = ["apps/*", "apps/*/*", "python/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
 THIRD_PARTY = [
     (r"Eigen/", "Eigen", ["*/*", "*/*/*"]),
     (r"fmt/", "fmt", LIBRARY_SOURCES + TOP),
@@ -47,6 +47,7 @@ THIRD_PARTY = [
     (r"yaml-cpp/", "yaml-cpp", ["worldio/*.cpp"]),
     (r"hdf5|H5|highfive/", "HDF5", ["worldio/*.cpp", "tests/*/*.cpp"]),
     (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
+    (r"pybind11/|Python\.h|numpy/", "Python", ["python/*"]),
     (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
@@ -182,6 +183,7 @@ class PlantedFaults(unittest.TestCase):
         "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
         "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
         "troupe/made.hpp.in": "",
+        "python/bindings.hpp": '#include <pybind11/numpy.h>\n#include "troupe/troupe.hpp"\n',
         "apps/main.cpp": '#include <CLI/CLI.hpp>\n#include <chrono>\n#include "troupe/troupe.hpp"\n',
         "apps/examples/minimal.cpp": "#include <troupe/troupe.hpp>\n#include <iostream>\n",
         "tests/base/pose_test.cpp": '#include <gtest/gtest.h>\n#include "base/pose.hpp"\n',
@@ -215,6 +217,8 @@ class PlantedFaults(unittest.TestCase):
             ("worldio/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
             ("engine/json.cpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
             ("worldio/hdf5_file.hpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),
+            ("troupe/views.cpp", "#include <pybind11/numpy.h>\n", "Python is not for this file"),
+            ("troupe/up.hpp", '#include "python/bindings.hpp"\n', '"python/bindings.hpp": troupe must not know python'),
             ("worldio/map.hpp", "#include <yaml-cpp/yaml.h>\n", "yaml-cpp is not for this file"),
             ("apps/map.cpp", "#include <yaml-cpp/yaml.h>\n", "yaml-cpp is not for this file"),
             ("apps/record.cpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),

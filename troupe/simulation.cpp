@@ -290,23 +290,42 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options,
                        engine::Registry registry)
-    : impl_(std::make_unique<Impl>()) {
+    : Simulation(load(file, std::nullopt, options, std::move(registry))) {}
+
+Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
+                                 const SimulationOptions& options) {
+  return from_text(std::move(text), name, options, make_registry());
+}
+
+Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
+                                 const SimulationOptions& options, engine::Registry registry) {
+  return load(name, std::move(text), options, std::move(registry));
+}
+
+/// text: of the file, where that is not to be read.
+Simulation Simulation::load(const std::filesystem::path& file, std::optional<std::string> text,
+                            const SimulationOptions& options, engine::Registry registry) {
   restore_fp_environment();  // before anything is computed from the file
-  for (const auto& [pointer, value] : options.set) impl_->changes.emplace_back("set " + pointer, value);
-  impl_->file = file;
-  impl_->registry = std::move(registry);
-  impl_->plugins = add_plugins(impl_->registry, options.plugin_path);
+  auto impl = std::make_unique<Impl>();
+  for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
+  impl->file = file;
+  impl->registry = std::move(registry);
+  impl->plugins = add_plugins(impl->registry, options.plugin_path);
   Diagnostics diagnostics;
-  worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path, options.threads};
-  engine::WorldSpec spec = worldio::load_world(file, impl_->registry, load, diagnostics);
+  const worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path,
+                                 options.threads};
+  engine::WorldSpec spec =
+      text ? worldio::load_world_text(file, std::move(*text), impl->registry, how, diagnostics)
+           : worldio::load_world(file, impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
   spec.ranging = options.ranging.value_or(spec.ranging);
-  impl_->world = std::make_unique<engine::World>(std::move(spec), impl_->registry,
-                                                 engine::WorldOptions{options.threads, options.tile_size_m},
-                                                 diagnostics);
-  impl_->watch_for_the_end(diagnostics);
-  impl_->warnings = diagnostics.warnings();
-  append(impl_->warnings, impl_->plugins->warnings());
+  impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,
+                                                engine::WorldOptions{options.threads, options.tile_size_m},
+                                                diagnostics);
+  impl->watch_for_the_end(diagnostics);
+  impl->warnings = diagnostics.warnings();
+  append(impl->warnings, impl->plugins->warnings());
+  return Simulation(std::move(impl));
 }
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -595,6 +614,18 @@ const engine::Registry& Simulation::registry() const { return impl_->registry; }
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
   Pictures pictures(*this, {.width = width, .height = height});
   pictures.write(pictures.take(*this), png);
+}
+
+std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
+  if (width < 1 || height < 1)
+    throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
+  Pictures pictures(*this, {.width = width, .height = height});
+  const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i < rgba.size(); ++i)
+    if (i % 4 != 3) rgb.push_back(rgba[i]);
+  return rgb;
 }
 
 std::string version_line() {

@@ -85,6 +85,7 @@ struct Statistics {
 };
 
 class Simulation;
+class Swarm;
 
 /// A model of a simulation, found by its name. A light handle: valid while its simulation lives.
 class Model {
@@ -177,6 +178,13 @@ class Simulation {
   /// The same with kinds of the caller's own: make_registry() (troupe/registry.hpp), and what was added to
   /// it.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
+  /// Loads a world from its text. `name` stands for the file: its ending, .world or .json, says which syntax
+  /// the text has, relative paths in it count from its folder, and findings read `name:line: error: ...`.
+  static Simulation from_text(std::string text, const std::filesystem::path& name,
+                              const SimulationOptions& options = {});
+  /// The same with kinds of the caller's own.
+  static Simulation from_text(std::string text, const std::filesystem::path& name,
+                              const SimulationOptions& options, engine::Registry registry);
   /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
   /// had never stopped, on any number of threads, and without the files that its world was loaded from.
   /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
@@ -242,6 +250,10 @@ class Simulation {
   /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives
   /// or the one that Stage would generate. Throws std::out_of_range with near names when there is none.
   Model find(std::string_view name);
+  /// Many robots at once (troupe/swarm.hpp), in the order of their ids: those of the type or the population
+  /// of this name, or the one robot; of an empty text all. Throws std::out_of_range with the known names
+  /// where no robot is called so.
+  Swarm swarm(std::string_view of = {});
   /// Model::set_pose of many, at little more than the cost of one: bodies are indexed once. Where one of them
   /// cannot be put none is.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
@@ -295,11 +307,16 @@ class Simulation {
   /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
   /// no render, or the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
+  /// The same picture in memory: 8-bit RGB, three bytes a pixel, row 0 on top. Throws also
+  /// std::invalid_argument for a size below 1.
+  std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
 
  private:
   friend class Model;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
+  static Simulation load(const std::filesystem::path& file, std::optional<std::string> text,
+                         const SimulationOptions& options, engine::Registry registry);
   std::size_t reserve_of(std::string_view population) const;
   std::unique_ptr<Impl> impl_;
 };

@@ -6,3 +6,4 @@
 #include "troupe/pictures.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/simulation.hpp"
+#include "troupe/swarm.hpp"

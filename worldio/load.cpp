@@ -5,26 +5,44 @@
 #include <fmt/format.h>
 
 namespace troupe::worldio {
+namespace {
+
+engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnostics,
+                       const std::string& message) {
+  diagnostics.error({diagnostics.files()->add(file.string()), 0}, message);
+  engine::WorldSpec spec;
+  spec.files = diagnostics.files();
+  return spec;
+}
+
+/// What is wrong with a world's ending; empty when nothing is.
+std::string ending_fault(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending == ".world" || ending == ".json") return {};
+  return fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending);
+}
+
+}  // namespace
 
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
-  const auto fail = [&](const std::string& message) {
-    diagnostics.error({diagnostics.files()->add(file.string()), 0}, message);
-    engine::WorldSpec spec;
-    spec.files = diagnostics.files();
-    return spec;
-  };
-  const std::string ending = file.extension().string();
-  if (ending != ".world" && ending != ".json")
-    return fail(
-        fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending));
+  if (const std::string fault = ending_fault(file); !fault.empty()) return fail(file, diagnostics, fault);
   const auto found = find_stage_file(file, options.search_path);
   if (!found)
-    return fail(std::filesystem::exists(file) ? "this is no file that can be read" : "there is no such file");
+    return fail(file, diagnostics,
+                std::filesystem::exists(file) ? "this is no file that can be read" : "there is no such file");
   auto text = read_file(*found);
-  if (!text) return fail("the file cannot be read");
-  return ending == ".world" ? load_stage_world(*found, std::move(*text), registry, options, diagnostics)
-                            : load_json_world(*found, *text, registry, options, diagnostics);
+  if (!text) return fail(file, diagnostics, "the file cannot be read");
+  return load_world_text(*found, std::move(*text), registry, options, diagnostics);
+}
+
+engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string text,
+                                  const engine::Registry& registry, const LoadOptions& options,
+                                  Diagnostics& diagnostics) {
+  if (const std::string fault = ending_fault(file); !fault.empty()) return fail(file, diagnostics, fault);
+  return file.extension() == ".world"
+             ? load_stage_world(file, std::move(text), registry, options, diagnostics)
+             : load_json_world(file, text, registry, options, diagnostics);
 }
 
 }  // namespace troupe::worldio

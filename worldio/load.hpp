@@ -34,7 +34,13 @@ struct LoadOptions {
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics);
 
-/// The two readers behind it. `text` is the file's content, `file` names it and is the base of relative
+/// The same for a world whose text is at hand: `file` names it in messages, says by its ending which syntax
+/// it has, and is the base of relative paths; it need not be there.
+engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string text,
+                                  const engine::Registry& registry, const LoadOptions& options,
+                                  Diagnostics& diagnostics);
+
+/// The two readers behind them. `text` is the file's content, `file` names it and is the base of relative
 /// paths.
 engine::WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                                    const engine::Registry& registry, const LoadOptions& options,

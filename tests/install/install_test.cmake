@@ -1,6 +1,6 @@
 # Installs the build, moves the install tree, builds the example against it, and runs it.
 #   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DBUILD_TYPE=...
-#         -P install_test.cmake
+#         -DPYTHON=... -P install_test.cmake
 
 function(run)
   cmake_parse_arguments(arg "" "OUTPUT;IN" "" ${ARGN})
@@ -78,5 +78,15 @@ run(IN ${SCRATCH}/plugin OUTPUT hash ${SCRATCH}/consumer/runs_plugin room.json b
 string(STRIP "${hash}" hash)
 if(NOT hash MATCHES "^[0-9a-f]+$" OR NOT summary MATCHES "\"state_hash\":\"${hash}\"")
   message(FATAL_ERROR "the program ends at ${hash}, troupe run with:\n${summary}")
+endif()
+
+# The Python package, from where it was installed.
+if(EXISTS ${SCRATCH}/prefix/lib/python3/dist-packages/troupe)
+  run(IN ${SOURCE} OUTPUT printed ${CMAKE_COMMAND} -E env PYTHONPATH=${SCRATCH}/prefix/lib/python3/dist-packages
+      PYTHONDONTWRITEBYTECODE=1 ${PYTHON} -c
+      "import troupe, troupe.envs\nprint(troupe.__file__)\nprint(min(troupe.Simulation('worlds/minimal.world').find('r0').pose()))")
+  if(NOT printed MATCHES "^${SCRATCH}/prefix/lib/python3/dist-packages/troupe/__init__.py\n-3.5\n$")
+    message(FATAL_ERROR "the installed Python package printed:\n${printed}")
+  endif()
 endif()
 file(REMOVE_RECURSE ${SCRATCH})

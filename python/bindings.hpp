@@ -1,0 +1,63 @@
+#pragma once
+
+#include "troupe/troupe.hpp"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+/// The module `troupe._core`: the C++ API as Python sees it. What is more comfortable in Python than in C++
+/// is written in Python, in python/troupe.
+namespace troupe::python {
+
+namespace py = pybind11;
+
+/// A simulation as Python holds it: what Python reads of it keeps it alive.
+///
+/// Steps are taken without the interpreter's lock, so that other threads of Python run meanwhile. A
+/// simulation is not for several threads: one that is stepping refuses every call with a RuntimeError.
+class Held {
+ public:
+  explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
+
+  /// The simulation, for a call that comes with the interpreter's lock. Throws std::logic_error while it
+  /// steps.
+  Simulation& use();
+  /// Ticks, one after another; signals are looked at now and then, so that Ctrl-C ends it between two of
+  /// them.
+  void step(std::uint64_t ticks);
+
+ private:
+  Simulation simulation_;
+  bool stepping_ = false;  // under the interpreter's lock
+};
+using Holder = std::shared_ptr<Held>;
+using SimulationClass = py::class_<Held, Holder>;
+
+/// An array that shows memory of the simulation without copying it: read-only, and alive as long as it is.
+py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+               const void* first, const Holder& owner);
+
+template <class T>
+py::array view(std::span<const T> values, const Holder& owner) {
+  return view(py::dtype::of<T>(), {static_cast<py::ssize_t>(values.size())}, {sizeof(T)}, values.data(),
+              owner);
+}
+
+/// The elements of an array that is contiguous, to be filled.
+template <class T, class Element>
+std::span<T> elements(py::array_t<Element>& array) {
+  return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
+}
+
+void bind_errors(py::module_& module);
+SimulationClass bind_simulation(py::module_& module);
+void bind_swarm(py::module_& module, SimulationClass& simulation);
+void bind_tables(py::module_& module, SimulationClass& simulation);
+void bind_observers(py::module_& module);
+void bind_math(py::module_& module);
+
+}  // namespace troupe::python

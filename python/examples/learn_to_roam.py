@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""A robot learns to roam a hospital without stalling, by the cross-entropy method: of policies drawn about the best so
+far, the best few say where to draw next.
+
+    python3 python/examples/learn_to_roam.py [GENERATIONS [WORLD]]
+
+Each policy of a generation drives the robot of one copy of a VectorEnv. Seeds are given and arithmetic is troupe.math's,
+so that a run prints the same numbers wherever it runs.
+"""
+
+import sys
+
+import numpy as np
+import troupe.envs
+
+
+class Roam(troupe.envs.Task):
+    """Metres forward, and nothing for the rest; a stalled robot loses."""
+
+    ticks = 2
+    seconds = 20.0
+
+    def reward(self, swarm):
+        return swarm.speeds()[:, 0] - swarm.stalled()
+
+
+def act(policies, observations):
+    """Of each copy its own policy, a row for each of the two actions: weights of the ranges, and a constant."""
+    inputs = np.concatenate([observations / 2 - 0.5, np.ones((len(observations), 1))], axis=1)
+    return troupe.math.ordered_sum(policies * inputs[:, np.newaxis, :])
+
+
+def returns_of(policies, envs, seed):
+    observations, _ = envs.reset(seed=[seed] * envs.num_envs)
+    total = np.zeros(envs.num_envs)
+    for _ in range(100):
+        observations, rewards, *_ = envs.step(act(policies, observations))
+        total += rewards
+    return total
+
+
+def main(generations="8", world="worlds/hospital.json"):
+    envs = troupe.envs.VectorEnv(world, 16, Roam(), robots=1)
+    random = np.random.default_rng(1)
+    mean = np.zeros((2, envs.single_observation_space.shape[0] + 1))
+    spread = np.ones_like(mean)
+    for generation in range(int(generations)):
+        policies = mean + spread * random.standard_normal((envs.num_envs, *mean.shape))
+        returns = returns_of(policies, envs, seed=generation + 1)
+        best = policies[np.argsort(-returns, kind="stable")[:4]]
+        mean, spread = best.mean(axis=0), best.std(axis=0) + 0.05
+        print(f"generation {generation}: best {returns.max():7.2f}, median {np.median(returns):7.2f}", flush=True)
+    envs.close()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,70 @@
+#include "base/math.hpp"
+
+#include "python/bindings.hpp"
+
+#include <vector>
+
+namespace troupe::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+py::tuple sincos_of(const Numbers& angles) {
+  const std::vector<py::ssize_t> shape(angles.shape(), angles.shape() + angles.ndim());
+  py::array_t<double> sines(shape);
+  py::array_t<double> cosines(shape);
+  const std::span<const double> in(angles.data(), static_cast<std::size_t>(angles.size()));
+  std::vector<SinCos> both(in.size());
+  troupe::sincos(in, both);
+  double* sine = sines.mutable_data();
+  double* cosine = cosines.mutable_data();
+  for (const SinCos& one : both) {
+    *sine++ = one.sin;
+    *cosine++ = one.cos;
+  }
+  return py::make_tuple(sines, cosines);
+}
+
+/// Of rows of one length: eight at a time, because each addition waits for the one before it in its own row.
+void sum_rows(const double* first, std::size_t rows, std::size_t columns, double* sums) {
+  constexpr std::size_t k_some = 8;
+  std::size_t row = 0;
+  for (; row + k_some <= rows; row += k_some) {
+    double sum[k_some] = {};
+    for (std::size_t c = 0; c < columns; ++c)
+      for (std::size_t r = 0; r < k_some; ++r) sum[r] += first[(row + r) * columns + c];
+    for (std::size_t r = 0; r < k_some; ++r) sums[row + r] = sum[r];
+  }
+  for (; row < rows; ++row) {
+    double sum = 0;
+    for (std::size_t c = 0; c < columns; ++c) sum += first[row * columns + c];
+    sums[row] = sum;
+  }
+}
+
+/// Over the last axis.
+py::array_t<double> ordered_sum(const Numbers& values) {
+  if (values.ndim() == 0) throw py::value_error("ordered_sum of a single number: it takes an array");
+  const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);
+  py::array_t<double> sums(shape);
+  sum_rows(values.data(), static_cast<std::size_t>(sums.size()),
+           static_cast<std::size_t>(values.shape(values.ndim() - 1)), sums.mutable_data());
+  return sums;
+}
+
+}  // namespace
+
+void bind_math(py::module_& module) {
+  module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians"));
+  module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians"));
+  module.def("sincos", &sincos_of, py::arg("radians"));
+  module.def("atan2", py::vectorize([](double y, double x) { return troupe::atan2(y, x); }), py::arg("y"),
+             py::arg("x"));
+  module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x"));
+  module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x"));
+  module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x"));
+  module.def("wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }), py::arg("radians"));
+  module.def("ordered_sum", &ordered_sum, py::arg("values"));
+}
+
+}  // namespace troupe::python

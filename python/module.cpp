@@ -1,0 +1,107 @@
+#include "engine/world.hpp"
+#include "troupe/version.hpp"
+#include "python/bindings.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace troupe::python {
+namespace {
+
+/// A class of exceptions, which lives as long as the process: who throws may outlive the module.
+py::handle new_exception(py::module_& module, const char* name, PyObject* base) {
+  const py::exception<void> exception(module, name, base);
+  return py::object(exception).release();
+}
+
+py::handle input_error;
+py::handle step_error;
+
+void raise_input_error(const InputError& error) {
+  py::object value = py::reinterpret_borrow<py::object>(input_error)(error.what());
+  value.attr("findings") = py::str(error.what()).attr("splitlines")();
+  PyErr_SetObject(input_error.ptr(), value.ptr());
+}
+
+}  // namespace
+
+Simulation& Held::use() {
+  if (stepping_)
+    throw std::logic_error(
+        "this simulation is being stepped by another thread: one thread at a time may use it");
+  return simulation_;
+}
+
+void Held::step(std::uint64_t ticks) {
+  constexpr std::chrono::milliseconds k_patience(50);
+  Simulation& simulation = use();
+  struct Stepping {
+    explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
+    ~Stepping() { flag_ = false; }
+    Stepping(const Stepping&) = delete;
+    Stepping& operator=(const Stepping&) = delete;
+    bool& flag_;
+  } const stepping(stepping_);
+  while (ticks > 0) {
+    {
+      const py::gil_scoped_release released;
+      const auto begin = std::chrono::steady_clock::now();
+      do {
+        simulation.step();
+        --ticks;
+      } while (ticks > 0 && std::chrono::steady_clock::now() - begin < k_patience);
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+}
+
+py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+               const void* first, const Holder& owner) {
+  py::array array(type, std::move(shape), std::move(strides), first, py::cast(owner));
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+/// What goes wrong in C++ comes out as what Python calls it; std::invalid_argument is a ValueError, and all
+/// other std::exceptions are RuntimeErrors, without a word from here.
+void bind_errors(py::module_& module) {
+  input_error = new_exception(module, "InputError", PyExc_ValueError);
+  input_error.attr("__doc__") =
+      "Bad input: a world, a checkpoint, options. `findings` has one text for each thing that is wrong, as\n"
+      "`maze.world:41: error: ...`.";
+  step_error = new_exception(module, "StepError", PyExc_RuntimeError);
+  step_error.attr("__doc__") =
+      "A step met a value that is no number; the text names tick and robot. The state is of no use until "
+      "reset().";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(std::move(thrown));
+    } catch (const InputError& error) {
+      raise_input_error(error);
+    } catch (const engine::StepError& error) {
+      PyErr_SetString(step_error.ptr(), error.what());
+    } catch (const std::out_of_range& error) {  // a name that is not there, as IndexError would not say
+      PyErr_SetString(PyExc_LookupError, error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
+      PyErr_SetString(PyExc_OSError, error.what());
+    }
+  });
+}
+
+}  // namespace troupe::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace troupe::python;
+  module.doc() = "The C++ part of troupe; see there.";
+  module.attr("__version__") = troupe::k_version;
+  module.def("version_line", &troupe::version_line,
+             "Version, compiler, flags, instruction set and assertion state, on one line.");
+  bind_errors(module);
+  SimulationClass simulation = bind_simulation(module);
+  bind_swarm(module, simulation);
+  bind_tables(module, simulation);
+  bind_observers(module);
+  bind_math(module);
+}

@@ -1,0 +1,177 @@
+#include "troupe/swarm.hpp"
+
+#include "python/bindings.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+struct HeldSwarm {
+  Holder held;
+  Swarm swarm;
+
+  Swarm& use() {
+    static_cast<void>(held->use());
+    return swarm;
+  }
+  py::ssize_t size() const { return static_cast<py::ssize_t>(swarm.size()); }
+};
+
+[[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
+                         std::string_view wanted) {
+  throw py::value_error(fmt::format("{} has shape {}; for a swarm of {} robots give {}", name,
+                                    std::string(py::str(given.attr("shape"))), robots, wanted));
+}
+
+/// One number for all robots, or one for each.
+class Column {
+ public:
+  Column(std::string_view name, const Numbers& numbers, std::size_t robots)
+      : first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
+    if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
+      refuse(name, numbers, robots, "one number, or one for each");
+  }
+  double operator[](std::size_t i) const { return first_[i * step_]; }
+
+ private:
+  const double* first_;
+  std::size_t step_;
+};
+
+/// Which robots a command is for: empty for all.
+std::vector<std::uint8_t> mask_of(const std::optional<py::array>& where, std::size_t robots) {
+  if (!where) return {};
+  if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
+    refuse(fmt::format("where, of {},", std::string(py::str(where->dtype()))), *where, robots,
+           "one bool for each");
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
+  return {marks.data(), marks.data() + marks.size()};
+}
+
+template <class Row>
+py::array_t<double> rows_of(HeldSwarm& held, py::ssize_t columns, void (Swarm::*read)(std::span<Row>) const) {
+  py::array_t<double> out({held.size(), columns});
+  (held.use().*read)(elements<Row>(out));
+  return out;
+}
+
+py::array_t<bool> flags_of(HeldSwarm& held, void (Swarm::*read)(std::span<std::uint8_t>) const) {
+  py::array_t<bool> out(held.size());
+  (held.use().*read)(elements<std::uint8_t>(out));
+  return out;
+}
+
+using Where = std::optional<py::array>;
+
+template <void (Swarm::*k_command)(std::span<const Model::Speed>, std::span<const std::uint8_t>)>
+void command(HeldSwarm& held, const Numbers& forward, const Numbers& turn, const Numbers& left,
+             const Where& where) {
+  Swarm& swarm = held.use();
+  const std::size_t n = swarm.size();
+  const Column f("forward", forward, n);
+  const Column l("left", left, n);
+  const Column t("turn", turn, n);
+  std::vector<Model::Speed> speeds(n);
+  for (std::size_t i = 0; i < n; ++i) speeds[i] = {f[i], l[i], t[i]};
+  (swarm.*k_command)(speeds, mask_of(where, n));
+}
+
+void go_to(HeldSwarm& held, const Numbers& x, const Numbers& y, const Numbers& heading, const Where& where) {
+  Swarm& swarm = held.use();
+  const std::size_t n = swarm.size();
+  const Column xs("x", x, n);
+  const Column ys("y", y, n);
+  const Column headings("heading", heading, n);
+  std::vector<Pose> goals(n);
+  for (std::size_t i = 0; i < n; ++i) goals[i] = {xs[i], ys[i], 0, headings[i]};
+  swarm.go_to(goals, mask_of(where, n));
+}
+
+void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
+  Swarm& swarm = held.use();
+  const std::size_t n = swarm.size();
+  if (poses.ndim() != 2 || static_cast<std::size_t>(poses.shape(0)) != n || poses.shape(1) != 4)
+    refuse("poses", poses, n, "x, y, z, heading for each");
+  swarm.set_poses({reinterpret_cast<const Pose*>(poses.data()), n}, mask_of(where, n));
+}
+
+}  // namespace
+
+void bind_swarm(py::module_& module, SimulationClass& simulation) {
+  static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
+  py::class_<HeldSwarm>(
+      module, "Swarm",
+      "Many robots of one simulation, in the order of their ids: each call is for all of them.\n"
+      "Reading gives arrays of the caller's own. In commands `where` is a bool for each robot; who is\n"
+      "not in the world is left out.")
+      .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
+      .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
+      .def_property_readonly("ids",
+                             [](const HeldSwarm& s) {
+                               py::array_t<std::uint32_t> out(s.size());
+                               for (std::size_t i = 0; i < s.swarm.size(); ++i)
+                                 out.mutable_at(i) = s.swarm.ids()[i].value;
+                               return out;
+                             })
+      .def_property_readonly("names", [](const HeldSwarm& s) { return s.swarm.names(); })
+      .def_property_readonly("types", [](const HeldSwarm& s) { return s.swarm.types(); })
+      .def("alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); })
+      .def("stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); })
+      .def(
+          "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
+          "n x 4: x, y, z (m), heading (rad), world frame.")
+      .def(
+          "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
+          "Where each believes to be: n x 4, as poses().")
+      .def(
+          "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
+          "Of the last tick, body frame: n x 3: forward, left (m/s), turn (rad/s).")
+      .def(
+          "ranges",
+          [](HeldSwarm& s, const std::string& sensor) {
+            Swarm& swarm = s.use();
+            py::array_t<float> out({s.size(), static_cast<py::ssize_t>(swarm.beams(sensor))});
+            swarm.ranges(elements<float>(out), sensor);
+            return out;
+          },
+          py::arg("sensor") = "",
+          "n x beams, m, float32; of the ranger of this name, or the first of each robot.")
+      .def(
+          "bearings",
+          [](HeldSwarm& s, const std::string& sensor) {
+            const std::vector<double> bearings = s.use().bearings(sensor);
+            return py::array_t<double>(static_cast<py::ssize_t>(bearings.size()), bearings.data());
+          },
+          py::arg("sensor") = "", "Headings of the beams, rad, sensor's frame.")
+      .def(
+          "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
+          py::arg("sensor") = "", "No reading is more, m.")
+      .def("subscribe", [](HeldSwarm& s) { s.use().subscribe(); })
+      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward"), py::arg("turn"), py::kw_only(),
+           py::arg("left") = 0.0, py::arg("where") = py::none(),
+           "m/s and rad/s, one number or one for each; they hold until they are replaced.")
+      .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward"), py::arg("turn"), py::kw_only(),
+           py::arg("left") = 0.0, py::arg("where") = py::none(), "m/s^2 and rad/s^2.")
+      .def("go_to", &go_to, py::arg("x"), py::arg("y"), py::arg("heading"), py::kw_only(),
+           py::arg("where") = py::none(), "Goals in the frame of estimates(), m and rad.")
+      .def("set_poses", &set_poses, py::arg("poses"), py::kw_only(), py::arg("where") = py::none(),
+           "Puts them elsewhere: n x 4, as poses(). Where one cannot be put none is.");
+
+  simulation.def(
+      "swarm",
+      [](const Holder& held, const std::string& of) {
+        return HeldSwarm{held, held->use().swarm(of)};
+      },
+      py::arg("of") = "", "The robots of a type or a population, or one robot; of an empty name all.");
+}
+
+}  // namespace troupe::python

@@ -1,0 +1,147 @@
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "python/bindings.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::python {
+namespace {
+
+using engine::Element;
+using engine::StateField;
+using engine::StateTable;
+
+py::dtype type_of(Element element) {
+  switch (element) {
+    case Element::f64: return py::dtype::of<double>();
+    case Element::f32: return py::dtype::of<float>();
+    case Element::i64: return py::dtype::of<std::int64_t>();
+    case Element::i32: return py::dtype::of<std::int32_t>();
+    case Element::u64: return py::dtype::of<std::uint64_t>();
+    case Element::u32: return py::dtype::of<std::uint32_t>();
+    case Element::u8: break;
+  }
+  return py::dtype::of<std::uint8_t>();
+}
+
+/// One of the world's state tables. They stay where they are as long as their world lives.
+struct Table {
+  Holder held;
+  const StateTable* table;
+  std::string type;  ///< of its bodies, where all are of one; else empty
+
+  py::array field(const std::string& name) const {
+    static_cast<void>(held->use());
+    const std::span<const StateField> fields = table->fields();
+    std::vector<std::string_view> known;
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      known.push_back(fields[f].name);
+      if (fields[f].name == name) return view_of(f);
+    }
+    throw std::out_of_range(unknown_name("field of " + table->component(), name, known));
+  }
+
+ private:
+  py::array view_of(std::size_t f) const {
+    const StateField& field = table->fields()[f];
+    const py::dtype element = type_of(field.element);
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(table->rows())};
+    std::vector<py::ssize_t> strides{static_cast<py::ssize_t>(table->stride(f))};
+    if (field.columns > 1) {
+      shape.push_back(field.columns);
+      strides.push_back(element.itemsize());
+    }
+    return view(element, std::move(shape), std::move(strides), table->cell<std::byte>(0, f).data(), held);
+  }
+};
+
+std::string type_of(const engine::World& world, const StateTable& table) {
+  std::string type;
+  for (const BodyId body : table.ids()) {
+    const std::string& own = world.type(world.row(body)).name;
+    if (type.empty()) type = own;
+    if (type != own) return {};
+  }
+  return type;
+}
+
+std::vector<Table> tables_of(const Holder& held) {
+  const engine::World& world = held->use().world();
+  std::vector<Table> tables;
+  for (const StateTable& table : world.tables())
+    if (table.rows() > 0) tables.push_back({held, &table, type_of(world, table)});
+  return tables;
+}
+
+Table table_of(const Holder& held, const std::string& component, const std::string& type) {
+  std::vector<Table> found;
+  std::vector<std::string> names;
+  for (Table& table : tables_of(held)) {
+    names.push_back(table.table->component());
+    if (table.table->component() == component && (type.empty() || table.type == type))
+      found.push_back(std::move(table));
+  }
+  if (found.size() == 1) return found.front();
+  if (found.empty()) {
+    std::vector<std::string_view> known(names.begin(), names.end());
+    const std::string what = type.empty() ? "component" : fmt::format("component of type {}", type);
+    throw std::out_of_range(unknown_name(what, component, std::move(known)));
+  }
+  std::vector<std::string_view> types;
+  for (const Table& table : found) types.push_back(table.type);
+  throw std::invalid_argument(fmt::format("{} is a component of robots of {} types: say which: {}", component,
+                                          types.size(), comma_list(types)));
+}
+
+}  // namespace
+
+void bind_tables(py::module_& module, SimulationClass& simulation) {
+  py::class_<StateField>(module, "Field", "One array of the state.")
+      .def_readonly("name", &StateField::name)
+      .def_readonly("columns", &StateField::columns)
+      .def_readonly("unit", &StateField::unit)
+      .def_readonly("text", &StateField::text)
+      .def_property_readonly("dtype", [](const StateField& field) { return type_of(field.element); })
+      .def("__repr__", [](const StateField& field) {
+        return fmt::format("<Field {}: {} x {}{}{}>", field.name, engine::element_name(field.element),
+                           field.columns, field.unit.empty() ? "" : ", ", field.unit);
+      });
+
+  py::class_<Table>(
+      module, "Table",
+      "One component of the state: table[\"ranges\"] shows a field of every body without copying it,\n"
+      "read-only, and with new values after every step. Rows are in the order of storage; `ids` says whose\n"
+      "they are.")
+      .def_property_readonly("component", [](const Table& t) { return t.table->component(); })
+      .def_property_readonly("type", [](const Table& t) { return t.type; })
+      .def_property_readonly("fields",
+                             [](const Table& t) {
+                               return std::vector<StateField>(t.table->fields().begin(),
+                                                              t.table->fields().end());
+                             })
+      .def_property_readonly("ids",
+                             [](const Table& t) {
+                               static_assert(sizeof(BodyId) == sizeof(std::uint32_t));
+                               return view(py::dtype::of<std::uint32_t>(),
+                                           {static_cast<py::ssize_t>(t.table->rows())}, {sizeof(BodyId)},
+                                           t.table->ids().data(), t.held);
+                             })
+      .def("__getitem__", &Table::field, py::arg("field"))
+      .def("__len__", [](const Table& t) { return t.table->rows(); })
+      .def("__repr__", [](const Table& t) {
+        return fmt::format("<Table {}: {} rows>", t.table->component(), t.table->rows());
+      });
+
+  simulation.def("tables", &tables_of, "Every component of the state that has rows.")
+      .def("table", &table_of, py::arg("component"), py::arg("type") = "",
+           "One of them, \"pose\" or \"ranger/ir\"; of several of one name that of this type of robots.");
+}
+
+}  // namespace troupe::python

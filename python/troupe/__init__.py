@@ -1,0 +1,55 @@
+"""Massively multi-robot simulation, the same bits on any number of threads.
+
+    import troupe
+
+    simulation = troupe.Simulation("worlds/hospital.json", robots=500)
+    simulation.run_for(10)
+    print(f"{simulation.state_hash():016x}")
+
+docs/python.md has more. `troupe.math` has the functions that give the bits of C++ controllers, `troupe.envs` environments
+for reinforcement learning.
+"""
+
+from . import math
+from ._core import (
+    Event,
+    Events,
+    Field,
+    InputError,
+    Measures,
+    Model,
+    Pose,
+    Recording,
+    Simulation,
+    Speed,
+    StepError,
+    Swarm,
+    Table,
+    __version__,
+    version_line,
+)
+
+__all__ = [
+    "Event",
+    "Events",
+    "Field",
+    "InputError",
+    "Measures",
+    "Model",
+    "Pose",
+    "Recording",
+    "Simulation",
+    "Speed",
+    "StepError",
+    "Swarm",
+    "Table",
+    "__version__",
+    "math",
+    "version_line",
+]
+
+for _name in __all__:  # so that messages and help() name them as they are imported
+    _thing = globals()[_name]
+    if isinstance(_thing, type):
+        _thing.__module__ = __name__
+del _name, _thing

@@ -1,0 +1,77 @@
+"""python/examples/disperse.py: a controller in NumPy makes the bits of the one in C++, and costs little more."""
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+import time
+import unittest
+
+import numpy as np
+import troupe
+from support import HOSPITAL, ROOT
+
+EXAMPLE = ROOT / "python" / "examples" / "disperse.py"
+spec = importlib.util.spec_from_file_location("disperse", EXAMPLE)
+disperse = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(disperse)
+
+
+def golden(world, tick):
+    for line in (ROOT / "worlds" / "golden_hashes.txt").read_text().splitlines():
+        if line.split()[:3] == [world, "-", str(tick)]:
+            return int(line.split()[3], 16)
+    raise LookupError(f"{world} has no hash at tick {tick}")
+
+
+class Dispersal(unittest.TestCase):
+    def test_ends_in_the_state_of_the_controller_in_c_plus_plus(self):
+        for threads in (1, 2):
+            world = disperse.load(str(HOSPITAL), threads=threads)
+            swarm = world.swarm()
+            directions = troupe.math.sincos(swarm.bearings())
+            world.run_for(5, lambda _: disperse.disperse(swarm, directions))
+            self.assertEqual(len(swarm), 2000)
+            self.assertEqual(f"{world.state_hash():016x}", f"{golden('hospital.json', 50):016x}")
+
+    def test_other_arithmetic_is_noticed(self):
+        world = disperse.load(str(HOSPITAL))
+        swarm = world.swarm()
+        directions = np.sin(swarm.bearings()), np.nextafter(np.cos(swarm.bearings()), 0)
+        world.run_for(5, lambda _: disperse.disperse(swarm, directions))
+        self.assertNotEqual(world.state_hash(), golden("hospital.json", 50))
+
+    def test_the_controller_has_at_most_ten_lines(self):
+        body = re.search(r'def disperse\(.*?\n\n\n', EXAMPLE.read_text(), re.S)[0].strip().splitlines()
+        self.assertLessEqual(len(body), 10, body)
+
+    def test_takes_at_most_half_as_long_again(self):
+        numpy = disperse.load(str(HOSPITAL), threads=1)
+        plain = troupe.Simulation(HOSPITAL, threads=1)
+        swarm = numpy.swarm()
+        directions = troupe.math.sincos(swarm.bearings())
+        ratios = []
+        for _ in range(5):
+            taken = [0.0, 0.0]
+            for _ in range(20):
+                begin = time.process_time()
+                numpy.step()
+                disperse.disperse(swarm, directions)
+                between = time.process_time()
+                plain.step()
+                taken[0] += between - begin
+                taken[1] += time.process_time() - between
+            ratios.append(taken[0] / taken[1])
+        self.assertEqual(numpy.state_hash(), plain.state_hash())
+        self.assertLess(min(ratios), 1.5, ratios)
+
+    def test_the_example_runs(self):
+        done = subprocess.run(
+            [sys.executable, EXAMPLE, HOSPITAL, "1"], cwd=os.path.dirname(EXAMPLE), stdout=subprocess.PIPE, text=True, check=True
+        )
+        self.assertRegex(done.stdout, r"^2000 robots, 10 ticks, state [0-9a-f]{16} both times\nNumPy ")
+
+
+if __name__ == "__main__":
+    unittest.main()

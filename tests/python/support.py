@@ -1,0 +1,59 @@
+"""What the tests of the Python package share."""
+
+import contextlib
+import os
+import pathlib
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HOSPITAL = ROOT / "worlds" / "hospital.json"
+
+ROOM = {
+    "troupe": 1,
+    "title": "A room",
+    "seed": 5,
+    "tick_s": 0.2,
+    "types": {
+        "wall": {"size_m": [0.2, 20, 1]},
+        "bot": {
+            "size_m": [0.2, 0.2, 0.2],
+            "drive": {"kind": "diff"},
+            "sensors": [
+                {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 3, "fov_deg": 90, "samples": 3}]}
+            ],
+        },
+        "cart": {
+            "size_m": [0.4, 0.4, 0.2],
+            "drive": {"kind": "omni"},
+            "sensors": [
+                {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "fov_deg": 90, "samples": 5}]}
+            ],
+        },
+    },
+    "models": [
+        {"name": "east", "type": "wall", "pose": {"x_m": 5}},
+        {"name": "cart", "type": "cart", "pose": {"y_m": 4}},
+    ],
+    "populations": [
+        {
+            "name": "r",
+            "type": "bot",
+            "count": 6,
+            "reserve": 2,
+            "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 3]]},
+        }
+    ],
+}
+
+
+class InAFolder(unittest.TestCase):
+    """A test with an empty folder of its own, in which it works."""
+
+    def setUp(self):
+        stack = contextlib.ExitStack()
+        self.folder = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        before = os.getcwd()
+        stack.callback(os.chdir, before)
+        os.chdir(self.folder)
+        self.addCleanup(stack.close)

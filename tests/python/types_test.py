@@ -1,0 +1,80 @@
+"""The stubs fit the module, the package fits the stubs, and so does a program that uses it; what does not is found."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import troupe
+from support import ROOT
+
+GOOD = """
+import numpy as np
+import troupe
+from troupe.envs import ParallelEnv, Task
+
+world = troupe.Simulation("worlds/hospital.json", robots=5, seed=1, set={"/title": "t"})
+swarm = world.swarm("minibot")
+swarm.set_speeds(0.3, np.zeros(len(swarm)), where=swarm.alive())
+x: float = world.find("r0").pose().x
+shape: tuple[int, ...] = swarm.ranges().shape
+turn: float = troupe.math.atan2(1.0, x)
+turns = troupe.math.atan2(swarm.poses()[:, 1], swarm.poses()[:, 0])
+turns.sum()
+world.find("r0").set_pose((1.0, 2.0, 0.0))
+world.run_for(1, lambda simulation: simulation.tick)
+hash: int = world.hashes()["pose"]
+picture = world.picture()[:, :, 0]
+env = ParallelEnv("worlds/hospital.json", Task(), robots=5)
+"""
+BAD = {
+    "world.steps()": "attr-defined",
+    "world.step('fast')": "arg-type",
+    "x: str = world.tick": "assignment",
+    "world.find('r0').set_speed(1)": "call-arg",
+    "swarm.set_speeds(0.3, 0, 0.1)": "misc",
+}
+
+
+def run(*command, **options):
+    environment = {**os.environ, "MYPYPATH": os.path.dirname(os.path.dirname(troupe.__file__))}
+    environment.pop("PYTHONPATH", None)
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, **options)
+
+
+class Types(unittest.TestCase):
+    def mypy(self, *arguments):
+        with tempfile.TemporaryDirectory() as cache:
+            return run("mypy", "--config-file", ROOT / "pyproject.toml", "--cache-dir", cache, *arguments)
+
+    def test_the_package_is_typed(self):
+        done = self.mypy("--package", "troupe")
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_programs_that_are_right_pass_and_others_do_not(self):
+        lines = GOOD.strip().splitlines()
+        with tempfile.TemporaryDirectory() as folder:
+            program = os.path.join(folder, "program.py")
+            with open(program, "w") as file:
+                file.write("\n".join([*lines, *BAD]) + "\n")
+            done = self.mypy(program)
+        found = [line for line in done.stdout.splitlines() if "program.py" in line and "error:" in line]
+        self.assertEqual(len(found), len(BAD), done.stdout)
+        for number, (line, (code, kind)) in enumerate(zip(found, BAD.items()), len(lines) + 1):
+            self.assertIn(f"program.py:{number}: error:", line)
+            self.assertIn(f"[{kind}]", line, code)
+
+    def test_the_stubs_are_those_of_the_module(self):
+        path = os.path.dirname(os.path.dirname(troupe.__file__))
+        done = subprocess.run(["stubtest", "troupe._core", "troupe.math"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path}, cwd=ROOT)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
+if __name__ == "__main__":
+    if not (shutil.which("mypy") and shutil.which("stubtest")):
+        print("skipped: no mypy; scripts/setup --checks installs it")
+        sys.exit(77)
+    unittest.main()

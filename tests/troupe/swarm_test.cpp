@@ -1,0 +1,262 @@
+#include "troupe/swarm.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/math.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace troupe {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+const std::filesystem::path k_worlds = std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds";
+
+/// Bots and trucks that stand in anything but the order of their ids, one bot that is yet to be born, and a
+/// wall.
+constexpr std::string_view k_yard = R"({
+  "troupe": 1, "mortal": true, "types": {
+    "wall": {"size_m": [0.2, 30, 1]},
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "omni"}, "sensors": [
+      {"name": "lamp", "kind": "fiducial"},
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 3, "fov_deg": 90, "samples": 3}]},
+      {"name": "nape", "kind": "ranger", "active": false, "transducers": [{"pose": {"heading_deg": 180}, "range_max_m": 2}]}]},
+    "truck": {"size_m": [1, 0.5, 0.5], "drive": {"kind": "omni"}, "sensors": [
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 4, "fov_deg": 90, "samples": 5}]}]}
+  },
+  "models": [
+    {"name": "east", "type": "wall", "pose": {"x_m": 5}},
+    {"name": "b0", "type": "bot", "pose": {"x_m": 3, "y_m": 9, "heading_deg": 10}},
+    {"name": "t0", "type": "truck", "pose": {"x_m": -9, "y_m": -9}},
+    {"name": "b1", "type": "bot", "pose": {"x_m": -3, "y_m": -9, "heading_deg": 20}},
+    {"name": "t1", "type": "truck", "pose": {"x_m": 2, "y_m": 4}},
+    {"name": "b2", "type": "bot", "pose": {"x_m": 4, "heading_deg": 30}}
+  ],
+  "populations": [{"name": "c", "type": "bot", "count": 1, "reserve": 1, "place": {"rule": "uniform", "region_m": [[-5, 5], [-4, 6]]}}]
+})";
+
+Simulation yard(std::string_view text = k_yard) {
+  return Simulation::from_text(std::string(text), "yard.json");
+}
+
+template <class Exception, class Call>
+std::string message_of(Call&& call) {
+  try {
+    call();
+  } catch (const Exception& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing of this kind was thrown";
+  return {};
+}
+
+TEST(WorldsFromText, AreThoseOfTheirFiles) {
+  const std::filesystem::path file = k_worlds / "noise.world";  // includes nothing, but is of Stage's syntax
+  std::ifstream stream(file);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  Simulation loaded(file);
+  Simulation read = Simulation::from_text(text, file);
+  loaded.step();
+  read.step();
+  EXPECT_EQ(read.state_hash(), loaded.state_hash());
+}
+
+TEST(WorldsFromText, NameWhatIsWrongByTheirNames) {
+  EXPECT_EQ(message_of<InputError>([] { Simulation::from_text("{\n\"troupe\": 2}", "made/here.json"); }),
+            "made/here.json:2: error: /troupe: format version 2 is not known: this version reads 1");
+  EXPECT_THAT(message_of<InputError>([] { Simulation::from_text("", "here.yaml"); }),
+              HasSubstr("here.yaml: error: a world's file name ends in .world (Stage's syntax) or .json"));
+}
+
+TEST(Swarms, AreOrderedByIdAndSayWhatModelsSay) {
+  Simulation simulation = yard();
+  const Swarm all = simulation.swarm();
+  EXPECT_THAT(all.names(), ElementsAre("b0", "t0", "b1", "t1", "b2", "c0", "c1"));
+  EXPECT_THAT(all.types(), ElementsAre("bot", "truck"));
+  EXPECT_TRUE(std::ranges::is_sorted(all.ids()));
+  EXPECT_THAT(simulation.swarm("truck").names(), ElementsAre("t0", "t1"));
+  EXPECT_THAT(simulation.swarm("b").names(), ElementsAre("b0", "b1", "b2"));
+  EXPECT_THAT(simulation.swarm("t1").names(), ElementsAre("t1"));
+
+  Swarm bots = simulation.swarm("bot");
+  std::vector<Model::Speed> speeds(bots.size());
+  for (std::size_t i = 0; i < bots.size(); ++i)
+    speeds[i] = {0.1 * static_cast<double>(i), -0.2, 0.3 * static_cast<double>(i)};
+  bots.set_speeds(speeds);
+  simulation.run_for(2);
+
+  std::vector<Pose> poses(bots.size());
+  std::vector<Pose> estimates(bots.size());
+  std::vector<std::uint8_t> stalled(bots.size());
+  std::vector<std::uint8_t> alive(bots.size());
+  std::vector<float> ranges(bots.size() * bots.beams());
+  bots.poses(poses);
+  bots.estimates(estimates);
+  bots.speeds(speeds);
+  bots.stalled(stalled);
+  bots.alive(alive);
+  bots.ranges(ranges);
+  const std::vector<std::string> names = bots.names();
+  ASSERT_THAT(names, ElementsAre("b0", "b1", "b2", "c0", "c1"));
+  EXPECT_THAT(alive, ElementsAre(1, 1, 1, 1, 0));
+  EXPECT_TRUE(std::isnan(poses[4].x));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Model model = simulation.find(names[i]);
+    EXPECT_EQ(poses[i], model.pose());
+    EXPECT_EQ(estimates[i], model.estimate());
+    EXPECT_EQ(speeds[i].forward, 0.1 * static_cast<double>(i));
+    EXPECT_EQ(speeds[i].left, -0.2);
+    EXPECT_EQ(speeds[i].turn, 0.3 * static_cast<double>(i));
+    EXPECT_EQ(stalled[i] != 0, model.stalled());
+    EXPECT_THAT(std::span(ranges).subspan(3 * i, 3), ElementsAreArray(model.ranges("eye")));
+  }
+  EXPECT_THAT(bots.bearings("eye"),
+              ElementsAre(testing::DoubleEq(-k_pi / 4), 0, testing::DoubleEq(k_pi / 4)));
+  EXPECT_GE(bots.range_bound(), 3);
+}
+
+TEST(Swarms, CommandWhomTheyAreToldTo) {
+  Simulation simulation = yard();
+  Swarm bots = simulation.swarm("b");
+  const std::vector<Model::Speed> fast(3, {1, 0, 0});
+  const std::vector<std::uint8_t> last{0, 0, 1};
+  bots.accelerate(fast, last);
+  simulation.run_for(0.3);
+  EXPECT_EQ(simulation.find("b0").speed().forward, 0);
+  EXPECT_GT(simulation.find("b2").speed().forward, 0.1);
+
+  std::vector<Pose> poses(3);
+  bots.poses(poses);
+  poses[0] = {-2, 1, 0, 0};
+  bots.set_poses(poses, std::vector<std::uint8_t>{1, 0, 0});
+  EXPECT_EQ(simulation.find("b0").pose(), poses[0]);
+  bots.go_to(std::vector<Pose>(3, {-1, 1, 0, 0}), std::vector<std::uint8_t>{1, 0, 0});
+  simulation.run_for(20);
+  EXPECT_NEAR(simulation.find("b0").pose().x, -1, 0.05);
+
+  // Who is not there is left out; nobody's rows but their own are touched.
+  simulation.remove(simulation.find("b1"));
+  const std::uint64_t dead = simulation.state_hash();
+  bots.set_speeds(fast, std::vector<std::uint8_t>{0, 1, 0});
+  EXPECT_EQ(simulation.state_hash(), dead);
+}
+
+TEST(Swarms, GiveReadingsOfSensorsThatRun) {
+  Simulation simulation = yard();
+  Swarm bots = simulation.swarm("bot");
+  std::vector<float> nape(bots.size());
+  EXPECT_THAT(message_of<std::logic_error>([&] { bots.ranges(nape, "nape"); }),
+              HasSubstr("sensor \"nape\" of \"b0\" does not run: subscribe to the robot first"));
+  bots.subscribe();
+  simulation.step();
+  bots.ranges(nape, "nape");
+  nape.pop_back();  // who is yet to be born reads 0
+  EXPECT_THAT(nape, Each(testing::Gt(0)));
+  EXPECT_THAT(message_of<std::logic_error>([&] { bots.subscribe(); }), HasSubstr("before the first step"));
+}
+
+TEST(Swarms, SayWhatIsWrong) {
+  Simulation simulation = yard();
+  EXPECT_EQ(
+      message_of<std::out_of_range>([&] { static_cast<void>(simulation.swarm("bots")); }),
+      "unknown type or population of robots \"bots\"; known: b, bot, c, t, truck (did you mean \"bot\"?)");
+  Swarm bots = simulation.swarm("b");
+  std::vector<float> ranges(9);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { bots.ranges(ranges, "ear"); }),
+            "\"b0\" has no ranger \"ear\"; it has: eye, nape");
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { static_cast<void>(simulation.swarm().beams("eye")); }),
+            "robots with different rangers: 3 beams of \"b0\", 5 of \"t0\"; take a swarm of one type");
+  ranges.pop_back();
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.ranges(ranges); }),
+            "room for 8 readings of 3 robots with 3 beams each");
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.set_speeds(std::vector<Model::Speed>(2)); }),
+            "2 elements for a swarm of 3 robots");
+  EXPECT_EQ(message_of<std::invalid_argument>(
+                [&] { bots.set_speeds(std::vector<Model::Speed>(3), std::vector<std::uint8_t>(4)); }),
+            "4 marks of where to act for a swarm of 3 robots");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  bots.set_speeds(std::vector<Model::Speed>(3, {nan, 0, 0}));
+  EXPECT_THAT(message_of<std::runtime_error>([&] { simulation.step(); }), HasSubstr("\"b0\""));
+}
+
+/// The controller expand_swarm, for all robots in one call from outside.
+class Outside {
+ public:
+  explicit Outside(Simulation& simulation)
+      : swarm_(simulation.swarm()),
+        speeds_(swarm_.size()),
+        moves_(swarm_.size()),
+        ranges_(swarm_.size() * swarm_.beams()) {
+    for (const double bearing : swarm_.bearings()) directions_.push_back(sincos(bearing));
+  }
+
+  void command() {
+    constexpr double d = 0.5;
+    const std::vector<double> clearances{d, d / 1.5, d / 3, d / 5, -1, -1, -1, -1, -1, d / 5, d / 3, d / 1.5};
+    swarm_.ranges(ranges_);
+    for (std::size_t i = 0; i < swarm_.size(); ++i) {
+      double x = 0;
+      double y = 0;
+      bool is_clear = true;
+      for (std::size_t b = 0; b < directions_.size(); ++b) {
+        const double range = ranges_[i * directions_.size() + b];
+        x += range * directions_[b].cos;
+        y += range * directions_[b].sin;
+        is_clear = is_clear && range > clearances[b];
+      }
+      const double turn = atan2(y, x);
+      speeds_[i] = {is_clear && std::abs(turn) < 0.5 ? 0.3 : 0.0, 0, turn};
+      moves_[i] = x != 0 && y != 0;
+    }
+    swarm_.set_speeds(speeds_, moves_);
+  }
+
+ private:
+  Swarm swarm_;
+  std::vector<Model::Speed> speeds_;
+  std::vector<std::uint8_t> moves_;
+  std::vector<float> ranges_;
+  std::vector<SinCos> directions_;
+};
+
+TEST(Swarms, DrivenFromOutsideMakeTheBitsOfControllers) {
+  SimulationOptions options;
+  options.robots = {{"", test::k_slow_build ? 60 : 500}};
+  Simulation inside(k_worlds / "hospital.json", options);
+  const std::filesystem::path file = k_worlds / "hospital.json";
+  std::ifstream stream(file);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string controller = R"("controller": {"kind": "expand_swarm"})";
+  const std::size_t at = text.find(",\n      " + controller);
+  ASSERT_NE(at, text.npos);
+  text.erase(at, controller.size() + 8);
+  for (const unsigned threads : {1u, 2u}) {
+    options.threads = threads;
+    Simulation simulation = Simulation::from_text(text, file, options);
+    Outside outside(simulation);
+    inside.reset();
+    EXPECT_EQ(simulation.state_hash(), inside.state_hash());
+    for (int tick = 0; tick < (test::k_slow_build ? 10 : 50); ++tick) {
+      inside.step();
+      simulation.step();
+      outside.command();
+      ASSERT_EQ(simulation.state_hash(), inside.state_hash()) << tick;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace troupe
