@@ -19,7 +19,7 @@ std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 /// (seed, stream, entity, tick, k). Nothing holds generator state between ticks.
 class Random {
  public:
-  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
+  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);  ///< at draw 0
 
   /// 32 uniform bits.
   std::uint32_t bits();
@@ -65,7 +65,7 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
 
 /// A 64-bit mixture of its arguments, for priorities: every bit depends on every input bit.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
+inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {  ///< of three
   return mix_in(mix(seed, tick), id);
 }
 

@@ -30,11 +30,11 @@ class Measure {
 
 /// A kind of measure. Its name and unit give the column of a table; `of` all, some or one of the robots.
 struct MeasureKind {
-  std::string_view name;
-  Unit unit = Unit::none;
+  std::string_view name;        ///< of the measure, and of its column
+  Unit unit = Unit::none;       ///< SI; behind the column's name
   std::string_view text;        ///< a line
   std::string_view definition;  ///< what exactly, and from where
-  FieldTable params;
+  FieldTable params;            ///< its parameters
   /// robots: those that are measured, in the order of their ids; there may be none. Throws std::length_error
   /// where the parameters ask for too much.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);

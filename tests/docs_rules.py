@@ -5,9 +5,9 @@ Patterns are searched in a command; texts are known by their page and by how the
 
 # Commands that are never run: (pattern, why).
 NOT_RUN = [
-    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|check-\w+)\b",
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|format|lint|check-\w+)\b",
      "builds, or takes minutes"),
-    (r"^cmake --preset ", "builds all of Troupe"),
+    (r"^(cmake|ctest) --preset ", "builds, or tests, all of Troupe"),
     (r"\bpip3? ", "builds all of Troupe"),
     (r"\bcpack\b", "tests/install/package_test.cmake makes the packages"),
     (r"\bsudo\b", "needs root"),
@@ -53,6 +53,9 @@ BEFORE = {
 # Subcommands and options that are not in every state of the program. As soon as it knows them, they are run.
 WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "--camera", "--snapshot-at", "--color-by"}
 
+# Pages to which others may lead before they are there.
+WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experiments.md", "sweeps.md"}
+
 # Python listings of a page that another test runs: page -> test.
 PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
 
@@ -64,12 +67,12 @@ CPP_BEFORE = {
     "docs/checkpoints.md": """
         troupe::Simulation simulation("worlds/hospital.json");""",
     "docs/determinism.md": """
-        #include <troupe/engine/controller_check.hpp>
-        #include <troupe/troupe/registry.hpp>
+        #include <engine/controller_check.hpp>
+        #include <troupe/registry.hpp>
         struct Patrol { void operator()(const troupe::engine::Percept&, troupe::Random&, troupe::engine::Actions&) const {} };""",
     "docs/measures.md": """
-        #include <troupe/engine/measure_kind.hpp>
-        #include <troupe/troupe/registry.hpp>
+        #include <engine/measure_kind.hpp>
+        #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
           Crowding(const troupe::engine::World&, const troupe::engine::Record&, std::vector<troupe::Row>) {}
           double value(troupe::engine::World&) override { return 0; }

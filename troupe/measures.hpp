@@ -29,8 +29,8 @@ class Measures {
   /// Throws InputError that lists what is wrong.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
-  Measures(Measures&&) noexcept;
-  Measures& operator=(Measures&&) noexcept;
+  Measures(Measures&&) noexcept;             ///< the one moved from is of no use
+  Measures& operator=(Measures&&) noexcept;  ///< as that
 
   /// To be called after every step: some measures remember where robots have been. After a reset they begin
   /// anew.
@@ -45,7 +45,7 @@ class Measures {
   /// What is remembered of earlier ticks, for a checkpoint, and back, into measures that were made alike of a
   /// simulation in the saved state. False for what no such measures have saved.
   std::vector<std::byte> memory() const;
-  bool remember(std::span<const std::byte> memory);
+  bool remember(std::span<const std::byte> memory);  ///< puts it back
 
  private:
   struct Impl;

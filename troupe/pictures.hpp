@@ -20,7 +20,7 @@ class PictureSource;
 struct PictureOptions {
   /// Pixels; 0: 1280 x 720, or what the world's window asks for where the camera is that.
   int width = 0;
-  int height = 0;
+  int height = 0;  ///< as that
   /// `top`: straight down, as a map. `perspective`: solids, seen from the side. `window`: as the world's own
   /// `window` says. `follow:NAME`: in perspective, with that model in the middle.
   std::string camera = "top";
@@ -41,10 +41,11 @@ struct PictureOptions {
 
 /// One of the layers of a picture.
 struct PictureLayer {
-  std::string_view name;
-  bool on;  ///< unless it is asked for otherwise
-  std::string_view text;
+  std::string_view name;  ///< as `layers` says it
+  bool on;                ///< unless it is asked for otherwise
+  std::string_view text;  ///< what it shows
 };
+/// All that there are.
 std::span<const PictureLayer> picture_layers();
 /// What is wrong with a list of layers: `unknown layer "scan"; known: ...`; empty when nothing is.
 std::string layers_fault(const std::string& layers);
@@ -67,26 +68,25 @@ class Pictures {
   /// Of a recording, or whatever else there is to see. What is not in it is an InputError, too.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
-  Pictures(Pictures&&) noexcept;
-  Pictures& operator=(Pictures&&) noexcept;
+  Pictures(Pictures&&) noexcept;             ///< the one moved from is of no use
+  Pictures& operator=(Pictures&&) noexcept;  ///< as that
 
   /// In pixels, as the options or the world's window say.
   int width() const;
-  int height() const;
+  int height() const;  ///< as that
 
   /// To be called after every step, where trails or coverage are to be shown: they are made of what is seen
   /// here. Does nothing else.
   void see(const Simulation& simulation);
-  void see(const PictureSource& source);
+  void see(const PictureSource& source);  ///< the same
   /// How far back see() should reach, simulated seconds: 0 where nothing is made of it, infinity for all.
   double history_s() const;
 
-  /// One tick, as it will be drawn. `times_real_time` is what the clock tells with the layer `speed`; 0:
-  /// nothing.
   struct ShotData;
-  using Shot = std::shared_ptr<const ShotData>;
+  using Shot = std::shared_ptr<const ShotData>;  ///< a tick, as it will be drawn
+  /// Copies one. `times_real_time` is what the clock tells with the layer `speed`; 0: nothing.
   Shot take(const Simulation& simulation, double times_real_time = 0);
-  Shot take(const PictureSource& source, double times_real_time = 0);
+  Shot take(const PictureSource& source, double times_real_time = 0);  ///< the same
   /// Between two ticks, where `share` goes from 0 to 1: bodies at poses between theirs, everything else as in
   /// the earlier.
   static Shot between(const Shot& earlier, const Shot& later, double share);

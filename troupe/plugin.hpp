@@ -44,16 +44,17 @@ namespace plugin {
 
 /// A controller of this library, in the list of all of them.
 struct Entry {
-  using Make = engine::ControllerKind (*)(std::string_view name);
+  using Make = engine::ControllerKind (*)(std::string_view name);  ///< makes the kind
 
+  /// Puts itself in front of the list.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
     first = this;
   }
 
-  std::string_view name;
-  Make make;
-  const Entry* next;
-  static inline constinit const Entry* first = nullptr;
+  std::string_view name;                                 ///< of the controller
+  Make make;                                             ///< what makes it
+  const Entry* next;                                     ///< null: it is the last
+  static inline constinit const Entry* first = nullptr;  ///< of the list
 };
 
 template <class C>

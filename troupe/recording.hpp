@@ -42,8 +42,8 @@ class Recording {
   /// with its fields, without a gap and without a repeat. Frames of later ticks are cut off. Throws
   /// std::runtime_error where that cannot be.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation);
-  Recording(Recording&&) noexcept;
-  Recording& operator=(Recording&&) noexcept;
+  Recording(Recording&&) noexcept;             ///< the one moved from is of no use
+  Recording& operator=(Recording&&) noexcept;  ///< as that
   /// Closes it; what fails is lost: call close() to know.
   ~Recording();
 

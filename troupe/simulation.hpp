@@ -52,7 +52,7 @@ struct SimulationOptions {
 struct ResumeOptions {
   /// As in SimulationOptions.
   unsigned threads = 0;
-  double tile_size_m = 0;
+  double tile_size_m = 0;  ///< as there
   /// JSON pointer into the checkpoint's /world -> value ("/types/1/drive/params/velocity_max_x_mps" ->
   /// "0.5"), for what keeps the shape of the state (worldio/spec_json.hpp lists it): the run goes on as
   /// another one from here.
@@ -73,15 +73,15 @@ using engine::phase_name;
 
 /// Counters of a run, since tick 0.
 struct Statistics {
-  std::size_t robots = 0;  ///< that are in the world
-  std::uint64_t ticks = 0;
-  double time_s = 0;
-  std::uint64_t beams = 0;         ///< rays cast, counted where they are cast
-  std::size_t stalled = 0;         ///< robots whose last motion was refused
-  std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the world
-  double mean_displacement_m = 0;  ///< of robots, straight from where they started, or were born
-  std::uint64_t conflict_rounds = 0;
-  std::size_t state_bytes = 0;  ///< of all state tables
+  std::size_t robots = 0;             ///< that are in the world
+  std::uint64_t ticks = 0;            ///< made
+  double time_s = 0;                  ///< on the world's clock
+  std::uint64_t beams = 0;            ///< rays cast, counted where they are cast
+  std::size_t stalled = 0;            ///< robots whose last motion was refused
+  std::size_t held_at_bounds = 0;     ///< robots whose last motion would have left the world
+  double mean_displacement_m = 0;     ///< of robots, straight from where they started, or were born
+  std::uint64_t conflict_rounds = 0;  ///< rounds in which motions were settled, all ticks together
+  std::size_t state_bytes = 0;        ///< of all state tables
 };
 
 class Simulation;
@@ -90,7 +90,7 @@ class Swarm;
 /// A model of a simulation, found by its name. A light handle: valid while its simulation lives.
 class Model {
  public:
-  const std::string& name() const;
+  const std::string& name() const;  ///< as the world gives it, or as Stage would
   /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it. Of a body
   /// that died: where that was; of one not born yet: not a number.
   Pose pose() const;
@@ -100,20 +100,22 @@ class Model {
   /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides
   /// them. Throws std::logic_error for one without a drive, or that is not in the world, as do all commands.
   void set_speed(double forward, double left, double turn);
-  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
+  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< the same
   /// Lets its speeds grow: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad), from the next
   /// tick on, within the drive's bounds of acceleration and speed, until replaced.
   void accelerate(double forward, double left, double turn);
-  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }
+  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< the same
   /// Sends it to a pose in the frame of estimate(), m and rad, where it stays until replaced. How each drive
   /// goes there: docs/driving.md.
   void go_to(double x, double y, double heading);
-  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }
+  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< the same
   /// Velocity of the last tick, body frame.
   struct Speed {
-    double forward = 0, left = 0, turn = 0;
+    double forward = 0;  ///< m/s
+    double left = 0;     ///< m/s
+    double turn = 0;     ///< rad/s
   };
-  Speed speed() const;
+  Speed speed() const;  ///< of the last tick
   /// Whether it is in the world: born, where it was not there from the start, and not dead. docs/lives.md.
   bool is_alive() const;
   /// True when the last motion was refused.
@@ -146,8 +148,8 @@ class Model {
 
   /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
   struct Energy {
-    double stored_j = 0;
-    double capacity_j = 0;
+    double stored_j = 0;      ///< what it holds
+    double capacity_j = 0;    ///< what it can hold
     double dissipated_j = 0;  ///< by all that runs on it
     double received_j = 0;    ///< from others, by contact
     double given_j = 0;       ///< to others, by contact
@@ -194,8 +196,8 @@ class Simulation {
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  Simulation(Simulation&&) noexcept;
-  Simulation& operator=(Simulation&&) noexcept;
+  Simulation(Simulation&&) noexcept;             ///< handles stay valid; the one moved from is of no use
+  Simulation& operator=(Simulation&&) noexcept;  ///< as that
 
   /// What the loader warned of, as `file:line: warning: ...`, of plug-ins as `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
@@ -238,12 +240,12 @@ class Simulation {
   /// The tick of the checkpoint that the run was resumed from, if it was.
   std::optional<std::uint64_t> resumed_at_tick() const;
 
-  double time_s() const;
-  std::uint64_t tick() const;
-  double tick_s() const;
+  double time_s() const;       ///< on the world's clock
+  std::uint64_t tick() const;  ///< how many there have been
+  double tick_s() const;       ///< length of a tick
   /// That are in the world.
   std::size_t robots() const;
-  std::string title() const;
+  std::string title() const;  ///< the world's, else its file's name
   /// Where the world itself asks to end.
   std::optional<double> quit_time_s() const;
 
@@ -279,18 +281,22 @@ class Simulation {
   std::uint64_t state_hash() const;
   /// The same by group: pose, velocity, sensor, memory.
   struct Hashes {
-    std::uint64_t state = 0, pose = 0, velocity = 0, sensor = 0, memory = 0;
+    std::uint64_t state = 0;     ///< the sum of the others, modulo 2^64
+    std::uint64_t pose = 0;      ///< poses, and what carries what
+    std::uint64_t velocity = 0;  ///< velocities, commands, stalls
+    std::uint64_t sensor = 0;    ///< readings, and the state of other devices
+    std::uint64_t memory = 0;    ///< memories of controllers
   };
-  Hashes hashes() const;
+  Hashes hashes() const;  ///< of the state that it is in
   /// First lines of a hash log: `# key: value` each, free to differ between runs that agree.
   std::string hash_log_header() const;
   /// One line of a hash log: `tick state pose=... velocity=... sensor=... memory=...`.
   std::string hash_log_line() const;
 
-  Statistics statistics() const;
+  Statistics statistics() const;  ///< until now; costs a look at each robot
   /// The sums over all power packs of the world, in the order of ids; `infinite` and `charging` where any is.
   Model::Energy energy() const;
-  unsigned threads() const;
+  unsigned threads() const;  ///< of the parallel loop
   /// Called as each phase begins, and once more with no phase as the tick ends; for timing.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Called on its worker as a task of a parallel loop begins (true) and ends (false), with the task's index
@@ -300,7 +306,7 @@ class Simulation {
   /// The engine's view of it (engine/world.hpp): types, state tables and hooks, for tools that compare or
   /// save a state without knowing it. Lives as long as the simulation does.
   engine::World& world();
-  const engine::World& world() const;
+  const engine::World& world() const;  ///< the same
   /// The kinds it was made of. Lives as long as the simulation does.
   const engine::Registry& registry() const;
 

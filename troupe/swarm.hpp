@@ -40,9 +40,9 @@ namespace troupe {
 /// Simulation::world().tables().
 class Swarm {
  public:
-  std::size_t size() const { return rows_.size(); }
-  std::span<const BodyId> ids() const { return ids_; }
-  std::vector<std::string> names() const;
+  std::size_t size() const { return rows_.size(); }     ///< robots, in the world or not
+  std::span<const BodyId> ids() const { return ids_; }  ///< rising
+  std::vector<std::string> names() const;               ///< in that order
   /// The types that they are of, each once, in the order of the world.
   std::vector<std::string> types() const;
 
@@ -73,8 +73,9 @@ class Swarm {
 
   /// Model::set_speed, accelerate and go_to of each.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
-  void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
-  void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
+  void accelerate(std::span<const Model::Speed> accelerations,
+                  std::span<const std::uint8_t> where = {});                          ///< as that
+  void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});  ///< as that
   /// Model::set_pose of each, with one indexing of all bodies. Where one of them cannot be put none is.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
