@@ -306,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: $schema, at, bounds_m, faults, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, stop_when, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
