@@ -37,7 +37,10 @@ class PictureSource {
  public:
   virtual ~PictureSource() = default;
 
+  /// For errors.
   virtual std::string file() const = 0;
+  /// The file of the world, for people.
+  virtual std::string world() const { return file(); }
   virtual std::uint64_t seed() const = 0;
   virtual double tick_s() const = 0;
   /// The `window` of the world; null where it has none.

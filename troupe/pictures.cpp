@@ -319,7 +319,7 @@ Pictures::Shot Pictures::take(const PictureSource& source, double times_real_tim
   if (impl_->view.layers.trails) impl_->trails.add_to(shot->frame);
   if (impl_->view.layers.coverage) impl_->covered.add_to(shot->frame);
   shot->text = {{"Software", version_line()},
-                {"world", impl_->file},
+                {"world", source.world()},
                 {"time_s", fmt::format("{}", shot->frame.time_s)},
                 {"seed", fmt::format("{}", source.seed())},
                 {"state_hash", hex(source.state_hash())}};
