@@ -78,7 +78,17 @@ void see_history(RecordedRun& run, Pictures& pictures) {
   }
 }
 
+/// Nobody recorded how fast the run was; a film tells how fast it is itself.
+void refuse_speed(const RenderOptions& options) {
+  const std::string list = "," + options.pictures.look.layers + ",";
+  if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
+  throw InputError(
+      fmt::format("{}: error: the layer \"speed\" is drawn of worlds and checkpoints, not of recordings",
+                  options.input.string()));
+}
+
 void draw_recording(const RenderOptions& options, RecordedRun& run) {
+  refuse_speed(options);
   const double last_s = run.times_s().back();
   Pictures pictures(run, options.pictures.look);
   pictures.rehearse(snapshot_files(options.pictures).front());

@@ -28,7 +28,6 @@ struct FrameWishes {
   bool links = false;
   bool charges = false;
   bool names = false;
-  bool speed = false;  ///< how fast it runs: who takes the frame says it
   std::optional<ChosenValue> value;
 };
 

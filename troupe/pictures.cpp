@@ -200,7 +200,7 @@ struct Pictures::Impl {
     if (options.color_range) view.values = std::pair((*options.color_range)[0], (*options.color_range)[1]);
     const render::Layers& shown = view.layers;
     wishes = {shown.scans || shown.beams, shown.sights, shown.blobs, shown.grips,
-              shown.links,                shown.energy, shown.names, shown.speed, std::nullopt};
+              shown.links,                shown.energy, shown.names, std::nullopt};
     if (!options.color_by.empty()) {
       std::string fault;
       wishes.value = source.find_value(options.color_by, fault);

@@ -405,8 +405,7 @@ std::string RecordedRun::missing(const FrameWishes& wishes) const {
   };
   if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
-                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links"),
-                                      std::pair(wishes.speed, "speed")})
+                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
       return fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer);
   return {};

@@ -127,6 +127,9 @@ TEST_F(Render, ARecordingCanBeFilmed) {
   const Outcome outcome = troupe({"render", "run.h5", "--film", "frames/%06d.png", "--fps", "20", "--size",
                                   "96x64", "--layers=trails"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome faster = troupe({"render", "run.h5", "--film", "frames/f%06d.png", "--film-speed", "10",
+                                 "--size", "96x64"});
+  EXPECT_EQ(faster.code, 0) << faster.err;
   EXPECT_TRUE(std::filesystem::exists(path("frames/000020.png")));  // 0 to 1 s
   EXPECT_FALSE(std::filesystem::exists(path("frames/000021.png")));
   const Outcome of_world = troupe({"render", "room.world", "--film", "f.mp4"});
