@@ -126,9 +126,10 @@ void render_checked(const RenderOptions& options) {
     return;
   }
   if (!wanted.film.empty())
-    throw InputError(fmt::format("{}: error: --film: a recording can be filmed; a world is while it runs, by "
-                                 "troupe run --film",
-                                 options.input.string()));
+    throw InputError(
+        fmt::format("{}: error: --film: a recording can be filmed; a world is while it runs, by "
+                    "troupe run --film",
+                    options.input.string()));
   if (is_checkpoint) {
     draw_simulation(options,
                     Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));

@@ -73,7 +73,8 @@ struct FrameSight {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();
 };
 
-/// A stretch of one colour that a blob finder sees, as the triangle from its eye to both ends, world frame, m.
+/// A stretch of one colour that a blob finder sees, as the triangle from its eye to both ends, world frame,
+/// m.
 struct FrameBlob {
   std::uint32_t body = 0;  ///< index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();
@@ -124,7 +125,7 @@ struct Frame {
   std::vector<FrameTie> links;
   std::vector<FrameTrail> trails;
   std::vector<FrameSquare> covered;
-  double covered_m = 0;  ///< edge of those squares
+  double covered_m = 0;            ///< edge of those squares
   std::vector<std::string> names;  ///< beside `mobile`
   std::vector<double> charges;     ///< beside `mobile`: share that its power pack holds; NaN: it has none
   std::vector<double> values;      ///< beside `mobile`: what bodies are coloured by; NaN: it has none

@@ -48,7 +48,12 @@ void map(benchmark::State& state) { picture(state, false); }
 void solids(benchmark::State& state) { picture(state, true); }
 
 BENCHMARK(map)->Arg(2000)->Arg(100000)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK(solids)->Arg(2000)->Arg(100000)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(solids)
+    ->Arg(2000)
+    ->Arg(100000)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace troupe

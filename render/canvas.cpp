@@ -452,8 +452,8 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
 
   std::vector<std::unique_ptr<Uploaded>> uploaded;
   for (const AnyLayer& any : layers)
-    uploaded.push_back(std::visit(
-        [&](const auto& layer) { return std::make_unique<Uploaded>(gl, layer); }, any));
+    uploaded.push_back(
+        std::visit([&](const auto& layer) { return std::make_unique<Uploaded>(gl, layer); }, any));
 
   gl.glEnable(GL_BLEND);
   gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -96,9 +96,9 @@ struct Point {
 /// Squares of one size that face the viewer: a hundred thousand robots take a vertex each.
 struct PointLayer {
   std::vector<Point> points;
-  float size = 1;        ///< pixels
-  bool on_map = false;   ///< flat on the picture, as a Layer; else in the world, as a solid
-  bool on_top = false;   ///< as Layer::on_top, on a map
+  float size = 1;       ///< pixels
+  bool on_map = false;  ///< flat on the picture, as a Layer; else in the world, as a solid
+  bool on_top = false;  ///< as Layer::on_top, on a map
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;

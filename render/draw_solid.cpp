@@ -63,14 +63,14 @@ class Sorter {
     const Rgba edge = is_stalled ? k_stalled_edge : darker(color);
     const SinCos heading = sincos(pose.heading);
     const SolidInstance instance{static_cast<float>(place.x()),
-                           static_cast<float>(place.y()),
-                           static_cast<float>(pose.z),
-                           1,
-                           static_cast<float>(heading.cos),
-                           static_cast<float>(heading.sin),
-                           color,
-                           edge,
-                           contrasting(color)};
+                                 static_cast<float>(place.y()),
+                                 static_cast<float>(pose.z),
+                                 1,
+                                 static_cast<float>(heading.cos),
+                                 static_cast<float>(heading.sin),
+                                 color,
+                                 edge,
+                                 contrasting(color)};
     if (scale > 0 && across < k_smallest_prism) {
       seen_[body.type].boxes.push_back(instance);
     } else {

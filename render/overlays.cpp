@@ -341,9 +341,7 @@ void add_ties(std::vector<AnyLayer>& layers, const Frame& frame, const Projectio
   const auto add = [&](const std::vector<FrameTie>& ties) {
     for (const FrameTie& tie : ties) {
       const bool is_light = tie.kind == FrameTie::Kind::beam || tie.kind == FrameTie::Kind::broken_beam;
-      const Rgba color = !is_light                           ? k_link
-                         : tie.kind == FrameTie::Kind::beam ? k_free_beam
-                                                            : k_broken_beam;
+      const Rgba color = !is_light ? k_link : tie.kind == FrameTie::Kind::beam ? k_free_beam : k_broken_beam;
       add_stroke(lines, tie.from - projection.origin(), tie.to - projection.origin(),
                  (is_light ? 1.6 : 2.4) * projection.stroke(), Paint::own, color);
     }

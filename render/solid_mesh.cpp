@@ -109,8 +109,8 @@ double width_of(const Solid& solid) {
 /// The shape that reaches highest, alone: what lies on it lies on top.
 FrameType topmost(const FrameType& type) {
   FrameType top{.mobile = type.mobile, .radius = type.radius};
-  const auto highest = std::ranges::max_element(
-      type.shapes, {}, [](const FrameShape& shape) { return shape.solid.z.max; });
+  const auto highest =
+      std::ranges::max_element(type.shapes, {}, [](const FrameShape& shape) { return shape.solid.z.max; });
   if (highest != type.shapes.end()) top.shapes.push_back(*highest);
   return top;
 }

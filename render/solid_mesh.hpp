@@ -7,9 +7,9 @@
 namespace troupe::render {
 
 struct SolidStyle {
-  float edge = 0;         ///< width of the lines along edges, pixels; 0: none
-  bool mark = false;      ///< a triangle that points forward, at the front
-  double least_side = 0;  ///< m: corners between shorter sides have no line, as those of a bitmap's steps
+  float edge = 0;          ///< width of the lines along edges, pixels; 0: none
+  bool mark = false;       ///< a triangle that points forward, at the front
+  double least_side = 0;   ///< m: corners between shorter sides have no line, as those of a bitmap's steps
   double least_edged = 0;  ///< m: narrower shapes have no lines
 };
 

@@ -216,22 +216,21 @@ void add_scans(const World& world, Frame& frame) {
 
 void add_sights(const World& world, Frame& frame) {
   if (world.tick() == 0) return;
-  for_each_device(world, frame, "fiducial",
-                  [&](std::uint32_t body, Row row, const BodyType::Device& device,
-                      const engine::DeviceSpec& spec) {
-                    if (!world.runs(row, device)) return;
-                    const StateTable& table = world.percepts(device);
-                    const std::size_t slot = world.slot(row);
-                    const std::span<const double> poses = table.cell<double>(slot, sensors::k_fiducial_pose);
-                    const std::size_t count =
-                        std::min<std::size_t>(table.cell<std::uint32_t>(slot, sensors::k_fiducial_count)[0],
-                                              table.fields()[sensors::k_fiducial_id].columns);
-                    const Pose eye = placed(world, row, device, spec);
-                    for (std::size_t k = 0; k < count; ++k)
-                      frame.sights.push_back({body,
-                                              {eye.x, eye.y, eye.z},
-                                              {poses[4 * k], poses[4 * k + 1], poses[4 * k + 2]}});
-                  });
+  for_each_device(
+      world, frame, "fiducial",
+      [&](std::uint32_t body, Row row, const BodyType::Device& device, const engine::DeviceSpec& spec) {
+        if (!world.runs(row, device)) return;
+        const StateTable& table = world.percepts(device);
+        const std::size_t slot = world.slot(row);
+        const std::span<const double> poses = table.cell<double>(slot, sensors::k_fiducial_pose);
+        const std::size_t count =
+            std::min<std::size_t>(table.cell<std::uint32_t>(slot, sensors::k_fiducial_count)[0],
+                                  table.fields()[sensors::k_fiducial_id].columns);
+        const Pose eye = placed(world, row, device, spec);
+        for (std::size_t k = 0; k < count; ++k)
+          frame.sights.push_back(
+              {body, {eye.x, eye.y, eye.z}, {poses[4 * k], poses[4 * k + 1], poses[4 * k + 2]}});
+      });
 }
 
 void add_blobs(const World& world, Frame& frame) {
@@ -249,8 +248,8 @@ void add_blobs(const World& world, Frame& frame) {
     const auto integers = [&](std::size_t field) { return table.cell<std::int32_t>(slot, field); };
     const std::span<const float> ranges = table.cell<float>(slot, sensors::k_blob_range);
     const std::span<const std::uint8_t> colors = table.cell<std::uint8_t>(slot, sensors::k_blob_color);
-    const std::size_t count = std::min<std::size_t>(
-        table.cell<std::uint32_t>(slot, sensors::k_blob_count)[0], ranges.size());
+    const std::size_t count =
+        std::min<std::size_t>(table.cell<std::uint32_t>(slot, sensors::k_blob_count)[0], ranges.size());
     const Pose eye = placed(world, row, device, spec);
     const double ahead = eye.heading + param("pan").number();
     // The image's columns count from the left, each as wide as the angle from one ray to the next.
@@ -312,13 +311,13 @@ void add_links(const World& world, Frame& frame) {
 
 void add_charges(const World& world, Frame& frame) {
   frame.charges.assign(frame.mobile.size(), std::numeric_limits<double>::quiet_NaN());
-  for_each_device(world, frame, "power_pack",
-                  [&](std::uint32_t body, Row row, const BodyType::Device& device,
-                      const engine::DeviceSpec&) {
-                    const auto& pack = world.percepts(device).as<models::PowerPackState>(world.slot(row));
-                    double& charge = frame.charges[body];
-                    if (std::isnan(charge)) charge = pack.proportion_remaining();  // of several the first
-                  });
+  for_each_device(
+      world, frame, "power_pack",
+      [&](std::uint32_t body, Row row, const BodyType::Device& device, const engine::DeviceSpec&) {
+        const auto& pack = world.percepts(device).as<models::PowerPackState>(world.slot(row));
+        double& charge = frame.charges[body];
+        if (std::isnan(charge)) charge = pack.proportion_remaining();  // of several the first
+      });
 }
 
 void add_names(const World& world, Frame& frame) {

@@ -47,7 +47,8 @@ class PictureSource {
   virtual engine::FrameScene scene() const = 0;
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// The value of that name, for FrameWishes. Where there is no such thing `fault` says so, and what there is.
+  /// The value of that name, for FrameWishes. Where there is no such thing `fault` says so, and what there
+  /// is.
   virtual std::optional<ChosenValue> find_value(const std::string& name, std::string& fault) const = 0;
   /// What of the wishes cannot be had here, and why, as the end of an error; empty: all can.
   virtual std::string missing(const FrameWishes& wishes) const = 0;

@@ -103,13 +103,13 @@ constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical
 
 bool* switch_of(render::Layers& layers, std::string_view name) {
   const std::array<std::pair<std::string_view, bool*>, k_layers.size()> all = {
-      {{"grid", &layers.grid},         {"shadows", &layers.shadows},   {"headings", &layers.headings},
-       {"stalls", &layers.stalls},     {"scale", &layers.scale},       {"clock", &layers.clock},
-       {"speed", &layers.speed},       {"legend", &layers.legend},     {"scans", &layers.scans},
-       {"beams", &layers.beams},       {"sights", &layers.sights},     {"blobs", &layers.blobs},
-       {"grips", &layers.grips},       {"links", &layers.links},       {"trails", &layers.trails},
-       {"names", &layers.names},       {"energy", &layers.energy},     {"footprints", &layers.footprints},
-       {"coverage", &layers.coverage}, {"density", &layers.density},   {"tiles", &layers.tiles},
+      {{"grid", &layers.grid},         {"shadows", &layers.shadows}, {"headings", &layers.headings},
+       {"stalls", &layers.stalls},     {"scale", &layers.scale},     {"clock", &layers.clock},
+       {"speed", &layers.speed},       {"legend", &layers.legend},   {"scans", &layers.scans},
+       {"beams", &layers.beams},       {"sights", &layers.sights},   {"blobs", &layers.blobs},
+       {"grips", &layers.grips},       {"links", &layers.links},     {"trails", &layers.trails},
+       {"names", &layers.names},       {"energy", &layers.energy},   {"footprints", &layers.footprints},
+       {"coverage", &layers.coverage}, {"density", &layers.density}, {"tiles", &layers.tiles},
        {"cells", &layers.cells}}};
   const auto found = std::ranges::find(all, name, &std::pair<std::string_view, bool*>::first);
   return found == all.end() ? nullptr : found->second;
@@ -196,11 +196,18 @@ struct Pictures::Impl {
     if (const std::string fault = camera_fault(options.camera); !fault.empty()) refuse(fault);
     if (const std::string fault = layers_fault(options.layers); !fault.empty()) refuse(fault);
     set_camera(source);
-    for (const LayerSwitch& layer : switches_of(options.layers)) *switch_of(view.layers, layer.name) = layer.on;
+    for (const LayerSwitch& layer : switches_of(options.layers))
+      *switch_of(view.layers, layer.name) = layer.on;
     if (options.color_range) view.values = std::pair((*options.color_range)[0], (*options.color_range)[1]);
     const render::Layers& shown = view.layers;
-    wishes = {shown.scans || shown.beams, shown.sights, shown.blobs, shown.grips,
-              shown.links,                shown.energy, shown.names, std::nullopt};
+    wishes = {shown.scans || shown.beams,
+              shown.sights,
+              shown.blobs,
+              shown.grips,
+              shown.links,
+              shown.energy,
+              shown.names,
+              std::nullopt};
     if (!options.color_by.empty()) {
       std::string fault;
       wishes.value = source.find_value(options.color_by, fault);

@@ -91,8 +91,8 @@ class Pictures {
   /// the earlier.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Throws what write() would throw for a file of this name, before there is anything to draw: writes a small
-  /// picture beside it and removes that.
+  /// Throws what write() would throw for a file of this name, before there is anything to draw: writes a
+  /// small picture beside it and removes that.
   void rehearse(const std::filesystem::path& png);
   /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where OSMesa is missing, with the package to
   /// install, and where the size is beyond what it draws. Of one thread at a time.

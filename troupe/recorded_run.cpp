@@ -194,9 +194,9 @@ struct RecordedRun::Impl {
         const engine::Mount parent =
             joint.parent < 0 ? engine::Mount() : mounts[row][static_cast<std::size_t>(joint.parent)];
         const bool is_known = std::isfinite(state.x) && std::isfinite(state.heading);
-        mounts[row].push_back(is_known ? compose(compose(compose(parent, at_rest), engine::Mount(state)),
-                                                 inverse(at_rest))
-                                       : parent);
+        mounts[row].push_back(
+            is_known ? compose(compose(compose(parent, at_rest), engine::Mount(state)), inverse(at_rest))
+                     : parent);
       }
     }
     return mounts;
@@ -353,8 +353,7 @@ FrameScene RecordedRun::scene() const {
     const RecordedScene::Body& body = impl_->world.bodies[b];
     const engine::FrameType& look = impl_->world.types[body.type].look;
     if (moves[b] != 0) {
-      if (starts[b] != 0)
-        scene.bounds.extend(Box::around(body.pose_world_body.position(), look.radius));
+      if (starts[b] != 0) scene.bounds.extend(Box::around(body.pose_world_body.position(), look.radius));
       continue;
     }
     scene.fixed.push_back(
@@ -429,8 +428,7 @@ Frame RecordedRun::frame(const FrameWishes& wishes) const {
         shown.names.push_back(impl_->world.bodies[body.id].name);
     impl_->move_parts(shown);
     if (wishes.value) {
-      shown.values =
-          impl_->values(shown, wishes.value->component, wishes.value->field, wishes.value->column);
+      shown.values = impl_->values(shown, wishes.value->component, wishes.value->field, wishes.value->column);
       shown.value_name = wishes.value->text;
     }
     return shown;

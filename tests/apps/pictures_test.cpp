@@ -24,7 +24,8 @@ exit ${FAKE_FFMPEG_CODE:-0}
 class RunPictures : public ProgramTest {
  protected:
   void SetUp() override {
-    write("room.world", std::string(k_room) + "\nbot( name \"scout\" pose [3 3 0 0] )\nwindow( size [80 60] scale 8 )\n");
+    write("room.world",
+          std::string(k_room) + "\nbot( name \"scout\" pose [3 3 0 0] )\nwindow( size [80 60] scale 8 )\n");
     std::filesystem::create_directory(path("bin"));
     const Outcome outcome = run({"--snapshot", "try.png"});
     if (outcome.code == 1) GTEST_SKIP() << "no pictures here: " << outcome.err;

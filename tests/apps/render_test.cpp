@@ -81,8 +81,7 @@ TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
   if (IsSkipped()) return;
   // Stalled robots have red outlines, and recordings are not asked to know.
   std::vector<std::pair<std::vector<std::string>, std::string>> pictures;
-  for (const auto& [at, time] :
-       std::vector<std::pair<std::vector<std::string>, std::string>>{
+  for (const auto& [at, time] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--at", "0"}, "0"}, {{}, "1"}, {{"--at", "0.45"}, "0.4"}}) {
     EXPECT_EQ(draw({"room.world", "--at", time, "--layers=trails,coverage,-stalls"}).code, 0);
     pictures.emplace_back(at, pixels("p.png"));
@@ -100,10 +99,10 @@ TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
 
 TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields",
-                    "all"})
-                .code,
-            0);
+  ASSERT_EQ(
+      troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields", "all"})
+          .code,
+      0);
   for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
            {"--layers=scans,beams,names"},
            {"--color-by", "velocity.x"},
@@ -124,11 +123,11 @@ TEST_F(Render, ARecordingCanBeFilmed) {
   record();
   if (IsSkipped()) return;
   std::filesystem::create_directory(path("frames"));
-  const Outcome outcome = troupe({"render", "run.h5", "--film", "frames/%06d.png", "--fps", "20", "--size",
-                                  "96x64", "--layers=trails"});
+  const Outcome outcome = troupe(
+      {"render", "run.h5", "--film", "frames/%06d.png", "--fps", "20", "--size", "96x64", "--layers=trails"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  const Outcome faster = troupe({"render", "run.h5", "--film", "frames/f%06d.png", "--film-speed", "10",
-                                 "--size", "96x64"});
+  const Outcome faster =
+      troupe({"render", "run.h5", "--film", "frames/f%06d.png", "--film-speed", "10", "--size", "96x64"});
   EXPECT_EQ(faster.code, 0) << faster.err;
   EXPECT_TRUE(std::filesystem::exists(path("frames/000020.png")));  // 0 to 1 s
   EXPECT_FALSE(std::filesystem::exists(path("frames/000021.png")));

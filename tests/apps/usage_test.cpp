@@ -24,10 +24,11 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   const Outcome outcome = troupe({"run", "--help"});
   EXPECT_EQ(outcome.code, 0);
   for (const char* word :
-       {"WORLD",    "--for",       "--rate",       "--clock",        "--threads",  "--seed",          "--robots",
-        "--set",    "--tile-size", "--hash-log",   "--snapshot",     "--snapshot-at", "--film",       "--camera",
-        "--layers", "[scans]",     "--color-by",   "--size",         "--profile",  "--profile-ticks", "--camera-png",
-        "--json",   "--quiet",     "--camera-every", "quit_time",    "Exit codes", "Examples"})
+       {"WORLD",     "--for",           "--rate",       "--clock",    "--threads",  "--seed",
+        "--robots",  "--set",           "--tile-size",  "--hash-log", "--snapshot", "--snapshot-at",
+        "--film",    "--camera",        "--layers",     "[scans]",    "--color-by", "--size",
+        "--profile", "--profile-ticks", "--camera-png", "--json",     "--quiet",    "--camera-every",
+        "quit_time", "Exit codes",      "Examples"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }

@@ -308,7 +308,8 @@ TEST(DrawSolid, WhatDevicesSeeAndHoldIsDrawnWhereItIs) {
     yard.view.layers.clock = false;
     yard.add(0, -3, 0, k_blue);
     yard.frame.blobs = {{0, {-3, 0, 0.5}, {2, -1, 0.5}, {2, 1, 0.5}, {0, 0.6F, 0, 1}}};
-    yard.frame.grips = {{Kind::broken_beam, {-1, 1, 0.1}, {1, 1, 0.1}}, {Kind::holds, {-3, 0, 1}, {-3, 4, 1}}};
+    yard.frame.grips = {{Kind::broken_beam, {-1, 1, 0.1}, {1, 1, 0.1}},
+                        {Kind::holds, {-3, 0, 1}, {-3, 4, 1}}};
     yard.frame.links = {{Kind::carries, {-3, 0, 1}, {3, -4, 0}}};
     yard.draw();
     const Picture plain = yard.picture;
