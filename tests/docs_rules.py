@@ -28,6 +28,7 @@ INSTEAD = [
     (r"--for 172830 ", "--for 22 ", "goes on with that"),
     (r"^(troupe run worlds/hospital\S* .*)--for 600\b", r"\1--for 30", "ten minutes of 2,000 robots take a minute"),
     (r"^(troupe resume \S+ .*)--for 600\b", r"\1--for 40", "goes on with that"),
+    (r"--for (60|20) (--film \S+)", r"--for 6 \2", "each of a film's pictures takes a while"),
     (r"^man -l (\S+)$", r"test -s \1", "a terminal is needed, and there may be no man"),
 ]
 
