@@ -334,6 +334,14 @@ class Conflicts::Settling {
     return refused;
   }
 
+  /// False only where no part of the mover comes near any of another shape in its whole motion: most of what
+  /// comes near a body of many parts does not come near one of them.
+  bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
+    if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
+    return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
+                                      mover.displacement() + partition::k_rounding_m);
+  }
+
   /// Does `other`, standing there, refuse the motion?
   bool refuses(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
@@ -343,16 +351,12 @@ class Conflicts::Settling {
       if (!theirs) theirs.emplace(shape, at, z);
       return first ? overlap(mine, *theirs) : overlap(*theirs, mine);
     };
-    // Most of what comes near a body of many parts comes near none of them.
-    if (mover.shape.pieces.size() + shape.pieces.size() > 2 &&
-        !partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
-                                    mover.displacement() + partition::k_rounding_m))
-      return false;
     const std::size_t n = mover.samples();
     const auto [first_k, last_k] = samples_near(mover, at.position, mover.shape.radius + shape.radius);
     for (std::size_t k = first_k; k <= last_k; ++k) {
       const Pose between = k < n ? mover.between(k) : mover.motion.to;
       if (!partition::in_reach(between.position(), mover.shape.radius, at.position, shape.radius)) continue;
+      if (!theirs && !parts_come_near(mover, shape, at)) return false;
       if (!(k < n ? meet(PlacedShape(mover.shape, between)) : meet(mover.there()))) continue;
       const bool apart = (mover.motion.to.position() - at.position).squaredNorm() >
                          (mover.from.position() - at.position).squaredNorm();

@@ -248,9 +248,15 @@ void World::reshape(std::uint32_t row) {
   const BodyType& t = type(Row(row));
   const std::uint32_t c = links_.composite_of[row];
   const ObstacleShape* shape = &t.obstacle;
+  // Who carries nothing and has its joints at rest has the shape of its type, which stays in the caches.
+  const auto is_at_rest = [&] {
+    for (std::size_t j = 0; j < t.joints.size(); ++j)
+      if (!(joint_state(Row(row), j) == Pose{})) return false;
+    return links_.first_cargo[row] == Links::k_none;
+  };
   if (links_.roots[row] != row) {
     shape = &k_no_shape;
-  } else if (c != Links::k_none) {
+  } else if (c != Links::k_none && !is_at_rest()) {
     double thinnest = std::numeric_limits<double>::infinity();
     links_.shapes[c].begin();
     add_limb({Row(row), Mount()}, false, links_.shapes[c], thinnest);

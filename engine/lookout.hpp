@@ -1,11 +1,11 @@
 #pragma once
 
 #include "engine/sight.hpp"
-#include "partition/ranging.hpp"
+#include "partition/surroundings.hpp"
 
-#include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace troupe::engine {
 
@@ -16,10 +16,9 @@ struct SightLine {
 };
 
 /// What stands about a point, looked up once for all rays that a sensor casts from there. Each meets what
-/// first_met() finds, bit for bit: that walks along every ray through the grid, while here the circles of all
-/// that is near are held against up to 32 rays at a time, by the kernel that culls for rangers, and edges are
-/// met in doubles as there.
-/// A thread keeps one: its arrays only grow.
+/// first_met() finds, bit for bit: that walks along every ray through the grid, while here all circles that
+/// are near are held against it at once, and what is left is met from near to far. A thread keeps one: its
+/// arrays only grow.
 class Lookout {
  public:
   /// Finds the bodies. reach: no ray is longer, m; own, z: as in SightRay. The world must not change while it
@@ -34,23 +33,27 @@ class Lookout {
   void first_met(std::span<const SightLine> rays, std::span<Sighting> found);
 
  private:
+  struct Hit {
+    float near;  // no surface in the circle is met nearer than this, m
+    std::uint32_t mark;
+  };
+  void add_near(std::span<const partition::BodyCircle> run, std::uint32_t mark);
   void find_fixed(double reach);
-  void fan_out(std::span<const SightLine> rays, std::span<Sighting> found, double longest);
-  void look(float low, float high);
-  void meet(const OutlineChain& chain, partition::BeamSet rays);
+  Sighting first_met(const SightLine& ray);
+  std::size_t find_hits(const SightLine& ray);
+  void meet(std::uint32_t mark, const SightLine& ray, Sighting& nearest) const;
 
   const World* world_ = nullptr;
   Vec2 origin_ = Vec2::Zero();
+  double reach_ = 0;
+  Row own_;
   std::optional<double> z_;
-  partition::CircleArrays circles_;  // of bodies, then of pieces of what never moves, marked
+  partition::CircleArrays circles_;  // relative to the origin: of bodies, then of pieces of what never moves
   std::size_t bodies_ = 0;
   std::size_t size_ = 0;
   double fixed_reach_ = 0;  // how far out pieces are known, m; negative: not at all
-
-  std::span<const SightLine> rays_;
-  std::span<Sighting> found_;
-  std::array<float, partition::k_most_beams> dx_{}, dy_{}, limits_{};
-  partition::MetCircles met_;
+  std::vector<float> near_;
+  std::vector<Hit> hits_;
 };
 
 }  // namespace troupe::engine

@@ -47,9 +47,10 @@ class Lowest {
 };
 
 bool takes(const Remover& remover, const World& world, Row row) {
-  if (world.carrier(row)) return false;
-  const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
-  return remover.types.empty() ? world.type(row).drive.has_value() : remover.types[body.type.index()] != 0;
+  const engine::BodyType& type = world.type(row);
+  const auto index = static_cast<std::size_t>(&type - world.types().data());
+  const bool fits = remover.types.empty() ? type.drive.has_value() : remover.types[index] != 0;
+  return fits && !world.carrier(row);
 }
 
 void act(const DeviceBatch& batch) {
@@ -60,9 +61,9 @@ void act(const DeviceBatch& batch) {
     Lowest found;
     world.index().for_each_near(Box::around(at, remover.radius_m), [&](const partition::BodyCircle& circle) {
       const Row row(circle.row);
-      if (row == batch.rows[i] || !takes(remover, world, row)) return;
-      if ((world.transform(row).position - at).squaredNorm() <= remover.radius_m * remover.radius_m)
-        found.add(world.body(row));
+      if (row == batch.rows[i]) return;
+      if ((world.transform(row).position - at).squaredNorm() > remover.radius_m * remover.radius_m) return;
+      if (takes(remover, world, row)) found.add(world.body(row));
     });
     std::uint32_t sequence = 0;
     for (const BodyId body : found.list()) batch.emit_death(i, sequence++, body);

@@ -176,9 +176,12 @@ std::uint64_t sense(const DeviceBatch& batch) {
   const Finder& finder = *std::any_cast<Finder>(&batch.data);
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
-  for (std::size_t i = 0; i < batch.rows.size(); ++i)
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    // Readings take a kilobyte a robot: they come from memory while it looks.
+    __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
     write(*search, finder, search->look(batch.world, finder, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));
+  }
   return search->rays() - rays_before;
 }
 

@@ -153,7 +153,8 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   if (const JsonNode* node = object.find("name"))
     if (const std::string* name = read_text(JsonCursor(at, "name", *node), "the name of its column"))
       parameter.name = *name;
-  constexpr std::array<std::string_view, 6> k_taken{"run", "seed", "ticks", "time_s", "state_hash", "error"};
+  constexpr std::array<std::string_view, 7> k_taken{"run",        "seed",       "ticks", "time_s",
+                                                    "stopped_by", "state_hash", "error"};
   const auto& before = study_.parameters;
   if (!parameter.name.empty() &&
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||

@@ -31,7 +31,8 @@ struct Study {
   };
 
   std::filesystem::path world;  ///< as found from the study's file
-  std::optional<double> for_s;  ///< world time at which each run ends; not given: where the world says
+  std::optional<double>
+      for_s;  ///< world time at which each run ends, if not before; not given: where the world says
   std::vector<Parameter> parameters;
   std::vector<std::string> measures;  ///< as troupe::Measures takes them; none given: the world's
   std::vector<Statistic> statistics;

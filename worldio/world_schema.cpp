@@ -354,6 +354,17 @@ JsonNode drive_schema(const engine::Registry& registry) {
   return choice(std::move(schemas));
 }
 
+/// A controller of which only its plug-in knows the parameters.
+JsonNode kind_of_a_plug_in(const engine::Registry& registry) {
+  const JsonNode known = object_of({{"enum", texts(registry.controller_names())}});
+  const JsonNode other = object_of({{"not", known},
+                                    {"type", text("string")},
+                                    {"description", text("a controller of a plug-in, docs/controllers.md")}});
+  return object_of({{"type", text("object")},
+                    {"properties", object_of({{"kind", other}})},
+                    {"required", texts(std::array{"kind"})}});
+}
+
 JsonNode controller_schema(const engine::Registry& registry) {
   std::vector<JsonNode> schemas;
   const auto add = [&](std::string_view name, std::string_view about, const FieldTable& params, bool preset) {
@@ -368,13 +379,7 @@ JsonNode controller_schema(const engine::Registry& registry) {
   for (const engine::Registry::Preset& preset : registry.presets)
     if (const engine::ControllerKind* kind = registry.controller(preset.kind))
       add(preset.name, preset.text, kind->params, true);
-  const JsonNode known = object_of({{"enum", texts(registry.controller_names())}});
-  const JsonNode other = object_of({{"not", known},
-                                    {"type", text("string")},
-                                    {"description", text("a controller of a plug-in, docs/controllers.md")}});
-  schemas.push_back(object_of({{"type", text("object")},
-                               {"properties", object_of({{"kind", other}})},
-                               {"required", texts(std::array{"kind"})}}));
+  schemas.push_back(kind_of_a_plug_in(registry));
   return choice(std::move(schemas));
 }
 
@@ -442,31 +447,55 @@ JsonNode model_schema() {
       .done();
 }
 
-/// grid or uniform: what both take, and the grid more.
+/// What all rules of placement take, and one of them more.
 JsonNode place_schema(std::string_view rule) {
+  JsonNode corners = array_of(reference("point_m"));
+  add_member(std::get<Members>(corners.value), "minItems", std::int64_t{3});
   ObjectSchema place;
   place.required("rule", kind_of(rule))
       .member("region_m", reference("box_m"), "of the bodies' origins")
+      .member("polygon_m", std::move(corners), "of the bodies' origins")
       .member("heading", object_of({{"const", text("random")}}))
       .optional(engine::pose_fields().fields[3])
       .optional(measure("z", Unit::meters, "height of the origins", -k_max_size_m, k_max_size_m));
+  const auto pair = [](std::string_view name, std::string_view about, double min) {
+    return Field{.name = name,
+                 .type = FieldType::numbers,
+                 .unit = Unit::meters,
+                 .min = min,
+                 .max = k_max_size_m,
+                 .text = about,
+                 .columns = 2};
+  };
   if (rule == "grid")
     place.member("spill_m", reference("box_m"), "for the bodies that the first region cannot hold")
         .field(measure("pitch", Unit::meters, "between neighbours", 0, k_max_size_m, true), true)
         .optional(measure("jitter", Unit::meters, "how far each coordinate may be moved at random", 0,
                           k_max_size_m));
+  if (rule == "gaussian")
+    place.field(pair("mean", "about which they are normally distributed", -k_max_size_m), true)
+        .field(pair("deviation", "the standard deviations", 0), true);
+  if (rule == "poisson_disc")
+    place.field(measure("distance", Unit::meters, "how near two may be to one another", 0.001, k_max_size_m),
+                true);
+  if (rule == "free_floor")
+    place.optional(pair("from", "from where the floor is reached", -k_max_size_m))
+        .optional(measure("cell", Unit::meters, "how finely the floor is looked at", 0.001, k_max_size_m));
   return place.done();
 }
 
 JsonNode population_schema() {
   const double most = LoadOptions().most_bodies;
+  std::vector<JsonNode> places;
+  for (const std::string_view rule : {"grid", "uniform", "gaussian", "poisson_disc", "free_floor"})
+    places.push_back(place_schema(rule));
   return ObjectSchema()
       .required("name", type("string"), "bodies are called NAME0, NAME1, ...")
       .required("type", type("string"), "the name of one of the types")
       .field(bare("count", FieldType::integer, "how many bodies", 0, most), true)
       .optional(bare("reserve", FieldType::integer, "how many more may be born", 0, most))
       .member("color", reference("color"), "or \"random\"")
-      .required("place", choice({place_schema("grid"), place_schema("uniform")}))
+      .required("place", choice(std::move(places)))
       .done();
 }
 
@@ -488,6 +517,100 @@ JsonNode measure_schema(const engine::Registry& registry) {
   schemas.push_back(
       object_of({{"type", text("string")}, {"pattern", text(fmt::format("^({}):.+$", either))}}));
   return choice(std::move(schemas));
+}
+
+constexpr double k_most_s = 1e9;
+
+JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
+
+/// Some of a table: what is not given stays.
+JsonNode some_of(const FieldTable& table) { return ObjectSchema().fields(table, false).done(); }
+
+/// Adds whom something is about, and how many of them.
+void add_group(ObjectSchema& object) {
+  object.member("population", type("string"))
+      .member("type", type("string"))
+      .member("model", type("string"))
+      .optional(bare("count", FieldType::integer, "so many of them, chosen by the seed", 0, 1e9))
+      .optional(bare("share", FieldType::number, "this share of them, chosen by the seed", 0, 1))
+      .rule(choice({has_key("population"), has_key("type"), has_key("model")}, "oneOf"))
+      .rule(object_of({{"not", object_of({{"required", texts(std::array{"count", "share"})}})}}));
+}
+
+JsonNode group_schema() {
+  ObjectSchema group;
+  add_group(group);
+  return group.done();
+}
+
+JsonNode setting_schema(const engine::Registry& registry) {
+  std::vector<JsonNode> drives, devices, controllers;
+  for (const engine::DriveKind& kind : registry.drives) drives.push_back(some_of(kind.params));
+  for (const engine::DeviceKind& kind : registry.devices)
+    devices.push_back(ObjectSchema().required("name", type("string")).fields(kind.params, false).done());
+  for (const engine::ControllerKind& kind : registry.controllers)
+    controllers.push_back(
+        ObjectSchema().required("kind", kind_of(kind.name)).fields(kind.params, false).done());
+  for (const engine::Registry::Preset& preset : registry.presets)
+    if (const engine::ControllerKind* kind = registry.controller(preset.kind))
+      controllers.push_back(
+          ObjectSchema().required("kind", kind_of(preset.name)).fields(kind->params, false).done());
+  controllers.push_back(kind_of_a_plug_in(registry));
+  return ObjectSchema()
+      .required("type", type("string"), "the name of one of the types")
+      .member("drive", choice(std::move(drives)))
+      .member("device", choice(std::move(devices)))
+      .member("controller", choice(std::move(controllers)))
+      .rule(choice({has_key("drive"), has_key("device"), has_key("controller")}, "oneOf"))
+      .done();
+}
+
+/// An entry of `at`: one thing that is done at a time.
+JsonNode intervention_schema(const engine::Registry& registry) {
+  ObjectSchema entry;
+  entry.field(measure("time", Unit::seconds, "when it is done", 0, k_most_s), true);
+  std::vector<JsonNode> one;
+  for (const std::string_view action : engine::k_actions) {
+    one.push_back(has_key(action));
+    if (action == "add")
+      entry.member(action, ObjectSchema()
+                               .required("population", type("string"), "one that has a reserve")
+                               .optional(bare("count", FieldType::integer, "how many are born", 0, 1e9))
+                               .member("pose", reference("pose"))
+                               .member("region_m", reference("box_m"))
+                               .done());
+    else if (action == "move")
+      entry.member(
+          action,
+          ObjectSchema().required("model", type("string")).required("pose", reference("pose")).done());
+    else
+      entry.member(action, action == "set" ? setting_schema(registry) : group_schema());
+  }
+  return entry.rule(choice(std::move(one), "oneOf")).done();
+}
+
+JsonNode fault_schema(const engine::Registry& registry) {
+  ObjectSchema fault;
+  add_group(fault);
+  fault.optional(measure("from", Unit::seconds, "from when on", 0, k_most_s));
+  std::vector<JsonNode> any;
+  for (const engine::FaultKind& kind : registry.faults) {
+    any.push_back(has_key(kind.name));
+    fault.member(kind.name, table_schema(kind.params), kind.text);
+  }
+  return fault.rule(choice(std::move(any))).done();
+}
+
+JsonNode condition_schema(const engine::Registry& registry) {
+  constexpr std::string_view k_compares = "(<|<=|>|>=|==|!=) *[-+0-9.eE]+ *$";
+  const auto matching = [](const std::string& pattern) {
+    return object_of({{"type", text("string")}, {"pattern", text(pattern)}});
+  };
+  return choice({matching(fmt::format("^ *[^<>=!]+{}", k_compares)),
+                 ObjectSchema()
+                     .required("measure", measure_schema(registry))
+                     .required("is", matching(fmt::format("^ *{}", k_compares)))
+                     .done()});
 }
 
 JsonNode record_schema() {
@@ -542,6 +665,9 @@ std::string world_schema(const engine::Registry& registry) {
       .member("measures", array_of(measure_schema(registry)), "what troupe run --measures measures")
       .optional(measure("measure_every", Unit::seconds, "how often; 0: every tick", 0, 1e9))
       .optional(bare("mortal", FieldType::boolean, "programs may remove bodies, docs/lives.md"))
+      .member("stop_when", array_of(condition_schema(registry)), "when a run is over, docs/experiments.md")
+      .member("at", array_of(intervention_schema(registry)), "what is done to the world, and when")
+      .member("faults", array_of(fault_schema(registry)), "how robots fail")
       .member("watch", table_schema(engine::watch_fields()), "how the world is watched")
       .member("window", table_schema(engine::window_fields()), "the view it asks for")
       .member("bounds_m", reference("box_m"), "where robots may be")

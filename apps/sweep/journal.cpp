@@ -50,8 +50,13 @@ std::vector<std::string> whole_lines(const fs::path& file) {
 std::string line_of(const SweepOutcome& outcome) {
   Json values = Json::array();
   for (const double value : outcome.values) values.push_back(std::isnan(value) ? Json() : Json(value));
-  return Json{{"run", outcome.run},       {"seed", outcome.seed}, {"ticks", outcome.ticks},
-              {"time_s", outcome.time_s}, {"values", values},     {"state_hash", outcome.state_hash}}
+  return Json{{"run", outcome.run},
+              {"seed", outcome.seed},
+              {"ticks", outcome.ticks},
+              {"time_s", outcome.time_s},
+              {"stopped_by", outcome.stopped_by},
+              {"values", values},
+              {"state_hash", outcome.state_hash}}
       .dump();
 }
 
@@ -61,6 +66,7 @@ SweepOutcome outcome_of(const std::string& line) {
                        .seed = json.at("seed"),
                        .ticks = json.at("ticks"),
                        .time_s = json.at("time_s"),
+                       .stopped_by = json.at("stopped_by"),
                        .state_hash = json.at("state_hash")};
   for (const Json& value : json.at("values"))
     outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN()

@@ -16,6 +16,7 @@ struct SweepOutcome {
   std::uint64_t seed = 0;
   std::uint64_t ticks = 0;
   double time_s = 0;
+  std::string stopped_by;      ///< the condition of the world's `stop_when` that ended it; empty: none
   std::vector<double> values;  ///< a number a column of measures; NaN where there is none
   std::string state_hash;
 };

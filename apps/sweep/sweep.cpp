@@ -127,16 +127,18 @@ std::optional<SweepOutcome> make(const Study& study, std::size_t index, const Sw
   const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
   const std::uint64_t every = engine::period_ticks(study.measure_every_s, simulation.tick_s());
   statistics.add(measures.values());
-  while (simulation.tick() < end) {
+  while (simulation.tick() < end && !simulation.stopped()) {
     if (stop_requested()) return std::nullopt;
     simulation.step();
     measures.see();
-    if (simulation.tick() % every == 0 || simulation.tick() == end) statistics.add(measures.values());
+    const bool is_last = simulation.tick() == end || simulation.stopped();
+    if (simulation.tick() % every == 0 || is_last) statistics.add(measures.values());
   }
   return SweepOutcome{.run = index,
                       .seed = simulation.world().spec().seed,
                       .ticks = simulation.tick(),
                       .time_s = simulation.time_s(),
+                      .stopped_by = simulation.stopped().value_or(""),
                       .values = statistics.values(study.statistics),
                       .state_hash = hex(simulation.state_hash())};
 }

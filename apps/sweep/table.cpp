@@ -58,7 +58,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
   const std::size_t runs = table.study.runs.size();
   Counts index, seeds, ticks;
   Numbers times;
-  Texts hashes, errors;
+  Texts conditions, hashes, errors;
   std::vector<Numbers> measures(table.measures.size());
   for (std::size_t r = 0; r < runs; ++r) {
     const auto found = table.outcomes.find(r);
@@ -68,6 +68,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
     seeds.push_back(is_there ? found->second.seed : table.study.runs[r].seed.value_or(0));
     ticks.push_back(is_there ? found->second.ticks : 0);
     times.push_back(is_there ? found->second.time_s : k_none);
+    conditions.push_back(is_there ? found->second.stopped_by : "");
     hashes.push_back(is_there ? found->second.state_hash : "");
     errors.push_back(failed == table.failed.end() ? "" : failed->second);
     for (std::size_t m = 0; m < measures.size(); ++m)
@@ -81,6 +82,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
   columns.push_back({"time_s", std::move(times)});
   for (std::size_t m = 0; m < measures.size(); ++m)
     columns.push_back({table.measures[m], std::move(measures[m])});
+  columns.push_back({"stopped_by", std::move(conditions)});
   columns.push_back({"state_hash", std::move(hashes)});
   columns.push_back({"error", std::move(errors)});
   return columns;

@@ -25,8 +25,8 @@ struct SweepTable {
   std::map<std::size_t, std::string> failed;
 };
 
-/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,state_hash,error`, as pandas reads it without options.
-/// Written whole or not at all. Throws OutputError.
+/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`, as pandas reads it without
+/// options. Written whole or not at all. Throws OutputError.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// The same columns as datasets of the group /table, and their order as /columns (docs/sweeps.md).
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);

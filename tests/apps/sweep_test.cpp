@@ -8,6 +8,7 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
@@ -36,9 +37,9 @@ TEST_F(Sweep, MakesATableWithARowARun) {
   EXPECT_EQ(outcome.out, "6 of 6 runs done: out/table.csv\n");
   const std::vector<std::string> lines = lines_of(table("out"));
   ASSERT_THAT(lines, SizeIs(7));
-  EXPECT_EQ(
-      lines[0],
-      "run,robots,seed,ticks,time_s,path_length_m,path_length_m_max,stalls,stalls_max,state_hash,error");
+  EXPECT_EQ(lines[0],
+            "run,robots,seed,ticks,time_s,path_length_m,path_length_m_max,stalls,stalls_max,stopped_by,state_"
+            "hash,error");
   EXPECT_THAT(lines[1], StartsWith("0,2,1,10,1,"));
   EXPECT_THAT(lines[6], StartsWith("5,5,3,10,1,"));
   // A row is the run that `troupe run` makes.
@@ -92,7 +93,19 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   EXPECT_THAT(outcome.err, HasSubstr("run 3: "));
   const std::vector<std::string> lines = lines_of(table("out"));
   ASSERT_THAT(lines, SizeIs(7));
-  EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,"), HasSubstr("placed")));
+  EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,,"), HasSubstr("placed")));
+}
+
+TEST_F(Sweep, ARunEndsWhereTheWorldSays) {
+  std::string world(k_world);
+  write("w.json", world.insert(1, R"("stop_when": ["path_length >= 0.05"], )"));
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(7));
+  for (const std::string& line : std::vector(lines.begin() + 1, lines.end())) {
+    EXPECT_THAT(line, HasSubstr(",path_length >= 0.05,"));
+    EXPECT_THAT(line, Not(HasSubstr(",10,1,")));
+  }
 }
 
 TEST_F(Sweep, ListsTheRunsAndMakesNone) {

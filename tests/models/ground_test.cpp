@@ -1,6 +1,7 @@
 #include "models/ground.hpp"
 
 #include "base/random.hpp"
+#include "engine/frame.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
 #include "models/led.hpp"

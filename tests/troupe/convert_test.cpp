@@ -278,9 +278,11 @@ position( name "n" pose [0 5 0 0]
 
   worldio::LoadOptions other_seed;
   other_seed.set = {{"/seed", "8"}};
-  convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world", other_seed);
-  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds to its model, with this seed, other "
-                                        "parts than are there")));
+  convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
+          other_seed);
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("controller \"dynamic\": it adds to its model, with this seed, other "
+                                    "parts than are there")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {

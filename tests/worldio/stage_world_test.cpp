@@ -642,6 +642,22 @@ TEST_F(StageWorld, LasersAndSonarsAreRangers) {
   EXPECT_EQ(transducer(sensor(6), 0, "samples").integer(), 6);  // a macro of the name comes first
 }
 
+TEST_F(StageWorld, LasersAndSonarsHaveTheSameProperties) {
+  for (const std::string_view alias : {"laser", "sonar"}) {
+    const auto spec = load(fmt::format(
+        "position( {0}( samples 7 fov 90 range_min 2 range_max 4 ) )\nposition( {0}( range [1 3] ) )\n",
+        alias));
+    const engine::DeviceSpec& limits = type_of(spec, 1).devices[0];
+    EXPECT_EQ(transducer(limits, 0, "samples").integer(), 7) << alias;
+    EXPECT_EQ(transducer(limits, 0, "fov").number(), k_pi / 2) << alias;
+    EXPECT_EQ(transducer(limits, 0, "range_min").number(), 2) << alias;
+    EXPECT_EQ(transducer(limits, 0, "range_max").number(), 4) << alias;
+    const engine::DeviceSpec& range = type_of(spec, 2).devices[0];
+    EXPECT_EQ(transducer(range, 0, "range_min").number(), 1) << alias;
+    EXPECT_EQ(transducer(range, 0, "range_max").number(), 3) << alias;
+  }
+}
+
 TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
   load("laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 )\nlaser( wibble 3 )\nmap()\nlasr()");
   EXPECT_THAT(messages(),
