@@ -60,6 +60,9 @@ WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experimen
 # Python listings of a page that another test runs: page -> test.
 PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
 
+# Worlds that the program does not load: (page, file), why.
+NOT_LOADED = {("docs/extending.md", "east.json"): "has kinds of a program of the page's own, which runs it"}
+
 # C++ listings that are not compiled: (page, how the first line begins, why).
 CPP_NOT_COMPILED = []
 
