@@ -99,6 +99,8 @@ SHOWN_ONLY = [
     ("docs/determinism.md", "proof ", "scripts/prove and scripts/check-aarch64 print it, after minutes"),
     ("docs/determinism.md", "hospital, T0", "a difference, which there must not be: tests/prove_test.py"),
     ("docs/driving.md", "heading'", "a formula"),
+    ("docs/experiments.md", "w.json:12", "of a world with faults: tests/engine/placement_test.cpp"),
+    ("docs/ground.md", "brightness =", "a formula"),
     ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
     ("docs/limits.md", "target ", "scripts/fuzz prints it, after half an hour"),

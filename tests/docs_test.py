@@ -238,7 +238,9 @@ class Page:
                   f'pwd > "{keep}/.cwd"\nexport -p > "{keep}/.env"\nexit $code\n')
         environment = {"HOME": str(self.home), "PATH": f"{self.test.bin}:{os.environ['PATH']}", "LC_ALL": "C.UTF-8",
                        "MPLBACKEND": "Agg", "TERM": "dumb", "CMAKE_BUILD_PARALLEL_LEVEL": "2",
-                       "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": os.environ.get("TMPDIR", "/tmp")}
+                       "PYTHONDONTWRITEBYTECODE": "1",
+                       "PYTHONPATH": str(self.test.build / "lib/python3/dist-packages"),
+                       "TMPDIR": os.environ.get("TMPDIR", "/tmp")}
         for name in ("CMAKE_CXX_COMPILER_LAUNCHER", "CCACHE_DIR", "CXX"):
             if name in os.environ:
                 environment[name] = os.environ[name]
@@ -385,8 +387,11 @@ class Page:
                    if path.is_file()):
             self.fault(block, "no CMakeLists.txt of apps, tests/install or this page has these lines")
 
+    def python_is_elsewhere(self):
+        return self.name in rules.PYTHON_ELSEWHERE and (ROOT / rules.PYTHON_ELSEWHERE[self.name]).exists()
+
     def python(self, block):
-        if self.name in rules.PYTHON_ELSEWHERE and (ROOT / rules.PYTHON_ELSEWHERE[self.name]).exists():
+        if self.python_is_elsewhere():
             return
         self.wanted += 1
         modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|troupe)\b", block.text, re.M))
@@ -441,8 +446,10 @@ class Page:
             result = self.shell(command)
             if result.returncode:
                 self.fault(self.name, f"{command} (before the page) ended with {result.returncode}: {result.stdout}")
-        for block in self.blocks:
-            getattr(self, block.kind())(block)
+        for block, before in zip(self.blocks, [None, *self.blocks]):
+            is_result = before is not None and before.kind() == "python" and block.kind() == "shown"
+            if not (is_result and self.python_is_elsewhere()):
+                getattr(self, block.kind())(block)
         if self.wanted and not self.ran:
             self.fault(self.name, "none of its commands is run")
         return self
@@ -468,6 +475,7 @@ class Test:
         self.installed = scratch / "installed"
         subprocess.run(["cmake", "--install", build, "--prefix", self.installed], check=True, stdout=subprocess.DEVNULL)
         self.python, self.modules = python_with_modules()
+        (self.bin / "python3").symlink_to(self.python)
         self.cpp = []
         self.used = set()
 
