@@ -28,6 +28,7 @@ INSTEAD = [
     (r"--for 172830 ", "--for 22 ", "goes on with that"),
     (r"^(troupe run worlds/hospital\S* .*)--for 600\b", r"\1--for 30", "ten minutes of 2,000 robots take a minute"),
     (r"^(troupe resume \S+ .*)--for 600\b", r"\1--for 40", "goes on with that"),
+    (r"--for (60|20) (--film \S+)", r"--for 6 \2", "each of a film's pictures takes a while"),
     (r"^man -l (\S+)$", r"test -s \1", "a terminal is needed, and there may be no man"),
 ]
 
@@ -58,6 +59,9 @@ WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experimen
 
 # Python listings of a page that another test runs: page -> test.
 PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
+
+# Worlds that the program does not load: (page, file), why.
+NOT_LOADED = {("docs/extending.md", "east.json"): "has kinds of a program of the page's own, which runs it"}
 
 # C++ listings that are not compiled: (page, how the first line begins, why).
 CPP_NOT_COMPILED = []
@@ -95,6 +99,8 @@ SHOWN_ONLY = [
     ("docs/determinism.md", "proof ", "scripts/prove and scripts/check-aarch64 print it, after minutes"),
     ("docs/determinism.md", "hospital, T0", "a difference, which there must not be: tests/prove_test.py"),
     ("docs/driving.md", "heading'", "a formula"),
+    ("docs/experiments.md", "w.json:12", "of a world with faults: tests/engine/placement_test.cpp"),
+    ("docs/ground.md", "brightness =", "a formula"),
     ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
     ("docs/limits.md", "target ", "scripts/fuzz prints it, after half an hour"),

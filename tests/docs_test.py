@@ -15,8 +15,8 @@ for that:
 - Another block is text that the page shows: it must have been printed by a command further up, or stand in a file
   that one has written, or be the list of such files. A line `...` stands for any lines, `...` in a line for any text.
   Numbers must be equal but where they tell wall time, memory or versions.
-- JSON, C++, Python and CMake stand in fences that say so (JSON also indented). A world loads, a fragment parses; C++
-  compiles, or is part of a file of apps/examples; Python runs. If the paragraph before a listing names a file, as
+- JSON, C++, Python, CMake and Stage's `world` stand in fences that say so (JSON also indented). A world loads, a
+  fragment parses; C++ compiles, or is part of a file of apps/examples; Python runs. If the paragraph before a listing names a file, as
   "save this as `swarm.json`:", the listing is saved there for what follows.
 - Links to files and headings lead somewhere, and inline code that begins with `troupe` has options that exist.
 
@@ -42,10 +42,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|mkdir|export|source|man|sudo|apptainer|cat|head|tail|ls|git|h5dump|h5repack|"
             r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
-LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt"}
+LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt", "world": ".world"}
+DECLARES = (r"^(struct |class |namespace |template|TROUPE_CONTROLLER|"
+            r"(?!if|for|while|switch|else|do|return)[\w:]+[\w:<>&* ]* \w+\([^;{]*\) (const )?\{$)")
 OUTPUTS = {"--snapshot", "--record", "--hash-log", "--measures", "--events", "--checkpoint", "--profile", "--camera-png", "-o",
            "--output", "--film"}
-COMMAND_LIMIT_S = 180
+COMMAND_LIMIT_S = 900  # on a busy machine; none should take more than half a minute
 
 
 # --- pages -----------------------------------------------------------------------------------------------------------
@@ -170,7 +172,7 @@ def line_pattern(line):
 
 
 def first_missing(shown, there):
-    """The first of the shown lines that is not there, in order; None where all are. Lines follow one another but where `...` stands."""
+    """The first of the shown lines that is not there; None where all are, one behind another but where `...` stands."""
     wanted = [line for line in shown if line.strip()]
     if all(line.strip() == "..." for line in wanted):
         return None
@@ -236,7 +238,9 @@ class Page:
                   f'pwd > "{keep}/.cwd"\nexport -p > "{keep}/.env"\nexit $code\n')
         environment = {"HOME": str(self.home), "PATH": f"{self.test.bin}:{os.environ['PATH']}", "LC_ALL": "C.UTF-8",
                        "MPLBACKEND": "Agg", "TERM": "dumb", "CMAKE_BUILD_PARALLEL_LEVEL": "2",
-                       "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": os.environ.get("TMPDIR", "/tmp")}
+                       "PYTHONDONTWRITEBYTECODE": "1",
+                       "PYTHONPATH": str(self.test.build / "lib/python3/dist-packages"),
+                       "TMPDIR": os.environ.get("TMPDIR", "/tmp")}
         for name in ("CMAKE_CXX_COMPILER_LAUNCHER", "CCACHE_DIR", "CXX"):
             if name in os.environ:
                 environment[name] = os.environ[name]
@@ -327,8 +331,33 @@ class Page:
             self.fault(block, f"nothing that was printed or written on this page has these lines, the first of which is\n    "
                        f"{block.lines[0]}\n  (nearest miss: {missing[0] if missing else ''})")
 
-    def world(self, block):
+    def save(self, block):
+        """Saves a listing where the paragraph before says; the path, or None where it says nothing."""
         name = block.file_name()
+        if name is None:
+            return None
+        path = self.cwd() / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(block.text)
+        return path
+
+    def load(self, block, path):
+        if (self.name, path.name) in rules.NOT_LOADED:
+            return
+        result = self.shell(f"troupe lint {path}")
+        self.printed.append(result.stdout)
+        if result.returncode not in (0, 1):
+            self.fault(block, f"this world does not load:\n{result.stdout}")
+
+    def world(self, block):
+        path = self.save(block)
+        if path is None:
+            path = self.folder / "worlds" / "listing.world"
+            path.write_text(block.text)
+        self.load(block, path)
+
+    def json(self, block):
+        path = self.save(block)
         fragment = block.text
         for text in (fragment, "{" + fragment.rstrip().rstrip(",") + "}", "[" + fragment.rstrip().rstrip(",") + "]"):
             try:
@@ -339,30 +368,18 @@ class Page:
         if value is None:
             self.fault(block, f"this is no JSON: {wrong}")
             return
-        path = self.cwd() / name if name else self.folder / "worlds" / "listing.json"
-        if name:
-            path.write_text(block.text)
         if isinstance(value, dict) and "troupe" in value and "types" in value:
-            path.write_text(block.text)
-            result = self.shell(f"troupe lint {path}")
-            self.printed.append(result.stdout)
-            if result.returncode not in (0, 1):
-                self.fault(block, f"this world does not load:\n{result.stdout}")
+            if path is None:
+                path = self.folder / "worlds" / "listing.json"
+                path.write_text(block.text)
+            self.load(block, path)
 
     def cpp(self, block):
-        name = block.file_name()
-        if name:
-            path = self.cwd() / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(block.text)
+        self.save(block)
         self.test.add_cpp(self, block)
 
     def cmake(self, block):
-        name = block.file_name()
-        if name:
-            path = self.cwd() / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(block.text)
+        if self.save(block):
             return
         squeezed = re.sub(r"\s+", " ", block.text.strip())
         if not any(squeezed in re.sub(r"\s+", " ", path.read_text()) for path in
@@ -370,8 +387,11 @@ class Page:
                    if path.is_file()):
             self.fault(block, "no CMakeLists.txt of apps, tests/install or this page has these lines")
 
+    def python_is_elsewhere(self):
+        return self.name in rules.PYTHON_ELSEWHERE and (ROOT / rules.PYTHON_ELSEWHERE[self.name]).exists()
+
     def python(self, block):
-        if self.name in rules.PYTHON_ELSEWHERE and (ROOT / rules.PYTHON_ELSEWHERE[self.name]).exists():
+        if self.python_is_elsewhere():
             return
         self.wanted += 1
         modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|troupe)\b", block.text, re.M))
@@ -379,10 +399,12 @@ class Page:
         if lacking:
             self.left_out.append(f"{block}: Python listing: there is no {' and '.join(lacking)} for {self.test.python}")
             return
-        name = block.file_name() or ".listing.py"
-        (self.cwd() / name).write_text(block.text)
+        path = self.save(block)
+        if path is None:
+            path = self.cwd() / ".listing.py"
+            path.write_text(block.text)
         began = time.monotonic()
-        result = self.shell(f"{self.test.python} {name}")
+        result = self.shell(f"{self.test.python} {path}")
         self.test.tell(f"{block}: {time.monotonic() - began:5.1f} s  Python listing")
         self.printed.append(result.stdout)
         self.ran += 1
@@ -405,6 +427,9 @@ class Page:
                 self.fault(where, f"the link leads to {link}, which is not there")
             elif heading and heading not in headings(target):
                 self.fault(where, f"{link or self.name} has no heading #{heading}")
+        prose = re.sub(r"`[^`\n]*`|^    .*$|\]\([^)]*\)", lambda m: " " * len(m[0]), text, flags=re.M)
+        for match in re.finditer(r"\b[A-Z]+_[A-Z_]+\b", prose):
+            self.fault(f"{self.name}:{text.count(chr(10), 0, match.start()) + 1}", f"{match[0]} stands for something else")
         for match in re.finditer(r"`(troupe [a-z][^`]*)`", text):
             where = f"{self.name}:{text.count(chr(10), 0, match.start()) + 1}"
             unknown = self.test.program.unknown(match[1])
@@ -421,8 +446,10 @@ class Page:
             result = self.shell(command)
             if result.returncode:
                 self.fault(self.name, f"{command} (before the page) ended with {result.returncode}: {result.stdout}")
-        for block in self.blocks:
-            getattr(self, {"json": "world"}.get(block.kind(), block.kind()))(block)
+        for block, before in zip(self.blocks, [None, *self.blocks]):
+            is_result = before is not None and before.kind() == "python" and block.kind() == "shown"
+            if not (is_result and self.python_is_elsewhere()):
+                getattr(self, block.kind())(block)
         if self.wanted and not self.ran:
             self.fault(self.name, "none of its commands is run")
         return self
@@ -448,6 +475,7 @@ class Test:
         self.installed = scratch / "installed"
         subprocess.run(["cmake", "--install", build, "--prefix", self.installed], check=True, stdout=subprocess.DEVNULL)
         self.python, self.modules = python_with_modules()
+        (self.bin / "python3").symlink_to(self.python)
         self.cpp = []
         self.used = set()
 
@@ -470,7 +498,7 @@ class Test:
         lines = []
         for number, (page, block) in enumerate(self.cpp):
             lines += [f"namespace listing_{number} {{", "using namespace troupe;", *rules.CPP_BEFORE.get(page, "").split("\n")]
-            declares = re.search(r"^(struct |class |namespace |template|int main\(|TROUPE_CONTROLLER)", block.text, re.M)
+            declares = re.search(DECLARES, block.text, re.M)
             lines += [f'#line {block.line} "{page}"', *(["void run() {"] if not declares else [])]
             lines += [f'#line {block.line} "{page}"',
                       *(re.sub(r"^TROUPE_CONTROLLER\(.*", "", line) for line in block.lines), "}" if declares else "}}"]
@@ -479,7 +507,8 @@ class Test:
         lines = [*dict.fromkeys([f"#include {name}" for name in includes] + own), *lines]
         source = self.scratch / "listings.cpp"
         source.write_text("\n".join(lines) + "\n")
-        eigen = next((path for path in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.exists(path)), "/usr/include")
+        eigen = next((path for path in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.exists(path)),
+                     "/usr/include")
         command = [os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-ffp-contract=off", "-DEIGEN_DONT_VECTORIZE",
                    "-DEIGEN_MAX_ALIGN_BYTES=16", f"-I{self.installed}/include/troupe",
                    "-isystem", eigen, source]
