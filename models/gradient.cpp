@@ -21,6 +21,7 @@ constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on 
 constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
 constexpr double k_turn = 0.8;             // rad/s
 constexpr std::uint32_t k_backwards = 20;  // decisions
+constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
 
 const FieldTable& gradient_fields() {
   static const FieldTable table{{
@@ -104,7 +105,8 @@ struct Gradient {
       memory.settled = 1;
       memory.hops = 0;
     } else {
-      if (samples == 0 || (in_touch && heard.nearest >= spacing)) memory.settled = 1;
+      const bool has_room = in_touch && heard.nearest >= spacing;
+      if (samples == 0 || (has_room && random.uniform() < k_settles)) memory.settled = 1;
       if (memory.settled != 0) count(memory, heard);
     }
     if (memory.settled != 0) {
