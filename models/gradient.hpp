@@ -19,8 +19,9 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 /// counts    who is settled says one more than the least count that it hears. A count that nobody has
 ///           confirmed for `patience` decisions is forgotten, so that lost messages do not matter and lost
 ///           robots do
-/// roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears nobody
-/// who
+/// shows     with an LED, where it has one: red near the beacon, blue from twelve hops on; grey while it
+/// roams roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears
+/// nobody who
 ///           is settled, for a while, then anywhere
 /// needs     a radio; to roam, a drive and a scanner of more than 8 beams
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local
