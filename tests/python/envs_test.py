@@ -166,8 +166,8 @@ class TheParallelInterface(InAFolder):
 
     def test_controllers_of_the_world_do_not_interfere(self):
         types = copy.deepcopy(ROOM["types"])
-        types["bot"]["controller"] = {"kind": "wander"}
-        types["cart"]["controller"] = {"kind": "wander"}
+        types["bot"]["controller"] = {"kind": "expand"}
+        types["cart"]["controller"] = {"kind": "script", "legs": [{"until_s": 99, "forward_mps": 0.5}]}
         env = ParallelEnv(room(types=types), Short())
         env.reset()
         env.step({agent: [0, 0] for agent in env.agents})
