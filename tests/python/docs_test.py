@@ -10,7 +10,7 @@ import unittest
 from support import ROOT, InAFolder
 
 PAGE = (ROOT / "docs" / "python.md").read_text()
-LISTING = re.compile(r"```python\n(.*?)```\n(?:\n((?:    .*\n)+))?", re.S)
+LISTING = re.compile(r"```python\n(.*?)```\n(?:\n((?:    [^\n]*\n)+))?", re.S)
 
 
 class Listings(InAFolder):
