@@ -58,6 +58,8 @@ def objects_of(value, path=()):
         if path != ("types",):
             yield path, value
         for key, member in value.items():
+            if path[-1:] == ("set",):
+                continue  # the parameters of some type's device or controller: no schema knows which
             yield from objects_of(member, (*path, key))
     elif isinstance(value, list):
         for i, member in enumerate(value):
