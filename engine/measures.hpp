@@ -66,8 +66,10 @@ std::size_t count_there(const World& world, std::span<const Row> rows);
 template <class Term>
 double ordered_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;
-  std::vector<double> sums((count + k_block - 1) / k_block);
-  world.parallel().for_each(sums.size(), [&](std::size_t b) {
+  thread_local std::vector<double> kept;  // grows once: conditions are asked in every step
+  kept.resize((count + k_block - 1) / k_block);
+  const std::span<double> sums = kept;  // the workers' own is another
+  world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {
     double sum = 0;
     for (std::size_t i = b * k_block; i < std::min(count, (b + 1) * k_block); ++i) sum += term(i);
     sums[b] = sum;

@@ -277,7 +277,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
-  if (sight.range < k_docked || (state.charging != 0 && sight.range < k_creep_within)) {
+  if (sight.range < k_docked) {  // not at the first contact: who stands there leaves no room for others
     actions.command = {};
     return;
   }

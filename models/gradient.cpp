@@ -2,6 +2,7 @@
 
 #include "engine/controller.hpp"
 #include "models/device_choice.hpp"
+#include "models/led.hpp"
 #include "models/radio.hpp"
 #include "models/scan_ahead.hpp"
 
@@ -21,6 +22,8 @@ constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on 
 constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
 constexpr double k_turn = 0.8;             // rad/s
 constexpr std::uint32_t k_backwards = 20;  // decisions
+constexpr float k_far_hops = 12;           // that an LED can tell apart
+constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
 
 const FieldTable& gradient_fields() {
   static const FieldTable table{{
@@ -69,6 +72,7 @@ struct Gradient {
   double spacing, speed, min_front;
   std::uint32_t patience;
   std::size_t samples = 0;
+  std::size_t led = 0;  // its place among the devices; 0: none
 
   static Gradient make(const Record& p) {
     return {p[0].boolean(), p[1].number(), p[2].number(), p[3].number(),
@@ -80,6 +84,7 @@ struct Gradient {
     DeviceChoice choice(devices, claimed);
     if (!choice.take_kind("radio")) fault = "needs a radio";
     if (!beacon) samples = choice.take_scanner(k_least_samples);
+    if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
   }
 
@@ -104,9 +109,11 @@ struct Gradient {
       memory.settled = 1;
       memory.hops = 0;
     } else {
-      if (samples == 0 || (in_touch && heard.nearest >= spacing)) memory.settled = 1;
+      const bool has_room = in_touch && heard.nearest >= spacing;
+      if (samples == 0 || (has_room && random.uniform() < k_settles)) memory.settled = 1;
       if (memory.settled != 0) count(memory, heard);
     }
+    if (led != 0) show(memory, actions.device<LedCommand>(led));
     if (memory.settled != 0) {
       actions.command = {};
       if (memory.hops == k_hops_unknown)
@@ -117,6 +124,12 @@ struct Gradient {
     }
     memory.alone = in_touch ? 0 : memory.alone + 1;
     roam(memory, percept.ranges(1).first(samples), random, actions.command);
+  }
+
+  static void show(const Memory& memory, LedCommand& command) {
+    if (memory.settled == 0) return command.show(0.75f, 0.75f, 0.75f);
+    const float share = std::min(static_cast<float>(memory.hops) / k_far_hops, 1.0f);
+    command.show(1 - share, 0.35f, share);
   }
 
   void count(Memory& memory, const Heard& heard) const {

@@ -13,13 +13,15 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 /// hops a beacon is reached; around walls, where the radio does not pass them.
 ///
 /// beacon    says 0 hops, and stands
-/// settles   one that roams settles as soon as the nearest settled one that it hears is `spacing` or farther
-///           away; without a scanner it is settled from the start
+/// settles   one that roams settles, with a chance of 2 % in each decision, while the nearest settled one
+/// that it
+///           hears is `spacing` or farther away; without a scanner it is settled from the start
 /// counts    who is settled says one more than the least count that it hears. A count that nobody has
 ///           confirmed for `patience` decisions is forgotten, so that lost messages do not matter and lost
 ///           robots do
-/// roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears nobody
-/// who
+/// shows     with an LED, where it has one: red near the beacon, blue from twelve hops on; grey while it
+/// roams roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears
+/// nobody who
 ///           is settled, for a while, then anywhere
 /// needs     a radio; to roam, a drive and a scanner of more than 8 beams
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local

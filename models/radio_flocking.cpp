@@ -16,7 +16,12 @@ using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
 
-constexpr double k_push = 3;  // of a wall that is touched, in units of the heading
+// In units of the heading.
+constexpr double k_push = 3;            // of a wall that is touched
+constexpr double k_repulsion = 5;       // of another, at most
+constexpr double k_attraction = 0.3;    // at most, so that the many afar do not outweigh the one nearby
+constexpr double k_least_range = 1e-3;  // m
+constexpr double k_backwards = 0.5;     // of the speed
 
 const FieldTable& flocking_fields() {
   static const FieldTable table{{
@@ -77,13 +82,14 @@ struct RadioFlocking {
       const SinCos theirs = sincos(heading - own);
       headings += Vec2(theirs.cos, theirs.sin);
       const SinCos way = sincos(message.bearing);
-      spacing += std::clamp((message.range - distance) / distance, -1.0, 1.0) * Vec2(way.cos, way.sin);
+      const double near = distance / std::max<double>(message.range, k_least_range);
+      spacing += std::clamp(1 - near * near, -k_repulsion, k_attraction) * Vec2(way.cos, way.sin);
     }
     Vec2 aim = headings.squaredNorm() > 0 ? Vec2(headings / headings.norm()) : Vec2(1, 0);
     if (heard > 0) aim += spacing_weight / static_cast<double>(heard) * spacing;
     aim += push(percept);
     const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
-    actions.command = {speed * std::max(0.0, cos(angle)), 0, gain * angle};
+    actions.command = {speed * std::max(-k_backwards, cos(angle)), 0, gain * angle};
     radio.say(static_cast<float>(own));
   }
 

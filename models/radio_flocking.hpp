@@ -8,9 +8,11 @@ namespace troupe::models {
 /// keeps its distance from them.
 ///
 /// aims      along a = h + `spacing_weight` p, robot frame: h is the mean, made a unit vector, of its own
-///           heading and of those heard; p the mean over those heard of (range - distance) / distance, kept
-///           within +-1, along their bearings; with a scanner, walls nearer than `clearance` push away
-/// drives    `speed` times the cosine of the angle to a, never backwards, and turns by `gain` times the angle
+///           heading and of those heard; p the mean over those heard of 1 - (distance / range)^2, kept
+///           within -5 and 0.3, along their bearings; with a scanner, what is nearer than `clearance` pushes
+///           away
+/// drives    `speed` times the cosine of the angle to a, backwards at half of it at most, and turns by `gain`
+///           times the angle
 /// needs     a drive, a radio with a payload of 4 bytes or more; its heading is that of its estimate
 /// source    Turgut, Celikkanat, Gokce, Sahin: Self-organized flocking in mobile robot swarms, Swarm
 ///           Intelligence 2, 2008: their heading alignment and proximal control, with a radio as the "virtual

@@ -145,6 +145,10 @@ class Used(unittest.TestCase):
     def place(self, name):
         return self.page.run(f"troupe.screenPlace({json.dumps(name)})")
 
+    def spot(self, name):
+        """A place on top of a robot, beside the mark at its front."""
+        return self.page.run(f"troupe.screenPlace({json.dumps(name)}, [-0.12, -0.12, 0.3])")
+
     def wait_for_text(self, selector, pattern):
         """What the panel shows of a sensor is unpacked first."""
         self.page.wait(f"new RegExp({json.dumps(pattern)}).test(document.querySelector({json.dumps(selector)}).innerText)")
@@ -216,9 +220,9 @@ class APage(Used):
 
     def test_robots_and_walls_are_drawn(self):
         self.keep("above")
-        at = self.place("red")
+        at = self.spot("red")
         self.assertEqual(self.pixel(at), (204, 26, 26))
-        self.assertEqual(self.pixel(self.place("blue")), (26, 51, 204))
+        self.assertEqual(self.pixel(self.spot("blue")), (26, 51, 204))
         wall = self.page.run("troupe.screenPlace('red', [0, 4, 0.6])")
         self.assertEqual(self.pixel(wall), (102, 102, 102))  # gray40
         self.seek(8)
@@ -246,11 +250,11 @@ class APage(Used):
     def test_colour_by_field(self):
         self.assertEqual(self.page.run("troupe.colors()"),
                          ["own colours", "speed", "least of looker, eye: ranges", "stall: stalled"])
-        at = self.place("red")
+        at = self.spot("red")
         self.page.run("troupe.color('speed')")
         self.shown()
         self.assertEqual(self.pixel(at), (173, 220, 48), "none is faster")
-        self.assertEqual(self.pixel(self.place("blue")), (68, 1, 84), "none is slower")
+        self.assertEqual(self.pixel(self.spot("blue")), (68, 1, 84), "none is slower")
         self.assertIn("speed, m/s", self.text("#legend"))
         self.assertIn("0.50", self.text("#legend"))
         self.page.run("troupe.color('least of looker, eye: ranges')")
@@ -313,9 +317,11 @@ class APage(Used):
         self.keep("dark")
         self.assertGreater(min(light), 200)
         self.assertLess(max(self.pixel(empty)), 60)
-        self.assertEqual(self.pixel(self.place("red"))[0] > 150, True)
-        self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
-        self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+        self.assertEqual(self.pixel(self.spot("red"))[0] > 150, True)
+        for theme in ("dark", "light"):  # as somebody sets it in the browser: the page follows
+            self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+            self.shown()
+        self.page.wait("document.documentElement.dataset.theme === 'light'")
         self.shown()
         self.assertEqual(self.pixel(empty), light)
 
@@ -377,7 +383,7 @@ class PartsThatMove(Used):
         self.seek(3.5)
         self.assertEqual(self.text("#about p"), "1 of 3 robots and 2 other bodies, seed 1")
         self.assertRegex(self.text("#panel"), r"x\s+-?[0-9.]+ m")
-        self.assertEqual(self.pixel(self.place("walker0")), (26, 51, 204))
+        self.assertEqual(self.pixel(self.spot("walker0")), (26, 51, 204))
         self.keep("born")
         self.seek(8)
         self.assertRegex(self.text("#panel"), r"x\s+not there")

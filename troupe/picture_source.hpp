@@ -28,7 +28,6 @@ struct FrameWishes {
   bool links = false;
   bool charges = false;
   bool names = false;
-  bool speed = false;  ///< how fast it runs: who takes the frame says it
   std::optional<ChosenValue> value;
 };
 
@@ -37,7 +36,10 @@ class PictureSource {
  public:
   virtual ~PictureSource() = default;
 
+  /// For errors.
   virtual std::string file() const = 0;
+  /// The file of the world, for people.
+  virtual std::string world() const { return file(); }
   virtual std::uint64_t seed() const = 0;
   virtual double tick_s() const = 0;
   /// The `window` of the world; null where it has none.

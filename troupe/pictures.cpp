@@ -207,7 +207,6 @@ struct Pictures::Impl {
               shown.links,
               shown.energy,
               shown.names,
-              shown.speed,
               std::nullopt};
     if (!options.color_by.empty()) {
       std::string fault;
@@ -327,7 +326,7 @@ Pictures::Shot Pictures::take(const PictureSource& source, double times_real_tim
   if (impl_->view.layers.trails) impl_->trails.add_to(shot->frame);
   if (impl_->view.layers.coverage) impl_->covered.add_to(shot->frame);
   shot->text = {{"Software", version_line()},
-                {"world", impl_->file},
+                {"world", source.world()},
                 {"time_s", fmt::format("{}", shot->frame.time_s)},
                 {"seed", fmt::format("{}", source.seed())},
                 {"state_hash", hex(source.state_hash())}};

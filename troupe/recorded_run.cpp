@@ -293,20 +293,21 @@ auto checked(Work&& work) {
 
 RecordedRun::RecordedRun(const std::filesystem::path& recording)
     : impl_(checked([&] { return std::make_unique<Impl>(recording); })) {
-  set_index(impl_->reader.frames() - 1);
+  go_to_frame(impl_->reader.frames() - 1);
 }
 
 RecordedRun::~RecordedRun() = default;
 RecordedRun::RecordedRun(RecordedRun&&) noexcept = default;
 RecordedRun& RecordedRun::operator=(RecordedRun&&) noexcept = default;
 
-std::size_t RecordedRun::index() const { return impl_->frame; }
-void RecordedRun::set_index(std::size_t frame) { impl_->frame = frame; }
+std::span<const double> RecordedRun::times_s() const { return impl_->reader.times_s(); }
+std::size_t RecordedRun::frame_index() const { return impl_->frame; }
+void RecordedRun::go_to_frame(std::size_t frame) { impl_->frame = std::min(frame, times_s().size() - 1); }
 
 std::size_t RecordedRun::first_within(double history_s) const {
-  const std::span<const double> times = impl_->reader.times_s();
-  const auto first = std::ranges::lower_bound(times, times[impl_->frame] - history_s - k_same_s);
-  return std::min(static_cast<std::size_t>(first - times.begin()), impl_->frame);
+  const std::span<const double> times = times_s();
+  const auto first = std::ranges::lower_bound(times, time_s() - history_s - k_same_s);
+  return std::min(static_cast<std::size_t>(first - times.begin()), frame_index());
 }
 
 void RecordedRun::go_to(double time_s) {
@@ -315,11 +316,14 @@ void RecordedRun::go_to(double time_s) {
     impl_->refuse(fmt::format("{:g} s is not in it: it goes from {:g} s to {:g} s", time_s, times.front(),
                               times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
-  set_index(static_cast<std::size_t>(later - times.begin()) - 1);
+  go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
 }
 
-double RecordedRun::last_s() const { return impl_->reader.times_s().back(); }
 std::string RecordedRun::file() const { return impl_->reader.file().string(); }
+std::string RecordedRun::world() const {
+  const auto found = impl_->reader.meta().find("world");
+  return found == impl_->reader.meta().end() ? file() : found->second;
+}
 std::uint64_t RecordedRun::seed() const { return number_in(impl_->reader, "seed", std::uint64_t{0}); }
 double RecordedRun::tick_s() const { return number_in(impl_->reader, "tick_s", 0.1); }
 const engine::Record* RecordedRun::window() const { return impl_->window ? &*impl_->window : nullptr; }
@@ -399,9 +403,8 @@ std::string RecordedRun::missing(const FrameWishes& wishes) const {
     });
   };
   if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
-  for (const auto& [wished, layer] :
-       {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
-        std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links"), std::pair(wishes.speed, "speed")})
+  for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
+                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
       return fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer);
   return {};

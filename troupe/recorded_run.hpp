@@ -2,8 +2,10 @@
 
 #include "troupe/picture_source.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
 
 namespace troupe {
 
@@ -23,23 +25,17 @@ class RecordedRun : public PictureSource {
   /// Goes to the last frame that is not later than this. Throws InputError for a time before the first frame
   /// or after the last one, s.
   void go_to(double time_s);
-  /// Goes through all frames from so long before where it stands to there, `history_s`, for
-  /// Pictures::see().
-  template <class See>
-  void replay(double history_s, See&& see) {
-    const std::size_t last = index();
-    for (std::size_t frame = first_within(history_s); frame < last; ++frame) {
-      set_index(frame);
-      see(*this);
-    }
-    set_index(last);
-    see(*this);
-  }
-  /// Of the last frame.
-  double last_s() const;
+  /// Of all its frames, rising, s.
+  std::span<const double> times_s() const;
+  /// The frame it stands at.
+  std::size_t frame_index() const;
+  void go_to_frame(std::size_t frame);
+  /// The first frame that is not earlier than so long before where it stands, s.
+  std::size_t first_within(double history_s) const;
 
   // What PictureSource says, of the frame it stands at: the last one, at first.
   std::string file() const override;
+  std::string world() const override;
   std::uint64_t seed() const override;
   double tick_s() const override;
   const engine::Record* window() const override;
@@ -53,10 +49,6 @@ class RecordedRun : public PictureSource {
   engine::Frame frame(const FrameWishes& wishes) const override;
 
  private:
-  std::size_t index() const;
-  void set_index(std::size_t frame);
-  std::size_t first_within(double history_s) const;
-
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -436,7 +436,10 @@ JsonNode floorplan_schema() {
 }
 
 JsonNode model_schema() {
+  using Marks = std::numeric_limits<std::int32_t>;
   return ObjectSchema()
+      .optional(bare("fiducial_return", FieldType::integer, "its own number for fiducial finders",
+                     Marks::min(), Marks::max()))
       .required("name", type("string"))
       .required("type", type("string"), "the name of one of the types")
       .member("pose", reference("pose"))

@@ -16,6 +16,7 @@ WALL = 0.05
 
 TYPES = {
     "wall": {"size_m": [2 * HALF + 2 * WALL, WALL, 0.1], "color": "gray30"},
+    "side": {"size_m": [2 * HALF - 0.01, WALL, 0.1], "color": "gray30"},
     "black": {"size_m": [TILE, TILE, 0.002], "color": "black", "obstacle": False, "ranger_return": -1},
     "robot": {
         "blocks": [{"points_m": [[0.035, 0.015], [0.015, 0.035], [-0.015, 0.035], [-0.035, 0.015],
@@ -38,8 +39,8 @@ def world():
     black = sorted(random.Random(1).sample(tiles, BLACK))
     edge = HALF + WALL / 2
     models = [{"name": "north", "type": "wall", "pose": {"y_m": edge}}, {"name": "south", "type": "wall", "pose": {"y_m": -edge}},
-              {"name": "east", "type": "wall", "pose": {"x_m": edge, "heading_deg": 90}},
-              {"name": "west", "type": "wall", "pose": {"x_m": -edge, "heading_deg": 90}}]
+              {"name": "east", "type": "side", "pose": {"x_m": edge, "heading_deg": 90}},
+              {"name": "west", "type": "side", "pose": {"x_m": -edge, "heading_deg": 90}}]
     for k, (column, row) in enumerate(black):
         place = {"x_m": round((column + 0.5) * TILE - HALF, 3), "y_m": round((row + 0.5) * TILE - HALF, 3)}
         models.append({"name": f"tile{k}", "type": "black", "pose": place})

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
+#include "troupe/simulation_source.hpp"
 
 #include <fmt/format.h>
 
@@ -63,13 +64,13 @@ void Snapshots::draw_last(const Simulation& simulation) {
     pictures_.write(pictures_.take(simulation, speed_ ? speed_->at(simulation.time_s()) : 0), last_);
 }
 
-Filming::Filming(const PictureFiles& files, const Simulation& simulation)
+Filming::Filming(const PictureFiles& files, const PictureSource& source)
     : film_(files.film),
       fps_(files.fps),
       speed_(files.film_speed),
       step_s_(files.film_speed / files.fps),
-      begin_s_(simulation.time_s()),
-      pictures_(simulation, film_look(files)),
+      begin_s_(source.time_s()),
+      pictures_(source, film_look(files)),
       thread_(k_most_waiting) {}
 
 void Filming::open() {
@@ -78,11 +79,15 @@ void Filming::open() {
 }
 
 void Filming::observe(const Simulation& simulation) {
-  pictures_.see(simulation);
-  const double now = simulation.time_s();
-  // A frame between this tick and the next one needs both.
-  const bool is_needed = due_s() < now + simulation.tick_s();
-  const Pictures::Shot shot = is_needed ? pictures_.take(simulation, speed_) : nullptr;
+  observe(SimulationSource(simulation), simulation.time_s() + simulation.tick_s());
+}
+
+void Filming::observe(const PictureSource& source, double next_s) {
+  pictures_.see(source);
+  const double now = source.time_s();
+  // A picture between this and the next needs both.
+  const bool is_needed = due_s() < next_s;
+  const Pictures::Shot shot = is_needed ? pictures_.take(source, speed_) : nullptr;
   for (; shot && due_s() <= now; ++frames_) {
     const bool is_between = previous_ && due_s() < now;
     add(is_between ? Pictures::between(previous_, shot, (due_s() - previous_s_) / (now - previous_s_))
@@ -101,7 +106,9 @@ void Filming::add(Pictures::Shot shot) {
   });
 }
 
-void Filming::finish(const Simulation& /*simulation*/) {
+void Filming::finish(const Simulation& /*simulation*/) { finish(); }
+
+void Filming::finish() {
   thread_.finish();
   if (ffmpeg_) ffmpeg_->finish();
 }

@@ -4,6 +4,7 @@
 #include "apps/pictures/drawing_thread.hpp"
 #include "apps/pictures/film.hpp"
 #include "apps/pictures/picture_options.hpp"
+#include "troupe/picture_source.hpp"
 #include "troupe/pictures.hpp"
 
 #include <chrono>
@@ -52,18 +53,22 @@ class Snapshots : public Observer {
   DrawingThread thread_;
 };
 
-/// A film of a run, drawn beside it.
+/// A film of a run, drawn beside it; or of a recording.
 class Filming : public Observer {
  public:
   /// Throws InputError for what the world has not.
-  Filming(const PictureFiles& files, const Simulation& simulation);
+  Filming(const PictureFiles& files, const PictureSource& source);
   /// As that of Snapshots.
   void rehearse() { pictures_.rehearse(film_); }
   /// Starts ffmpeg. Throws OutputError.
   void open();
 
   void observe(const Simulation& simulation) override;
+  /// What there is to see now; the next thing comes at `next_s`.
+  void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
+  /// Waits until the film is whole. Throws what drawing and writing throw.
+  void finish();
 
  private:
   void add(Pictures::Shot shot);

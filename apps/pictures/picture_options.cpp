@@ -82,22 +82,7 @@ void add_files(CLI::App& app, PictureFiles& pictures) {
             "Instead at these simulated times, s; {time} in the name stands for them",
             [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
-  CLI::Option* const film = add_value(
-      app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
-      [&pictures](const std::string& text) {
-        pictures.film = text;
-        const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
-        if (!is_film || text.starts_with('-'))
-          refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
-      });
-  add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
-    pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
-  })->needs(film);
-  add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
-            [&pictures](const std::string& text) {
-              pictures.film_speed = number_within("--film-speed", text, k_most_speed, "times real time");
-            })
-      ->needs(film);
+  add_film_options(app, pictures);
 }
 
 /// What the options are together.
@@ -133,6 +118,25 @@ std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t 
   const std::string_view mark = k_number_mark;
   name.replace(name.find(mark), mark.size(), fmt::format("{:06}", frame));
   return film.parent_path() / name;
+}
+
+void add_film_options(CLI::App& app, PictureFiles& pictures) {
+  CLI::Option* const film = add_value(
+      app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
+      [&pictures](const std::string& text) {
+        pictures.film = text;
+        const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
+        if (!is_film || text.starts_with('-'))
+          refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
+      });
+  add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
+    pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
+  })->needs(film);
+  add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
+            [&pictures](const std::string& text) {
+              pictures.film_speed = number_within("--film-speed", text, k_most_speed, "times real time");
+            })
+      ->needs(film);
 }
 
 void add_look_options(CLI::App& app, PictureOptions& look) {

@@ -39,6 +39,8 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
 /// Adds what says how pictures look: --size, --camera, --layers, ...
 void add_look_options(CLI::App& app, PictureOptions& look);
+/// Adds --film, --fps and --film-speed.
+void add_film_options(CLI::App& app, PictureFiles& pictures);
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
 /// Several times need {time} in the name.

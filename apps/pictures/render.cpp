@@ -4,6 +4,7 @@
 #include "apps/observers/filming.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "apps/pictures/film.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "troupe/recorded_run.hpp"
@@ -14,6 +15,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -33,6 +37,7 @@ Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written.
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
   troupe render worlds/cave-simple.json -o cave-{time}.png --at 0,10,60
+  troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
 /// Times in order, or the one the input stands at.
@@ -63,29 +68,75 @@ void draw_simulation(const RenderOptions& options, Simulation simulation) {
   });
 }
 
-void draw_recording(const RenderOptions& options) {
-  RecordedRun run(options.input);
+/// Trails and coverage are made of the frames before.
+void see_history(RecordedRun& run, Pictures& pictures) {
+  if (pictures.history_s() == 0) return;
+  const std::size_t last = run.frame_index();
+  for (std::size_t frame = run.first_within(pictures.history_s()); frame <= last; ++frame) {
+    run.go_to_frame(frame);
+    pictures.see(run);
+  }
+}
+
+/// Nobody recorded how fast the run was; a film tells how fast it is itself.
+void refuse_speed(const RenderOptions& options) {
+  const std::string list = "," + options.pictures.look.layers + ",";
+  if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
+  throw InputError(
+      fmt::format("{}: error: the layer \"speed\" is drawn of worlds and checkpoints, not of recordings",
+                  options.input.string()));
+}
+
+void draw_recording(const RenderOptions& options, RecordedRun& run) {
+  refuse_speed(options);
+  const double last_s = run.times_s().back();
   Pictures pictures(run, options.pictures.look);
   pictures.rehearse(snapshot_files(options.pictures).front());
   draw_each(options, pictures, [&](double time) {
-    run.go_to(std::isnan(time) ? run.last_s() : time);
-    if (pictures.history_s() > 0)
-      run.replay(pictures.history_s(), [&](const RecordedRun& frame) { pictures.see(frame); });
+    run.go_to(std::isnan(time) ? last_s : time);
+    see_history(run, pictures);
     return pictures.take(run);
   });
 }
 
+void film_recording(const RenderOptions& options, RecordedRun& run) {
+  const std::span<const double> times = run.times_s();
+  run.go_to_frame(0);
+  Filming film(options.pictures, run);
+  film.rehearse();
+  film.open();
+  for (std::size_t frame = 0; frame < times.size(); ++frame) {
+    run.go_to_frame(frame);
+    film.observe(run, frame + 1 < times.size() ? times[frame + 1] : std::numeric_limits<double>::infinity());
+  }
+  film.finish();
+}
+
 void render_checked(const RenderOptions& options) {
-  check_outputs({{options.input, "what is to be drawn"}}, snapshot_files(options.pictures));
-  if (worldio::is_checkpoint(options.input)) {
+  const PictureFiles& wanted = options.pictures;
+  std::vector<fs::path> outputs = snapshot_files(wanted);
+  outputs.push_back(wanted.film);
+  check_outputs({{options.input, "what is to be drawn"}}, outputs);
+  check_film(wanted);
+  const bool is_checkpoint = worldio::is_checkpoint(options.input);
+  if (!is_checkpoint && is_hdf5(options.input)) {
+    RecordedRun run(options.input);
+    if (!wanted.snapshot.empty()) draw_recording(options, run);
+    if (!wanted.film.empty()) film_recording(options, run);
+    return;
+  }
+  if (!wanted.film.empty())
+    throw InputError(
+        fmt::format("{}: error: --film: a recording can be filmed; a world is while it runs, by "
+                    "troupe run --film",
+                    options.input.string()));
+  if (is_checkpoint) {
     draw_simulation(options,
                     Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));
-  } else if (!is_hdf5(options.input)) {
+  } else {
     SimulationOptions simulation;
     simulation.plugin_path = options.plugin_path;
     draw_simulation(options, Simulation(options.input, with_environment(std::move(simulation))));
-  } else {
-    draw_recording(options);
   }
 }
 
@@ -102,13 +153,17 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
       ->required();
   add_value(*command, "-o,--output", "FILE.png",
             "The picture; {time} in its name stands for the simulated time",
-            [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); })
-      ->required();
+            [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   add_value(*command, "--at", "T,...", "Simulated times to draw, s",
             [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
+  add_film_options(*command, options.pictures);
   add_look_options(*command, options.pictures.look);
   add_plugin_path_option(*command, options.plugin_path);
-  command->final_callback([&options] { check_names(options.pictures, "--at", "--output"); });
+  command->final_callback([&options] {
+    if (options.pictures.snapshot.empty() && options.pictures.film.empty())
+      throw CLI::RequiredError("--output or --film");
+    check_names(options.pictures, "--at", "--output");
+  });
   return command;
 }
 

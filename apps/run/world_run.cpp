@@ -11,6 +11,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "troupe/simulation_source.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -75,7 +76,8 @@ std::filesystem::path WorldRun::recording() const { return recording_file(option
 void WorldRun::rehearse() {
   const PictureFiles& pictures = options_.pictures;
   if (!pictures.snapshot.empty()) rehearsed_ = std::make_unique<Snapshots>(pictures, simulation_, ticks_);
-  if (!pictures.film.empty()) rehearsed_film_ = std::make_unique<Filming>(pictures, simulation_);
+  if (!pictures.film.empty())
+    rehearsed_film_ = std::make_unique<Filming>(pictures, SimulationSource(simulation_));
   if (rehearsed_) rehearsed_->rehearse();
   if (rehearsed_film_) rehearsed_film_->rehearse();
   if (!options_.camera_folder.empty()) check_cameras(simulation_, options_.world);

@@ -9,6 +9,7 @@ namespace troupe::apps {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -93,7 +94,7 @@ TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(pixels("p.png"), expected) << at.size();
   }
-  EXPECT_THAT(read("p.png"), HasSubstr("run.h5"));
+  EXPECT_THAT(read("p.png"), HasSubstr("room.world"));
 }
 
 TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
@@ -102,21 +103,38 @@ TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
       troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "all.h5", "--record-fields", "all"})
           .code,
       0);
-  for (const std::vector<std::string>& look :
-       std::vector<std::vector<std::string>>{{"--layers=scans,beams,names"},
-                                             {"--color-by", "velocity.x"},
-                                             {"--camera", "perspective", "--color-by", "ranger.ranges.1"}}) {
+  for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
+           {"--layers=scans,beams,names"},
+           {"--color-by", "velocity.x"},
+           {"--camera", "perspective", "--color-by", "pose.heading", "--layers=-legend"}}) {
     std::vector<std::string> options{"room.world", "--at", "1"};
     options.insert(options.end(), look.begin(), look.end());
     EXPECT_EQ(draw(options).code, 0);
     const std::string of_world = pixels("p.png");
     options = {"all.h5"};
     options.insert(options.end(), look.begin(), look.end());
-    if (look.back() == "ranger.ranges.1") options.back() = "sensors.ranges.1";
     const Outcome outcome = draw(options);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    if (look.back() != "ranger.ranges.1") EXPECT_EQ(pixels("p.png"), of_world) << look.front();
+    EXPECT_EQ(pixels("p.png"), of_world) << look.front();
   }
+}
+
+TEST_F(Render, ARecordingCanBeFilmed) {
+  record();
+  if (IsSkipped()) return;
+  std::filesystem::create_directory(path("frames"));
+  const Outcome outcome = troupe(
+      {"render", "run.h5", "--film", "frames/%06d.png", "--fps", "20", "--size", "96x64", "--layers=trails"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome faster =
+      troupe({"render", "run.h5", "--film", "frames/f%06d.png", "--film-speed", "10", "--size", "96x64"});
+  EXPECT_EQ(faster.code, 0) << faster.err;
+  EXPECT_TRUE(std::filesystem::exists(path("frames/000020.png")));  // 0 to 1 s
+  EXPECT_FALSE(std::filesystem::exists(path("frames/000021.png")));
+  const Outcome of_world = troupe({"render", "room.world", "--film", "f.mp4"});
+  EXPECT_EQ(of_world.code, 2);
+  EXPECT_THAT(of_world.err, AnyOf(HasSubstr("a world is while it runs, by troupe run --film"),
+                                  HasSubstr("ffmpeg is not installed")));
 }
 
 TEST_F(Render, WhatARecordingHasNotIsRefused) {

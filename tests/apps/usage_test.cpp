@@ -240,7 +240,7 @@ TEST_F(Describe, UnknownKindNamesWhatThereIs) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_THAT(outcome.err, AllOf(StartsWith("troupe describe: error: unknown kind \"rangre\"; known: "),
-                                 HasSubstr("wander"), HasSubstr("(did you mean \"ranger\"?)")));
+                                 HasSubstr("bumper, "), HasSubstr("(did you mean \"ranger\"?)")));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@ what their documentation promises of calls. Neither package takes part."""
 
 import copy
 import inspect
+import json
 import os
 import pathlib
 import re
@@ -13,7 +14,7 @@ import unittest
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, InAFolder
+from support import ROOM, ROOT, InAFolder
 from troupe.envs import AutoresetMode, Box, ParallelEnv, Task, VectorEnv
 
 # Name -> parameters behind self: of pettingzoo.ParallelEnv 1.24, and of gymnasium.vector.VectorEnv 1.0 to 1.2.
@@ -166,8 +167,8 @@ class TheParallelInterface(InAFolder):
 
     def test_controllers_of_the_world_do_not_interfere(self):
         types = copy.deepcopy(ROOM["types"])
-        types["bot"]["controller"] = {"kind": "wander"}
-        types["cart"]["controller"] = {"kind": "wander"}
+        types["bot"]["controller"] = {"kind": "expand"}
+        types["cart"]["controller"] = {"kind": "script", "legs": [{"until_s": 99, "forward_mps": 0.5}]}
         env = ParallelEnv(room(types=types), Short())
         env.reset()
         env.step({agent: [0, 0] for agent in env.agents})
@@ -322,11 +323,13 @@ class TheVectorInterface(InAFolder):
             ParallelEnv({"troupe": 1})
 
 
-class TheExample(unittest.TestCase):
+class TheExample(InAFolder):
     def test_learns_the_same_each_time(self):
         example = ROOT / "python" / "examples" / "learn_to_roam.py"
+        world = pathlib.Path("room.json")
+        world.write_text(json.dumps(room(models=ROOM["models"][:1])))  # which takes less to load than a hospital
         runs = [
-            subprocess.run([sys.executable, example, "3", HOSPITAL], check=True, stdout=subprocess.PIPE, text=True).stdout
+            subprocess.run([sys.executable, example, "3", world], check=True, stdout=subprocess.PIPE, text=True).stdout
             for _ in range(2)
         ]
         self.assertEqual(runs[0], runs[1])

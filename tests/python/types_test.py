@@ -1,6 +1,7 @@
 """The stubs fit the module, the package fits the stubs, and so does a program that uses it; what does not is found."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -32,7 +33,7 @@ env = ParallelEnv("worlds/hospital.json", Task(), robots=5)
 BAD = {
     "world.steps()": "attr-defined",
     "world.step('fast')": "arg-type",
-    "x: str = world.tick": "assignment",
+    "text: str = world.tick": "assignment",
     "world.find('r0').set_speed(1)": "call-arg",
     "swarm.set_speeds(0.3, 0, 0.1)": "misc",
 }
@@ -68,9 +69,13 @@ class Types(unittest.TestCase):
 
     def test_the_stubs_are_those_of_the_module(self):
         path = os.path.dirname(os.path.dirname(troupe.__file__))
-        done = subprocess.run(["stubtest", "troupe._core", "troupe.math"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path}, cwd=ROOT)
-        self.assertEqual(done.returncode, 0, done.stdout)
+        done = subprocess.run(["stubtest", "--concise", "troupe._core", "troupe.math"], cwd=ROOT, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path})
+        # What pybind11 makes of every class, and no stub says.
+        usual = re.compile(r"metaclass differs|__init__ is inconsistent, stub does not have \*args")
+        findings = [line for line in done.stdout.splitlines() if line.startswith("troupe") and not usual.search(line)]
+        self.assertEqual(findings, [], done.stdout)
+        self.assertIn("metaclass differs", done.stdout)  # it has looked
 
 
 if __name__ == "__main__":

@@ -45,7 +45,8 @@ TEST(Trails, BelongToTheirBodiesWhoeverComesAndGoes) {
 
 TEST(Trails, ReachBackTwentySecondsAndBeginAnewWithTheRun) {
   Trails trails(0.1);
-  for (std::uint64_t tick = 0; tick <= 1000; ++tick) trails.see(frame_at(tick, {{1, {0.1 * tick, 0}}}));
+  for (std::uint64_t tick = 0; tick <= 1000; ++tick)
+    trails.see(frame_at(tick, {{1, {0.1 * static_cast<double>(tick), 0}}}));
   Frame now = frame_at(1000, {{1, {100, 0}}});
   trails.add_to(now);
   EXPECT_NEAR(now.trails[0].points.front().x(), 100 - 20, 0.5);

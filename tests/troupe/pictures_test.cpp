@@ -46,7 +46,7 @@ class PicturesTest : public test::ScratchTest {
 TEST(PictureLayers, AreCheckedByName) {
   EXPECT_THAT(layers_fault(""), IsEmpty());
   EXPECT_THAT(layers_fault("scans,-grid,+names"), IsEmpty());
-  EXPECT_THAT(layers_fault("scan"), AllOf(HasSubstr("unknown layer \"scan\"; known: beams, cells, "),
+  EXPECT_THAT(layers_fault("scan"), AllOf(HasSubstr("unknown layer \"scan\"; known: beams, blobs, cells, "),
                                           HasSubstr("(did you mean \"scans\"?)")));
   EXPECT_THAT(layers_fault("scans,,grid"), HasSubstr("unknown layer \"\""));
   for (const PictureLayer& layer : picture_layers())

@@ -85,10 +85,10 @@ std::vector<std::uint32_t> hops_by_search(const std::vector<Station>& stations) 
 }
 
 TEST(GradientScene, HopsAreThoseOfASearchAlongTheLinks) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 2,400 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes 6,000 ticks";
   Simulation simulation(shipped("gradient.json"), {.threads = 2});
   const engine::World& world = simulation.world();
-  simulation.run_for(240);
+  simulation.run_for(600);
   std::vector<Station> stations{{world.pose(world.find("beacon")).position(), 0}};
   std::size_t roaming = 0;
   for (const std::string& name : simulation.robot_names()) {

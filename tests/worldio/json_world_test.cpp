@@ -306,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: $schema, at, bounds_m, faults, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, stop_when, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -493,20 +493,20 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
               "free cells (of 25)"},
         Wrong{R"("rule": "grid", )", "",
-              R"(maze.json:18: error: /populations/0/place: missing "rule": grid or uniform)"},
+              R"(maze.json:18: error: /populations/0/place: missing "rule": grid, uniform, gaussian, poisson_disc or free_floor)"},
         Wrong{
             R"("rule": "grid")", R"("rule": "gird")",
-            R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: grid, uniform (did you mean "grid"?))"},
+            R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: free_floor, gaussian, grid, poisson_disc, uniform (did you mean "grid"?))"},
         Wrong{
             R"("rule": "grid")", R"("rule": "uniform")",
-            R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, region_m, rule, z_cm, z_m, z_mm)"},
+            R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, polygon_m, region_m, rule, z_cm, z_m, z_mm)"},
         Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
               R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
               "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 draws found no free "
               "place for the next"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
-            R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], as there is no floor plan to fill)"},
+            R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], or "polygon_m", as there is no floor plan to fill)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
               "maze.json:18: error: /populations/0/place/region_m: the corners stand the wrong way round: "
               "give [[x_min, y_min], [x_max, y_max]]"},
@@ -540,12 +540,10 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
-          "measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, "
-          "ranging, "
-          "record, "
-          "resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, "
-          "types, watch, window"));
+          "maze.json:5: error: unknown key \"noise\"; known: $schema, at, bounds_m, faults, floorplans, ground, "
+          "measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, "
+          "quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, "
+          "stop_when, tick_ms, tick_s, title, troupe, types, watch, window"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

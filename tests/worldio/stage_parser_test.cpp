@@ -111,10 +111,10 @@ TEST_F(Conformance14, UnknownType) {
       ElementsAre(
           "w.world:1: error: \"lazer\" is no model type, nor a macro defined before; types: actuator, "
           "blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, model, "
-          "position, ranger (did you mean \"laser\"?)",
+          "position, radio, ranger (did you mean \"laser\"?)",
           "w.world:2: error: \"positron\" is no model type, nor a macro defined before; types: "
           "actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, "
-          "model, position, ranger (did you mean \"position\"?)"));
+          "model, position, radio, ranger (did you mean \"position\"?)"));
 }
 
 TEST_F(Conformance14, UnknownProperty) {

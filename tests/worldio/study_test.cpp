@@ -21,7 +21,13 @@ using testing::SizeIs;
 
 class StudyFile : public testing::Test {
  protected:
-  StudyFile() : file_(std::filesystem::path(testing::TempDir()) / "study.json") {}
+  StudyFile()
+      : folder_(std::filesystem::path(testing::TempDir()) /
+                (std::string("study.") + testing::UnitTest::GetInstance()->current_test_info()->name())),
+        file_(folder_ / "study.json") {
+    std::filesystem::create_directories(folder_);
+  }
+  ~StudyFile() override { std::filesystem::remove_all(folder_); }
 
   Study study(const std::string& members) {
     std::ofstream(file_) << "{\"troupe_study\": 1, \"world\": \"w/hall.json\""
@@ -43,6 +49,7 @@ class StudyFile : public testing::Test {
     return all;
   }
 
+  std::filesystem::path folder_;  // of its own: tests run side by side
   std::filesystem::path file_;
   Diagnostics diagnostics_;
 };

@@ -1,7 +1,7 @@
 // Bodies of one type, drawn at once: a mesh, and of each body a pose and a colour.
 
 import { InstancedBufferAttribute, InstancedBufferGeometry, LineSegments, Mesh } from "three";
-import { edgesMaterial, facesMaterial, shadowsMaterial } from "./materials.js";
+import { LEAST_WITH_EDGES, LEAST_WITH_SHADOW, edgesMaterial, facesMaterial, shadowsMaterial } from "./materials.js";
 
 function instanced(mesh, count, attributes) {
   const geometry = new InstancedBufferGeometry();
@@ -21,13 +21,18 @@ export class Bodies {
     const count = tints.length / 3;
     this.pose = new InstancedBufferAttribute(poses, 4);
     this.tint = new InstancedBufferAttribute(tints, 3, true);
+    this.radius = radius;
     const attributes = { pose: this.pose, tint: this.tint };
-    this.objects = [
-      new Mesh(instanced(meshes.faces, count, attributes), facesMaterial(radius, smallest)),
-      new LineSegments(instanced(meshes.edges, count, attributes), edgesMaterial(radius, smallest)),
-      new Mesh(instanced(meshes.faces, count, attributes), shadowsMaterial(radius, smallest)),
-    ];
+    this.edges = new LineSegments(instanced(meshes.edges, count, attributes), edgesMaterial(radius, smallest));
+    this.shadows = new Mesh(instanced(meshes.faces, count, attributes), shadowsMaterial(radius, smallest));
+    this.objects = [new Mesh(instanced(meshes.faces, count, attributes), facesMaterial(radius, smallest)), this.edges, this.shadows];
     for (const object of this.objects) object.frustumCulled = false; // where bodies are, only the shader knows
+  }
+
+  /** `nearest`: pixels that a metre of the nearest of them takes at most. What is too small to be seen is not drawn. */
+  simplify(nearest) {
+    this.edges.visible = 2 * this.radius * nearest >= LEAST_WITH_EDGES;
+    this.shadows.visible = 2 * this.radius * nearest >= LEAST_WITH_SHADOW;
   }
 
   posesChanged() {

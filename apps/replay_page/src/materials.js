@@ -3,6 +3,10 @@
 import { Color, DoubleSide, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Vector2 } from "three";
 import { DARK } from "./palette.js";
 
+// Pixels across from which on bodies have these.
+export const LEAST_WITH_EDGES = 7;
+export const LEAST_WITH_SHADOW = 9;
+
 /** What all of them share: `focal` is the distance of the screen from the eye in its own pixels. */
 export const shared = {
   focal: { value: 1000 },
@@ -98,7 +102,7 @@ export function edgesMaterial(radius, smallest) {
         float seen = across();
         vec3 own = shown(paint.w < 0.5 ? tint : paint.rgb);
         color = mix(0.6 * own, mix(own, vec3(1.0), 0.35), dark);
-        gl_Position = pose.w > 1e8 || seen < 7.0
+        gl_Position = pose.w > 1e8 || seen < ${LEAST_WITH_EDGES}.0
             ? NOWHERE : projectionMatrix * viewMatrix * place(seen);
       }`,
     fragmentShader: `
@@ -118,7 +122,7 @@ export function shadowsMaterial(radius, smallest) {
         at.xy += vec2(0.22, -0.334) * max(at.z, 0.0);
         at.z = 0.0;
         color = vec3(0.0);
-        gl_Position = pose.w > 1e8 || paint.w > 1.5 || seen < 9.0 ? NOWHERE : projectionMatrix * viewMatrix * at;
+        gl_Position = pose.w > 1e8 || paint.w > 1.5 || seen < ${LEAST_WITH_SHADOW}.0 ? NOWHERE : projectionMatrix * viewMatrix * at;
       }`,
     fragmentShader: `
       uniform float dark;

@@ -112,6 +112,11 @@ export class View {
   addRobots(header) {
     this.swarms = [];
     this.limbs = [];
+    // Height that no robot reaches, m; without end where robots may rise.
+    const most = (numbers) => numbers.reduce((high, number) => Math.max(high, number), 0);
+    const tops = header.types.map((type) => most(type.shapes.map((shape) => shape.z_m[1])));
+    const rise = header.pose.has_z || header.types.some((type) => type.joints.length > 0);
+    this.tallest = rise ? Infinity : most(tops) + most(header.pose.z_m);
     this.trunks = header.types.map((type) => trunkOf(type, header.shape_step_m));
     this.limbsOf = new Array(header.types.length).fill(null); // by type
     this.typeOf = new Int32Array(this.recording.robots);
@@ -291,7 +296,13 @@ export class View {
 
   /** Draws robots where `poses` says; `frame` is the recorded one before, `selected` a robot or null. */
   draw(frame, selected) {
-    for (const bodies of this.swarms) bodies.posesChanged();
+    // Whatever is on the screen is at most some 35 degrees off its middle.
+    const above = this.camera.position.z - this.tallest;
+    const nearest = above > 0 ? this.focal / (0.8 * above) : Infinity;
+    for (const bodies of this.swarms) {
+      bodies.posesChanged();
+      bodies.simplify(nearest);
+    }
     this.trails.update(frame);
     this.scan.update(frame, this);
     this.placeRing(selected);
