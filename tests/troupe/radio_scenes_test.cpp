@@ -111,8 +111,8 @@ TEST(GradientScene, HopsAreThoseOfASearchAlongTheLinks) {
     if (stations[i].place.x() > -1.5 && way.norm() < 2.5)
       farthest_behind = std::max<double>(farthest_behind, stations[i].hops);
   }
-  EXPECT_GE(stations.size(), 35u);
-  EXPECT_LE(roaming, 25u);
+  EXPECT_GE(stations.size(), 28u);
+  EXPECT_LE(roaming, 18u);
   EXPECT_GE(farthest_behind, 5);
   EXPECT_GE(most, 9u) << "the way round both walls is 16 m";
 }
