@@ -58,9 +58,6 @@ WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "-
 # Pages to which others may lead before they are there.
 WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experiments.md", "sweeps.md"}
 
-# Python listings of a page that another test runs: page -> test.
-PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
-
 # Worlds that the program does not load: (page, file), why.
 NOT_LOADED = {
     ("docs/extending.md", "east.json"): "has kinds of a program of the page, which runs it",
