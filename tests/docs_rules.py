@@ -115,4 +115,4 @@ SHOWN_ONLY = [
 
 # Lines in which numbers tell of the machine and the minute: wall time, memory, versions.
 VARYING = (r"\bwall\b|times real time|\bcost\b|\bphases\b|\bthreads\b|memory|troupe \d|version|compiler|\btile_m\b"
-           r"|\bMi?B\b|\bloading\b")
+           r"|\bMi?B\b|\bloading\b|processor time|\bratio\b")
