@@ -22,6 +22,7 @@ constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on 
 constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
 constexpr double k_turn = 0.8;             // rad/s
 constexpr std::uint32_t k_backwards = 20;  // decisions
+constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stand and to hear from there
 constexpr float k_far_hops = 12;           // that an LED can tell apart
 constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
 
@@ -60,7 +61,8 @@ struct Gradient {
     std::uint32_t alone = 0;        ///< decisions since it heard somebody who is settled
     std::int32_t avoid_updates = 0;
     std::uint8_t settled = 0;
-    TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled)
+    std::uint8_t halts = 0;  ///< decisions for which it still stands before it settles
+    TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
   };
   struct Heard {
     std::uint32_t hops = k_hops_unknown;  ///< the least
@@ -110,7 +112,10 @@ struct Gradient {
       memory.hops = 0;
     } else {
       const bool has_room = in_touch && heard.nearest >= spacing;
-      if (samples == 0 || (has_room && random.uniform() < k_settles)) memory.settled = 1;
+      if (samples == 0) memory.settled = 1;
+      // Where it would be out of touch when it has come to a stop it must not settle.
+      if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
+      if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
       if (memory.settled != 0) count(memory, heard);
     }
     if (led != 0) show(memory, actions.device<LedCommand>(led));
@@ -123,6 +128,10 @@ struct Gradient {
       return;
     }
     memory.alone = in_touch ? 0 : memory.alone + 1;
+    if (memory.halts > 0) {
+      actions.command = {};
+      return;
+    }
     roam(memory, percept.ranges(1).first(samples), random, actions.command);
   }
 

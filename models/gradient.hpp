@@ -13,9 +13,9 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 /// hops a beacon is reached; around walls, where the radio does not pass them.
 ///
 /// beacon    says 0 hops, and stands
-/// settles   one that roams settles, with a chance of 2 % in each decision, while the nearest settled one
-/// that it
-///           hears is `spacing` or farther away; without a scanner it is settled from the start
+/// settles   while the nearest settled one that it hears is `spacing` or farther away, one that roams halts,
+///           with a chance of 2 % in each decision, and settles if that is so still when it stands; without
+///           a scanner it is settled from the start
 /// counts    who is settled says one more than the least count that it hears. A count that nobody has
 ///           confirmed for `patience` decisions is forgotten, so that lost messages do not matter and lost
 ///           robots do

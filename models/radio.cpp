@@ -67,6 +67,8 @@ struct Sender {
   const engine::StateTable* commands;
   bool always_runs;
   Vec2 position;  // body frame, or that of its joint
+  double limit;   // of links to the listener, m
+  double budget;  // dB
 };
 
 /// Someone who says something, as far as the listener is concerned.
@@ -78,7 +80,9 @@ struct Link {
   const Radio* radio = nullptr;
   const std::uint8_t* command = nullptr;
   Vec2 there = Vec2::Zero();  // m, world frame
-  double loss = 0;
+  double loss = 0;            // dB
+  double budget = 0;          // the loss that makes it too weak
+  double limit = 0;           // m
 
   std::size_t length() const { return command[k_radio_bytes]; }
   /// Orders links as readings are ordered.
@@ -138,11 +142,13 @@ class Listener {
     kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
     for (Known& known : known_) known.type = nullptr;
     position_ = radio_->pose_body_radio.position();
+    turn_ = Rotation(radio_->pose_body_radio.heading);
     // A crowd of that size grows them at once.
     const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
     links_.reserve(room);
     keys_.reserve(room);
-    circles_.reserve(room);
+    ways_.reserve(room);
+    if (circles_.size() < room) circles_.resize(room);
     walls_.reserve(1024);
     crossings_.reserve(64);
   }
@@ -166,7 +172,7 @@ class Listener {
   bool hides(const Line& line, Row row) const;
   bool is_dropped(const Link& link) const;
   void keep_nearest();
-  void write(std::size_t slot) const;
+  void write(std::size_t slot);
 
   const DeviceBatch* batch_ = nullptr;
   const World* world_ = nullptr;
@@ -176,18 +182,21 @@ class Listener {
     const BodyType* type = nullptr;
     std::vector<Sender> senders;
   };
-  std::array<Known, 8> known_;  // types that were met last, each at its place
-  Vec2 position_ = Vec2::Zero();
+  std::array<Known, 8> known_;    // types that were met last, each at its place
+  Vec2 position_ = Vec2::Zero();  // of the radio, body frame, or that of its joint
+  Rotation turn_;                 // the same
 
   Row own_;
   BodyId id_;
   Vec2 here_ = Vec2::Zero();
   double z_ = 0;
-  double heading_ = 0;
+  Rotation to_own_frame_;
   std::vector<Link> links_;
-  std::vector<Key> keys_;            // of those that are heard
-  std::vector<BodyCircle> circles_;  // of bodies near the listener
-  std::vector<BodyCircle> walls_;    // of pieces of outlines near it
+  std::vector<Key> keys_;             // of those that are heard
+  std::vector<Vec2> ways_;            // to them, in the frame of the listener
+  std::vector<BodyCircle> circles_;   // room for those of bodies near the listener
+  std::span<const BodyCircle> near_;  // they
+  std::vector<BodyCircle> walls_;     // of pieces of outlines near it
   std::vector<Crossing> crossings_;
   bool together_ = false;  // walls_ holds what may hide any of its links
   std::uint32_t lost_ = 0;
@@ -207,7 +216,8 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
     if (radio.channel != radio_->channel) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
     known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
-                             radio.pose_body_radio.position()});
+                             radio.pose_body_radio.position(), std::min(radio_->hears, radio.range),
+                             radio.power - radio_->sensitivity});
   }
   return known.senders;
 }
@@ -218,7 +228,10 @@ void Listener::listen(std::size_t i) {
   const engine::Mount mount = batch_->mount(i);
   here_ = mount.transform * position_;
   z_ = mount.z + radio_->pose_body_radio.z;
-  heading_ = mount.heading + radio_->pose_body_radio.heading;
+  // The inverse of both rotations, one after the other.
+  const Rotation& body = mount.transform.rotation;
+  to_own_frame_.cos = body.cos * turn_.cos - body.sin * turn_.sin;
+  to_own_frame_.sin = -(body.sin * turn_.cos + body.cos * turn_.sin);
   links_.clear();
   lost_ = 0;
   dropped_ = 0;
@@ -230,17 +243,21 @@ void Listener::listen(std::size_t i) {
 
 /// Everybody who says something and is near enough.
 void Listener::find_links(Row own) {
-  circles_.clear();
-  const bool keeps_circles = radio_->bodies_block && radio_->hears <= k_together_m;
+  // Whether a circle is in reach is a guess for the processor: it is counted, not branched on.
+  std::size_t near = 0;
   world_->index().for_each_near(Box::around(here_, radio_->hears), [&](const BodyCircle& circle) {
     const double reach = radio_->hears + circle.radius;
-    if ((Vec2(circle.x, circle.y) - here_).squaredNorm() > reach * reach) return;
+    if (near == circles_.size()) circles_.resize(2 * near);
+    circles_[near] = circle;
+    near += (Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach;
+  });
+  near_ = {circles_.data(), near};
+  for (const BodyCircle& circle : near_) {
     const Row row(circle.row);
-    if (world_->same_tree(row, own)) return;
-    if (keeps_circles) circles_.push_back(circle);
+    if (world_->same_tree(row, own)) continue;
     const std::span<const Sender> all = senders(world_->type(row));
     for (std::uint32_t s = 0; s < all.size(); ++s) consider(row, all[s], s);
-  });
+  }
 }
 
 void Listener::consider(Row row, const Sender& sender, std::uint32_t index) {
@@ -252,14 +269,17 @@ void Listener::consider(Row row, const Sender& sender, std::uint32_t index) {
                          ? Vec2(world_->transform(row) * sender.position)
                          : Vec2(world_->mount(row, sender.device->joint).transform * sender.position);
   const double range = (there - here_).norm();
-  if (range > std::min(radio_->hears, sender.radio->range)) return;
+  if (range > sender.limit) return;
   links_.push_back({.range = range,
                     .row = row,
                     .body = world_->body(row),
                     .sender = index,
                     .radio = sender.radio,
                     .command = command,
-                    .there = there});
+                    .there = there,
+                    .loss = radio_->loss(range),
+                    .budget = sender.budget,
+                    .limit = sender.limit});
 }
 
 /// Leaves those that arrive.
@@ -280,17 +300,21 @@ void Listener::weaken_links() {
                             }
                           });
   }
+  if (radio_->walls != Walls::pass || radio_->bodies_block) lines_ += links_.size();
+  const bool all_pass = radio_->walls == Walls::pass || (together_ && walls_.empty());
+  if (all_pass && !radio_->bodies_block && !radio_->has_law && radio_->drop_rate == 0 &&
+      std::ranges::all_of(links_, [&](const Link& link) { return link.length() <= radio_->payload; }))
+    return;
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
 bool Listener::arrives(Link& link) {
-  link.loss = radio_->loss(link.range);
-  if (link.radio->power - link.loss < radio_->sensitivity) return false;
+  if (link.loss > link.budget) return false;
   if (radio_->walls != Walls::pass || radio_->bodies_block) {
     const int walls = hindrances(link);
     if (walls < 0) return false;
     link.loss += walls * radio_->wall_loss;
-    if (link.radio->power - link.loss < radio_->sensitivity) return false;
+    if (link.loss > link.budget) return false;
   }
   if (is_dropped(link)) {
     ++dropped_;
@@ -379,7 +403,6 @@ bool Listener::any_wall(const Line& line, Visit&& visit) const {
 }
 
 int Listener::hindrances(const Link& link) {
-  ++lines_;
   if (!radio_->bodies_block && together_ && walls_.empty()) return 0;
   const Line line = line_to(link);
   if (line.length2 == 0) return 0;
@@ -422,7 +445,7 @@ bool Listener::is_behind_a_body(const Line& line, const Link& link) const {
     return line.passes_near(circle) && !world_->same_tree(row, link.row) && !world_->same_tree(row, own_) &&
            hides(line, row);
   };
-  if (radio_->hears <= k_together_m) return std::ranges::any_of(circles_, is_hidden_by);
+  if (radio_->hears <= k_together_m) return std::ranges::any_of(near_, is_hidden_by);
   const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
   bool is_hidden = false;
   for (double i = 0; i < strides && !is_hidden; ++i)
@@ -455,11 +478,43 @@ void Listener::keep_nearest() {
   std::ranges::sort(keys_, {}, &Key::place);
 }
 
-void Listener::write(std::size_t slot) const {
+/// Angles of directions, rad, to 3e-9: readings are floats. With one division and no branch an angle, so that
+/// the compiler takes several at once; atan2() to the last bit would be a third of what a radio costs. 0 for
+/// no direction.
+void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
+  constexpr double k_tan_22_5_deg = 0.41421356237309503;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const double x = ways[i].x();
+    const double y = ways[i].y();
+    const double far = std::max(std::abs(x), std::abs(y));
+    const double near = std::min(std::abs(x), std::abs(y));
+    // Of an angle of up to 45 degrees, or of what it is more than 45 degrees less: a share of 0.42 at most.
+    const bool is_wide = near > k_tan_22_5_deg * far;
+    const double up = is_wide ? near - far : near;
+    const double along = is_wide ? near + far : far;
+    const double u = up / (along > 0 ? along : 1.0);
+    const double u2 = u * u;
+    double series = 1 / 17.0;
+    series = 1 / 15.0 - series * u2;
+    series = 1 / 13.0 - series * u2;
+    series = 1 / 11.0 - series * u2;
+    series = 1 / 9.0 - series * u2;
+    series = 1 / 7.0 - series * u2;
+    series = 1 / 5.0 - series * u2;
+    series = 1 / 3.0 - series * u2;
+    double angle = u - series * u2 * u + (is_wide ? k_pi / 4 : 0.0);
+    angle = std::abs(y) > std::abs(x) ? k_pi / 2 - angle : angle;
+    angle = x < 0 ? k_pi - angle : angle;
+    bearings[i] = static_cast<float>(y < 0 ? -angle : angle) + 0.0f;  // turns -0 into 0
+  }
+}
+
+void Listener::write(std::size_t slot) {
   engine::StateTable& state = batch_->state;
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_radio_count)[0];
   const std::size_t before = count;
-  count = static_cast<std::uint32_t>(keys_.size());
+  const std::size_t now = keys_.size();
+  count = static_cast<std::uint32_t>(now);
   state.cell<std::uint32_t>(slot, k_radio_lost)[0] = lost_;
   state.cell<std::uint32_t>(slot, k_radio_dropped)[0] = dropped_;
   const auto senders = state.cell<std::uint32_t>(slot, k_radio_sender);
@@ -469,37 +524,31 @@ void Listener::write(std::size_t slot) const {
   const auto qualities = state.cell<float>(slot, k_radio_quality);
   const auto lengths = state.cell<std::uint8_t>(slot, k_radio_length);
   const auto payloads = state.cell<std::uint8_t>(slot, k_radio_payload);
-  for (std::size_t i = 0; i < keys_.size(); ++i) {
+  // Behind those of now what was there the last time becomes 0.
+  std::ranges::fill(payloads.first(std::max(before, now) * radio_->payload), 0);
+  ways_.resize(now);
+  for (std::size_t i = 0; i < now; ++i) {
     const Link& link = links_[keys_[i].link];
-    const double budget = link.radio->power - radio_->sensitivity;
-    double quality = budget > 0 ? 1 - link.loss / budget : 0;
-    if (!radio_->has_law)
-      quality = std::min(quality, 1 - link.range / std::min(radio_->hears, link.radio->range));
+    double quality = link.budget > 0 ? 1 - link.loss / link.budget : 0;
+    if (!radio_->has_law) quality = std::min(quality, 1 - link.range / link.limit);
     senders[i] = link.body.value;
     ranges[i] = static_cast<float>(link.range);
-    const Vec2 way = link.there - here_;
-    bearings[i] =
-        link.range > 0 ? static_cast<float>(wrap_angle(atan2(way.y(), way.x()) - heading_) + 0.0) : 0;
     strengths[i] = static_cast<float>(link.radio->power - link.loss + 0.0);
     qualities[i] = static_cast<float>(std::max(quality, 0.0));
     lengths[i] = static_cast<std::uint8_t>(link.length());
-    const auto payload = payloads.subspan(i * radio_->payload, radio_->payload);
-    std::memcpy(payload.data(), link.command + k_radio_said, link.length());
-    std::memset(payload.data() + link.length(), 0, radio_->payload - link.length());
+    ways_[i] = to_own_frame_ * (link.there - here_);
+    if (link.length() > 0)
+      std::memcpy(&payloads[i * radio_->payload], link.command + k_radio_said, link.length());
   }
-  if (before <= keys_.size()) return;
-  // Behind those of the last time all entries are 0.
-  const auto clear = [&](auto entries) {
-    std::ranges::fill(entries.subspan(keys_.size(), before - keys_.size()), 0);
-  };
+  to_bearings(ways_, bearings);
+  if (before <= now) return;
+  const auto clear = [&](auto entries) { std::ranges::fill(entries.subspan(now, before - now), 0); };
   clear(senders);
   clear(ranges);
   clear(bearings);
   clear(strengths);
   clear(qualities);
   clear(lengths);
-  std::ranges::fill(
-      payloads.subspan(keys_.size() * radio_->payload, (before - keys_.size()) * radio_->payload), 0);
 }
 
 std::uint64_t sense(const DeviceBatch& batch) {

@@ -526,9 +526,6 @@ constexpr double k_most_s = 1e9;
 
 JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
 
-/// Some of a table: what is not given stays.
-JsonNode some_of(const FieldTable& table) { return ObjectSchema().fields(table, false).done(); }
-
 /// Adds whom something is about, and how many of them.
 void add_group(ObjectSchema& object) {
   object.member("population", type("string"))
@@ -546,30 +543,22 @@ JsonNode group_schema() {
   return group.done();
 }
 
-JsonNode setting_schema(const engine::Registry& registry) {
-  std::vector<JsonNode> drives, devices, controllers;
-  for (const engine::DriveKind& kind : registry.drives) drives.push_back(some_of(kind.params));
-  for (const engine::DeviceKind& kind : registry.devices)
-    devices.push_back(ObjectSchema().required("name", type("string")).fields(kind.params, false).done());
-  for (const engine::ControllerKind& kind : registry.controllers)
-    controllers.push_back(
-        ObjectSchema().required("kind", kind_of(kind.name)).fields(kind.params, false).done());
-  for (const engine::Registry::Preset& preset : registry.presets)
-    if (const engine::ControllerKind* kind = registry.controller(preset.kind))
-      controllers.push_back(
-          ObjectSchema().required("kind", kind_of(preset.name)).fields(kind->params, false).done());
-  controllers.push_back(kind_of_a_plug_in(registry));
+/// Which parameters there are depends on the type, which no schema can follow.
+JsonNode setting_schema() {
+  const auto with = [](std::string_view key) {
+    return object_of({{"type", text("object")}, {"required", texts(std::array{key})}});
+  };
   return ObjectSchema()
       .required("type", type("string"), "the name of one of the types")
-      .member("drive", choice(std::move(drives)))
-      .member("device", choice(std::move(devices)))
-      .member("controller", choice(std::move(controllers)))
+      .member("drive", type("object"), "its parameters that change")
+      .member("device", with("name"), "a device by its name, and its parameters that change")
+      .member("controller", with("kind"), "a controller by its kind, and its parameters that change")
       .rule(choice({has_key("drive"), has_key("device"), has_key("controller")}, "oneOf"))
       .done();
 }
 
 /// An entry of `at`: one thing that is done at a time.
-JsonNode intervention_schema(const engine::Registry& registry) {
+JsonNode intervention_schema() {
   ObjectSchema entry;
   entry.field(measure("time", Unit::seconds, "when it is done", 0, k_most_s), true);
   std::vector<JsonNode> one;
@@ -587,7 +576,7 @@ JsonNode intervention_schema(const engine::Registry& registry) {
           action,
           ObjectSchema().required("model", type("string")).required("pose", reference("pose")).done());
     else
-      entry.member(action, action == "set" ? setting_schema(registry) : group_schema());
+      entry.member(action, action == "set" ? setting_schema() : reference("group"));
   }
   return entry.rule(choice(std::move(one), "oneOf")).done();
 }
@@ -640,6 +629,7 @@ JsonNode definitions(const engine::Registry& registry) {
        {"device", device_schemas(registry.other_devices(), false)},
        {"own_device", device_schemas(registry.devices, true)},
        {"controller", controller_schema(registry)},
+       {"group", group_schema()},
        {"part", part_schema(registry)},
        {"type", type_schema(registry)}});
 }
@@ -669,7 +659,7 @@ std::string world_schema(const engine::Registry& registry) {
       .optional(measure("measure_every", Unit::seconds, "how often; 0: every tick", 0, 1e9))
       .optional(bare("mortal", FieldType::boolean, "programs may remove bodies, docs/lives.md"))
       .member("stop_when", array_of(condition_schema(registry)), "when a run is over, docs/experiments.md")
-      .member("at", array_of(intervention_schema(registry)), "what is done to the world, and when")
+      .member("at", array_of(intervention_schema()), "what is done to the world, and when")
       .member("faults", array_of(fault_schema(registry)), "how robots fail")
       .member("watch", table_schema(engine::watch_fields()), "how the world is watched")
       .member("window", table_schema(engine::window_fields()), "the view it asks for")

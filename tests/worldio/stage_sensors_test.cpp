@@ -68,6 +68,7 @@ TEST_F(StageSensors, ARadioIsAsThoseOfStage2) {
   EXPECT_EQ(number(radio, "power_dBm"), 30);
   EXPECT_EQ(number(radio, "sensitivity_dBm"), -40);
   EXPECT_EQ(number(radio, "range"), 1000);
+  EXPECT_THAT(messages(), ElementsAre(testing::HasSubstr("ip of a radio, mac of a radio")));
   const engine::DeviceSpec indoor = device("wifi( model \"ITU indoor\" plc 22 )");
   EXPECT_EQ(text(indoor, "law"), "itu_indoor");
   EXPECT_EQ(number(indoor, "power_loss_coefficient"), 22);
