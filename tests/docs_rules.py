@@ -58,9 +58,6 @@ WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "-
 # Pages to which others may lead before they are there.
 WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experiments.md", "sweeps.md"}
 
-# Python listings of a page that another test runs: page -> test.
-PYTHON_ELSEWHERE = {"docs/python.md": "tests/python/docs_test.py"}
-
 # Worlds that the program does not load: (page, file), why.
 NOT_LOADED = {
     ("docs/extending.md", "east.json"): "has kinds of a program of the page, which runs it",
@@ -118,4 +115,4 @@ SHOWN_ONLY = [
 
 # Lines in which numbers tell of the machine and the minute: wall time, memory, versions.
 VARYING = (r"\bwall\b|times real time|\bcost\b|\bphases\b|\bthreads\b|memory|troupe \d|version|compiler|\btile_m\b"
-           r"|\bMi?B\b|\bloading\b")
+           r"|\bMi?B\b|\bloading\b|processor time|\bratio\b")

@@ -16,8 +16,9 @@ for that:
   that one has written, or be the list of such files. A line `...` stands for any lines, `...` in a line for any text.
   Numbers must be equal but where they tell wall time, memory or versions.
 - JSON, C++, Python, CMake and Stage's `world` stand in fences that say so (JSON also indented). A world loads, a
-  fragment parses; C++ compiles, or is part of a file of apps/examples; Python runs. If the paragraph before a listing names a file, as
-  "save this as `swarm.json`:", the listing is saved there for what follows.
+  fragment parses; C++ compiles, or is part of a file of apps/examples; Python runs, the listings of a page in one
+  interpreter. If the paragraph before a listing names a file, as "save this as `swarm.json`:", the listing is saved
+  there for what follows.
 - Links to files and headings lead somewhere, and inline code that begins with `troupe` has options that exist.
 
 What is not run stands in docs_rules.py, with its reason. Exit codes: 0 all is right, 1 something is not, 77 skipped.
@@ -44,9 +45,26 @@ PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|mkdir|export|source|man|sudo|apptainer|c
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
 LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt", "world": ".world"}
 DECLARES = (r"^(struct |class |namespace |template|TROUPE_CONTROLLER|"
-            r"(?!if|for|while|switch|else|do|return)[\w:]+[\w:<>&* ]* \w+\([^;{]*\) (const )?\{$)")
+            r"(?!(?:if|for|while|switch|else|do|return)\b)[\w:]+[\w:<>&* ]* \w+\([^;{]*\) (const )?\{$)")
 OUTPUTS = {"--snapshot", "--record", "--hash-log", "--measures", "--events", "--checkpoint", "--profile", "--camera-png", "-o",
            "--output", "--film"}
+INTERPRETER = """
+import os, sys, traceback
+known = {"__name__": "__main__"}
+for line in sys.stdin:
+    folder, path = line.rstrip().split("\\t")
+    os.chdir(folder)
+    wrong = 0
+    try:
+        exec(compile(open(path).read(), path, "exec"), known)
+    except SystemExit as end:
+        wrong = int(bool(end.code))
+    except BaseException:
+        traceback.print_exc()
+        wrong = 1
+    sys.stdout.flush()
+    print("\\0", wrong, sep="", flush=True)
+"""
 COMMAND_LIMIT_S = 900  # on a busy machine; none should take more than half a minute
 
 
@@ -208,6 +226,8 @@ class Page:
         self.blocks = blocks_of(name)
         self.faults, self.left_out = [], []
         self.ran = self.wanted = 0
+        self.skipped = []
+        self.interpreter = None
         self.printed = []  # of each command, the last one last
         self.folder = test.scratch / name.replace("/", "_").removesuffix(".md")
         self.home = self.folder / "home"
@@ -236,6 +256,15 @@ class Page:
         keep = self.folder
         script = (f'source "{keep}/.env"\ncd "$(cat "{keep}/.cwd")"\n{command}\ncode=$?\n'
                   f'pwd > "{keep}/.cwd"\nexport -p > "{keep}/.env"\nexit $code\n')
+        try:
+            return subprocess.run(["bash", "-c", script], env=self.environment(), stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                                  timeout=COMMAND_LIMIT_S)
+        except subprocess.TimeoutExpired as error:
+            return subprocess.CompletedProcess(command, 124, (error.stdout or b"").decode(errors="replace") +
+                                               f"\nstill running after {COMMAND_LIMIT_S} s")
+
+    def environment(self):
         environment = {"HOME": str(self.home), "PATH": f"{self.test.bin}:{os.environ['PATH']}", "LC_ALL": "C.UTF-8",
                        "MPLBACKEND": "Agg", "TERM": "dumb", "CMAKE_BUILD_PARALLEL_LEVEL": "2",
                        "PYTHONDONTWRITEBYTECODE": "1",
@@ -244,12 +273,7 @@ class Page:
         for name in ("CMAKE_CXX_COMPILER_LAUNCHER", "CCACHE_DIR", "CXX"):
             if name in os.environ:
                 environment[name] = os.environ[name]
-        try:
-            return subprocess.run(["bash", "-c", script], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, text=True, errors="replace", timeout=COMMAND_LIMIT_S)
-        except subprocess.TimeoutExpired as error:
-            return subprocess.CompletedProcess(command, 124, (error.stdout or b"").decode(errors="replace") +
-                                               f"\nstill running after {COMMAND_LIMIT_S} s")
+        return environment
 
     def why_not(self, command):
         for pattern, reason in rules.NOT_RUN:
@@ -387,16 +411,12 @@ class Page:
                    if path.is_file()):
             self.fault(block, "no CMakeLists.txt of apps, tests/install or this page has these lines")
 
-    def python_is_elsewhere(self):
-        return self.name in rules.PYTHON_ELSEWHERE and (ROOT / rules.PYTHON_ELSEWHERE[self.name]).exists()
-
     def python(self, block):
-        if self.python_is_elsewhere():
-            return
         self.wanted += 1
         modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|troupe)\b", block.text, re.M))
         lacking = sorted(modules - self.test.modules)
         if lacking:
+            self.skipped.append(block)
             self.left_out.append(f"{block}: Python listing: there is no {' and '.join(lacking)} for {self.test.python}")
             return
         path = self.save(block)
@@ -404,12 +424,27 @@ class Page:
             path = self.cwd() / ".listing.py"
             path.write_text(block.text)
         began = time.monotonic()
-        result = self.shell(f"{self.test.python} {path}")
+        printed, is_right = self.interpret(path)
         self.test.tell(f"{block}: {time.monotonic() - began:5.1f} s  Python listing")
-        self.printed.append(result.stdout)
+        self.printed.append(printed)
         self.ran += 1
-        if result.returncode:
-            self.fault(block, "Python says\n" + "\n".join("    " + line for line in result.stdout.strip().split("\n")[-8:]))
+        if not is_right:
+            self.fault(block, "Python says\n" + "\n".join("    " + line for line in printed.strip().split("\n")[-8:]))
+
+    def interpret(self, path):
+        """Has the page's interpreter run a listing, which knows what those before it have defined."""
+        if self.interpreter is None:
+            self.interpreter = subprocess.Popen([self.test.python, "-u", "-c", INTERPRETER], env=self.environment(), text=True,
+                                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.interpreter.stdin.write(f"{self.cwd()}\t{path}\n")
+        self.interpreter.stdin.flush()
+        printed = []
+        for line in self.interpreter.stdout:
+            if "\0" in line:
+                printed.append(line.split("\0")[0])
+                return "".join(printed), line.split("\0")[1].strip() == "0"
+            printed.append(line)
+        return "".join(printed), False
 
     def inline(self):
         """Links lead somewhere; inline code that begins with `troupe` is understood."""
@@ -446,10 +481,14 @@ class Page:
             result = self.shell(command)
             if result.returncode:
                 self.fault(self.name, f"{command} (before the page) ended with {result.returncode}: {result.stdout}")
-        for block, before in zip(self.blocks, [None, *self.blocks]):
-            is_result = before is not None and before.kind() == "python" and block.kind() == "shown"
-            if not (is_result and self.python_is_elsewhere()):
-                getattr(self, block.kind())(block)
+        try:
+            for block, before in zip(self.blocks, [None, *self.blocks]):
+                if not (before is not None and before.kind() == "python" and before in self.skipped and block.kind() == "shown"):
+                    getattr(self, block.kind())(block)
+        finally:
+            if self.interpreter:
+                self.interpreter.stdin.close()
+                self.interpreter.wait()
         if self.wanted and not self.ran:
             self.fault(self.name, "none of its commands is run")
         return self
@@ -474,7 +513,7 @@ class Test:
         (self.bin / "troupe").symlink_to(program)
         self.installed = scratch / "installed"
         subprocess.run(["cmake", "--install", build, "--prefix", self.installed], check=True, stdout=subprocess.DEVNULL)
-        self.python, self.modules = python_with_modules()
+        self.python, self.modules = python_with_modules(build)
         (self.bin / "python3").symlink_to(self.python)
         self.cpp = []
         self.used = set()
@@ -518,13 +557,14 @@ class Test:
         return [line for line in result.stderr.split("\n") if "error:" in line] or [result.stderr]
 
 
-def python_with_modules():
+def python_with_modules(build):
     """The Python that knows most of what listings import: this one, or Debian's."""
     best = (sys.executable, set())
     for python in dict.fromkeys((sys.executable, "/usr/bin/python3")):
         script = ("import importlib.util as u\n"
-                  "print(*[m for m in ('h5py', 'pandas', 'matplotlib', 'numpy') if u.find_spec(m)])")
-        result = subprocess.run([python, "-c", script], capture_output=True, text=True)
+                  "print(*[m for m in ('h5py', 'pandas', 'matplotlib', 'numpy', 'troupe') if u.find_spec(m)])")
+        result = subprocess.run([python, "-c", script], capture_output=True, text=True,
+                                env={**os.environ, "PYTHONPATH": str(build / "lib/python3/dist-packages")})
         modules = set(result.stdout.split())
         if len(modules) > len(best[1]):
             best = (python, modules)
