@@ -88,7 +88,7 @@ class Candidates {
 
 double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& shape) {
   constexpr double k_least_m = 0.02;
-  return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius, k_least_m);
+  return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius / 2, k_least_m);
 }
 
 /// The floor of one piece on which a disc as wide as a body can stand, in square cells.

@@ -147,11 +147,13 @@ GroupSpec read_named(JsonObject& object, GroupSpec::By by, std::string_view hint
   return group;
 }
 
-/// Those of a table that are given; the others are not.
+/// Those of a table that are given; the others are not. The last of what an object has.
 Record read_some(JsonObject& object, const FieldTable& table) {
+  const std::size_t before = object.at().diagnostics().findings().size();
   Record record;
   for (const Field& field : table.fields) record.push_back(read_field(object, field));
-  if (object.is_object() && std::ranges::none_of(record, &Value::given))
+  object.finish();
+  if (std::ranges::none_of(record, &Value::given) && object.at().diagnostics().findings().size() == before)
     object.at().error("nothing is set: give the parameters that change");
   return record;
 }
@@ -281,7 +283,6 @@ std::optional<SettingSpec> ExperimentReader::read_setting(JsonObject& object) {
           break;
         }
         setting.params = read_some(drive, kind->params);
-        drive.finish();
         break;
       }
       case SettingSpec::Of::device: setting.params = read_device(cursor, type, setting); break;
@@ -306,9 +307,7 @@ Record ExperimentReader::read_device(const JsonCursor& at, const engine::TypeSpe
     return {};
   }
   setting.index = static_cast<std::uint32_t>(device - type.devices.begin());
-  Record params = read_some(object, kind->params);
-  object.finish();
-  return params;
+  return read_some(object, kind->params);
 }
 
 Record ExperimentReader::read_controller(const JsonCursor& at, const engine::TypeSpec& type,
@@ -330,9 +329,7 @@ Record ExperimentReader::read_controller(const JsonCursor& at, const engine::Typ
     return {};
   }
   setting.index = static_cast<std::uint32_t>(controller - type.controllers.begin());
-  Record params = read_some(object, kind->params);
-  object.finish();
-  return params;
+  return read_some(object, kind->params);
 }
 
 FaultSpec ExperimentReader::read_fault(const JsonCursor& at) {
