@@ -476,7 +476,11 @@ void World::befall(const Experiment::Strike& strike) {
   ailing_ -= !now.is_sound();
   if (strike.begins) {
     now.dead |= ailment.dead;
-    if (ailment.speed != 1) now.speed = slowness(strike.row) * ailment.speed;
+    if (ailment.speed != 1) {
+      now.speed = slowness(strike.row) * ailment.speed;
+      Velocity& v = as<Velocity>(k_velocity)[strike.row.index()];  // from which its drive goes on
+      v = {v.x * ailment.speed, v.y * ailment.speed, v.turn * ailment.speed};
+    }
     if (ailment.drops_out) now.out |= Condition::k_dropped_out;
   } else {
     now.out &= static_cast<std::uint8_t>(~Condition::k_dropped_out);

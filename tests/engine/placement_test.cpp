@@ -296,7 +296,7 @@ partition::StaticScene rooms() {
 TEST(Placement, TheFreeFloorIsWhatABodyCanReach) {
   const partition::StaticScene scene = rooms();
   PlacementRule rule{
-      .kind = PlacementRule::Kind::free_floor, .region = region(-4, -2.6, 20, 3.4), .from = Vec2(-3, 0)};
+      .kind = PlacementRule::Kind::free_floor, .region = region(-4, -2.6, 20, 3.4), .from = Vec2(-2, 0)};
   const auto mean_of_signs = [](const std::vector<Pose>& poses) {
     double sum = 0;
     for (const Pose& pose : poses) sum += pose.x < 0 ? -1 : 1;
