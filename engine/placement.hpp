@@ -80,11 +80,7 @@ struct PlacementRule {
   Vec2 deviation{1, 1};           ///< gaussian: standard deviations along x and y, m
   double distance_m = 1;          ///< poisson_disc: between origins
   std::optional<Vec2> from;       ///< free_floor: from here; not given: the largest floor of one piece
-<<<<<<< HEAD
-  double cell_m = 0;              ///< free_floor: steps from one place to the next; 0: half of the body's radius
-=======
   double cell_m = 0;              ///< free_floor: steps from one place to the next; 0: half the body's radius
->>>>>>> s8-experiments
   std::optional<double> heading;  ///< rad; not given: drawn from all directions
   double z = 0;                   ///< m
   std::uint32_t trials = 1000;    ///< draws for each body

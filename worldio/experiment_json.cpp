@@ -147,22 +147,13 @@ GroupSpec read_named(JsonObject& object, GroupSpec::By by, std::string_view hint
   return group;
 }
 
-<<<<<<< HEAD
-/// Those of a table that are given; the others are not. The last that is read of an object.
-=======
 /// Those of a table that are given; the others are not. The last of what an object has.
->>>>>>> s8-experiments
 Record read_some(JsonObject& object, const FieldTable& table) {
   const std::size_t before = object.at().diagnostics().findings().size();
   Record record;
-  const std::size_t before = object.at().diagnostics().findings().size();
   for (const Field& field : table.fields) record.push_back(read_field(object, field));
   object.finish();
-<<<<<<< HEAD
-  if (object.at().diagnostics().findings().size() == before && std::ranges::none_of(record, &Value::given))
-=======
   if (std::ranges::none_of(record, &Value::given) && object.at().diagnostics().findings().size() == before)
->>>>>>> s8-experiments
     object.at().error("nothing is set: give the parameters that change");
   return record;
 }
