@@ -83,8 +83,9 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   load("position( charger() )\n\npuck()\nmap()");
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
-  EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is no model type, nor a macro defined before: "
-                                  "older versions of Stage had it, Stage 4.3 has not; types: actuator, "));
+  EXPECT_THAT(found[0],
+              HasSubstr("w.world:1: error: \"charger\" is no model type, nor a macro defined before: "
+                        "older versions of Stage had it, Stage 4.3 has not; types: actuator, "));
   EXPECT_THAT(found[1], HasSubstr("w.world:3: error: \"puck\" is no model type, nor a macro defined before: "
                                   "older versions of Stage had it"));
   EXPECT_THAT(found[2],
