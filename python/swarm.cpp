@@ -156,14 +156,18 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
           py::arg("sensor") = "", "No reading is more, m.")
       .def("subscribe", [](HeldSwarm& s) { s.use().subscribe(); })
-      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward"), py::arg("turn"), py::kw_only(),
-           py::arg("left") = 0.0, py::arg("where") = py::none(),
+      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
+           py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
+           py::arg("where") = py::none(),
            "m/s and rad/s, one number or one for each; they hold until they are replaced.")
-      .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward"), py::arg("turn"), py::kw_only(),
-           py::arg("left") = 0.0, py::arg("where") = py::none(), "m/s^2 and rad/s^2.")
-      .def("go_to", &go_to, py::arg("x"), py::arg("y"), py::arg("heading"), py::kw_only(),
-           py::arg("where") = py::none(), "Goals in the frame of estimates(), m and rad.")
-      .def("set_poses", &set_poses, py::arg("poses"), py::kw_only(), py::arg("where") = py::none(),
+      .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
+           py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
+           py::arg("where") = py::none(), "m/s^2 and rad/s^2.")
+      .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
+           py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
+           "Goals in the frame of estimates(), m and rad.")
+      .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
+           py::arg("where") = py::none(),
            "Puts them elsewhere: n x 4, as poses(). Where one cannot be put none is.");
 
   simulation.def(

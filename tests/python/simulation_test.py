@@ -342,8 +342,9 @@ class Swarms(InAFolder):
             self.bots.set_speeds(0, 0, where=np.arange(8))
         with self.assertRaisesRegex(ValueError, "poses has shape .8, 3."):
             self.bots.set_poses(np.zeros((8, 3)))
-        with self.assertRaises((TypeError, ValueError)):
-            self.bots.set_speeds("fast", 0)
+        for wrong in ("fast", None):
+            with self.assertRaises((TypeError, ValueError)):
+                self.bots.set_speeds(wrong, 0)
         with self.assertRaisesRegex(ValueError, "different rangers"):
             self.world.swarm().ranges("eye")
         with self.assertRaisesRegex(LookupError, 'unknown type or population of robots "bit".*did you mean "bot"'):
