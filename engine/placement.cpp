@@ -146,9 +146,9 @@ class Floor {
 
   /// The cell whose middle is nearest to a point of the region.
   std::size_t cell_at(const Vec2& point) const {
-    const Vec2 from = (point - region_.min) / cell_m_;
-    const auto column = static_cast<std::size_t>(from.x() + 0.5);
-    const auto row = static_cast<std::size_t>(from.y() + 0.5);
+    const Vec2 from = (point - region_.min) / cell_m_ + Vec2(0.5, 0.5);  // of the first cell's corner
+    const auto column = static_cast<std::size_t>(from.x());
+    const auto row = static_cast<std::size_t>(from.y());
     return std::min(column, columns_ - 1) * rows_ + std::min(row, rows_ - 1);
   }
 

@@ -153,7 +153,8 @@ Record read_some(JsonObject& object, const FieldTable& table) {
   Record record;
   for (const Field& field : table.fields) record.push_back(read_field(object, field));
   object.finish();
-  if (std::ranges::none_of(record, &Value::given) && object.at().diagnostics().findings().size() == before)
+  if (object.is_object() && std::ranges::none_of(record, &Value::given) &&
+      object.at().diagnostics().findings().size() == before)
     object.at().error("nothing is set: give the parameters that change");
   return record;
 }

@@ -352,21 +352,22 @@ WorldSpec full_spec() {
   Box region;
   region.extend(Vec2(-1.0 / 3, 0));
   region.extend(Vec2(2, 0.1));
-  spec.experiment.at = {
-      {0.1, remove, {By::population, "r", 3, {}}, {}, {}, {}, {file, 20}},
-      {1.0 / 3, add, {By::population, "more", {}, {}}, {}, region, {}, {file, 21}},
-      {2, disable, {By::type, "bot", {}, 1.0 / 3}, {}, {}, {}, {file, 22}},
-      {3, enable, {By::model, "r17", {}, {}}, {}, {}, {}, {file, 23}},
-      {4, move, {By::model, "r17", {}, {}}, Pose{0.1, -0.0, 0.3, 1.0 / 3}, {}, {}, {file, 24}},
-      {5, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::drive, 0, faster}, {}},
-      {6, set, {}, {}, {}, engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::device, 0, named}, {}},
-      {7,
-       set,
-       {},
-       {},
-       {},
-       engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::controller, 1, {0.1}},
-       {}}};
+  const auto done = [&](double time_s, engine::InterventionSpec::Action action, engine::GroupSpec whom) {
+    engine::InterventionSpec& at = spec.experiment.at.emplace_back();
+    at.time_s = time_s;
+    at.action = action;
+    at.whom = std::move(whom);
+    at.where = {file, 20};
+    return &at;
+  };
+  done(0.1, remove, {By::population, "r", 3, {}});
+  done(1.0 / 3, add, {By::population, "more", {}, {}})->region = region;
+  done(2, disable, {By::type, "bot", {}, 1.0 / 3});
+  done(3, enable, {By::model, "r17", {}, {}});
+  done(4, move, {By::model, "r17", {}, {}})->pose = Pose{0.1, -0.0, 0.3, 1.0 / 3};
+  done(5, set, {})->setting = {TypeId(1), engine::SettingSpec::Of::drive, 0, faster};
+  done(6, set, {})->setting = {TypeId(1), engine::SettingSpec::Of::device, 0, named};
+  done(7, set, {})->setting = {TypeId(1), engine::SettingSpec::Of::controller, 1, {0.1}};
   spec.experiment.at.back().setting->params.resize(registry.controller("expand")->params.fields.size());
   spec.experiment.faults = {
       {{By::type, "bot", {}, 0.1},
