@@ -71,7 +71,8 @@ struct Choice {
 
 class StudyReader {
  public:
-  StudyReader(const std::filesystem::path& file, const engine::Registry& registry) : file_(file), registry_(registry) {}
+  StudyReader(const std::filesystem::path& file, const engine::Registry& registry)
+      : file_(file), registry_(registry) {}
 
   Study read(const JsonNode& document, Diagnostics& diagnostics) {
     const JsonCursor root(document, diagnostics);
@@ -109,10 +110,12 @@ class StudyReader {
   }
 
   static void read_version(JsonObject& object) {
-    const JsonNode* node = object.require("troupe_study", fmt::format("the version of the format, {}", k_version));
+    const JsonNode* node =
+        object.require("troupe_study", fmt::format("the version of the format, {}", k_version));
     const auto* version = node ? std::get_if<std::int64_t>(&node->value) : nullptr;
     if (node && (!version || *version != k_version))
-      JsonCursor(object.at(), "troupe_study", *node).expected(fmt::format("the version of the format, {}", k_version));
+      JsonCursor(object.at(), "troupe_study", *node)
+          .expected(fmt::format("the version of the format, {}", k_version));
   }
 
   void read_parameter(const JsonCursor& at);
@@ -170,7 +173,9 @@ Choice StudyReader::read_choice(JsonObject& object) {
     way = one;
   }
   if (way.empty()) {
-    object.missing("values", "a list; or \"from\", \"to\" and \"steps\"; or, with samples, \"uniform\", \"log_uniform\" or \"integers\"");
+    object.missing("values",
+                   "a list; or \"from\", \"to\" and \"steps\"; or, with samples, \"uniform\", "
+                   "\"log_uniform\" or \"integers\"");
     return {};
   }
   const JsonCursor at(object.at(), way, *object.find(way));
@@ -262,8 +267,10 @@ void StudyReader::read_measures(JsonObject& object) {
                                        .type = FieldType::text,
                                        .choices = {k_statistics.begin(), k_statistics.end()}});
     if (!name.given()) return;
-    const auto statistic = static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
-    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end()) at.error("stands there twice");
+    const auto statistic =
+        static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
+    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
+      at.error("stands there twice");
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);
@@ -281,7 +288,8 @@ void StudyReader::combine(const JsonCursor& at) {
   double count = static_cast<double>(std::max<std::size_t>(seeds_.size(), 1));
   for (std::size_t p = 0; p < choices_.size(); ++p) {
     if (choices_[p].draw != Choice::Draw::listed)
-      return at.error(fmt::format("\"{}\" is drawn at random: say how often, \"samples\": 100", study_.parameters[p].name));
+      return at.error(fmt::format("\"{}\" is drawn at random: say how often, \"samples\": 100",
+                                  study_.parameters[p].name));
     count *= static_cast<double>(choices_[p].values.size());
   }
   if (count > static_cast<double>(k_most_runs))
@@ -299,7 +307,8 @@ void StudyReader::combine(const JsonCursor& at) {
 
 /// Each parameter has draws of its own, so that another one beside it changes none of them.
 void StudyReader::draw_samples(std::size_t samples, std::uint64_t seed, const JsonCursor& at) {
-  const double count = static_cast<double>(samples) * static_cast<double>(std::max<std::size_t>(seeds_.size(), 1));
+  const double count =
+      static_cast<double>(samples) * static_cast<double>(std::max<std::size_t>(seeds_.size(), 1));
   if (count > static_cast<double>(k_most_runs))
     return at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
   for (std::size_t i = 0; i < samples; ++i) {
@@ -314,7 +323,9 @@ void StudyReader::draw_samples(std::size_t samples, std::uint64_t seed, const Js
 
 }  // namespace
 
-std::string_view statistic_name(Statistic statistic) { return k_statistics[static_cast<std::size_t>(statistic)]; }
+std::string_view statistic_name(Statistic statistic) {
+  return k_statistics[static_cast<std::size_t>(statistic)];
+}
 
 std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run) const {
   std::vector<std::pair<std::string, std::string>> set;
@@ -322,11 +333,13 @@ std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run)
   return set;
 }
 
-Study load_study(const std::filesystem::path& file, const engine::Registry& registry, Diagnostics& diagnostics) {
+Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
+                 Diagnostics& diagnostics) {
   const Where start{diagnostics.files()->add(file.string()), 0};
   const auto text = read_file(file);
   if (!text) {
-    diagnostics.error(start, std::filesystem::exists(file) ? "the file cannot be read" : "there is no such file");
+    diagnostics.error(start,
+                      std::filesystem::exists(file) ? "the file cannot be read" : "there is no such file");
     return {};
   }
   const std::optional<JsonNode> document = parse_json(*text, start, false, diagnostics);

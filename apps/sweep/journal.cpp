@@ -31,10 +31,11 @@ std::string reason() { return std::generic_category().message(errno); }
 std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {"study", study}}.dump(); }
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
-  throw OutputError(fmt::format(
-      "{}: error: these runs are of another study, another state of its world, or another version of the program: choose "
-      "another folder with -o, or remove this one",
-      file.string()));
+  throw OutputError(
+      fmt::format("{}: error: these runs are of another study, another state of its world, or another "
+                  "version of the program: choose "
+                  "another folder with -o, or remove this one",
+                  file.string()));
 }
 
 /// The whole lines of a file.
@@ -56,10 +57,14 @@ std::string line_of(const SweepOutcome& outcome) {
 
 SweepOutcome outcome_of(const std::string& line) {
   const Json json = Json::parse(line);
-  SweepOutcome outcome{.run = json.at("run"), .seed = json.at("seed"), .ticks = json.at("ticks"),
-                       .time_s = json.at("time_s"), .state_hash = json.at("state_hash")};
+  SweepOutcome outcome{.run = json.at("run"),
+                       .seed = json.at("seed"),
+                       .ticks = json.at("ticks"),
+                       .time_s = json.at("time_s"),
+                       .state_hash = json.at("state_hash")};
   for (const Json& value : json.at("values"))
-    outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
+    outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN()
+                                             : value.get<double>());
   return outcome;
 }
 
@@ -71,7 +76,8 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
   if (descriptor_ < 0) refuse_output(file, reason());
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
-      throw OutputError(fmt::format("{}: error: another process is at work on this part of the study", file.string()));
+      throw OutputError(
+          fmt::format("{}: error: another process is at work on this part of the study", file.string()));
     const std::vector<std::string> lines = whole_lines(file);
     if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
     std::size_t whole = 0;
@@ -93,8 +99,10 @@ SweepJournal::~SweepJournal() { close(descriptor_); }
 void SweepJournal::add(const SweepOutcome& outcome) {
   const std::string line = line_of(outcome) + "\n";
   errno = ENOSPC;  // what a write that stops in the middle does not say
-  if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fsync(descriptor_) != 0)
-    throw std::runtime_error(fmt::format("{}: error: run {} cannot be noted: {}", file_.string(), outcome.run, reason()));
+  if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
+      fsync(descriptor_) != 0)
+    throw std::runtime_error(
+        fmt::format("{}: error: run {} cannot be noted: {}", file_.string(), outcome.run, reason()));
 }
 
 std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::string_view study) {
@@ -109,7 +117,8 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
         SweepOutcome outcome = outcome_of(lines[i]);
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
-        throw OutputError(fmt::format("{}:{}: error: this is no line of a sweep", entry.path().string(), i + 1));
+        throw OutputError(
+            fmt::format("{}:{}: error: this is no line of a sweep", entry.path().string(), i + 1));
       }
   }
   return outcomes;

@@ -41,7 +41,8 @@ class SweepJournal {
 };
 
 /// The outcomes in all journals of a folder, by run. Throws OutputError where one is of another study.
-std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder, std::string_view study);
+std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
+                                                  std::string_view study);
 
 /// The journal of part i of n, counted from 1.
 std::filesystem::path journal_file(const std::filesystem::path& folder, std::size_t part, std::size_t parts);

@@ -115,7 +115,8 @@ double end_of(const Study& study, const Simulation& simulation) {
   if (study.for_s) return *study.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   throw InputError(fmt::format(
-      "{}: error: nothing says when a run ends: give \"for_s\" in the study, or the world's quit time", study.world.string()));
+      "{}: error: nothing says when a run ends: give \"for_s\" in the study, or the world's quit time",
+      study.world.string()));
 }
 
 /// Makes a run; nothing where it was stopped on the way.
@@ -140,9 +141,9 @@ std::optional<SweepOutcome> make(const Study& study, std::size_t index, const Sw
                       .state_hash = hex(simulation.state_hash())};
 }
 
-/// Loads the world of the first run, so that what is wrong with the world is told before any run. Returns what
-/// says which study it is, and of which world (its images too), wherever they lie; and the columns of the
-/// measures.
+/// Loads the world of the first run, so that what is wrong with the world is told before any run. Returns
+/// what says which study it is, and of which world (its images too), wherever they lie; and the columns of
+/// the measures.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.runs.front(), options));
   const Measures measures(simulation, study.measures);
@@ -150,8 +151,8 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
   spec.erase("files");
-  const std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""), spec.dump(),
-                                       simulation.state_hash(), version_line());
+  const std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""),
+                                       spec.dump(), simulation.state_hash(), version_line());
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
@@ -214,7 +215,8 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
   };
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   std::vector<std::jthread> workers;
-  for (std::size_t w = 0; w < std::min<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : cores, runs.size()); ++w)
+  for (std::size_t w = 0;
+       w < std::min<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : cores, runs.size()); ++w)
     workers.emplace_back(work);
   workers.clear();  // waits
   if (fault) std::rethrow_exception(fault);
@@ -288,14 +290,17 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
             [&options](const std::string& text) { options.folder = text; });
   add_value(*command, "--threads", "N", "Runs at once (default: one for each core)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
-  add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on", [&options](const std::string& text) {
-    const auto slash = text.find('/');
-    const auto part = number<std::size_t>(text.substr(0, slash));
-    const auto parts = slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
-    if (!part || !parts || *part < 1 || *part > *parts) refuse("--part", text, "a part of several, from 1/N to N/N");
-    options.part = *part;
-    options.parts = *parts;
-  });
+  add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on",
+            [&options](const std::string& text) {
+              const auto slash = text.find('/');
+              const auto part = number<std::size_t>(text.substr(0, slash));
+              const auto parts =
+                  slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
+              if (!part || !parts || *part < 1 || *part > *parts)
+                refuse("--part", text, "a part of several, from 1/N to N/N");
+              options.part = *part;
+              options.parts = *parts;
+            });
   command->add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
   command->add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
   add_plugin_path_option(*command, options.plugin_path);

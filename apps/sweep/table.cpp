@@ -74,11 +74,13 @@ std::vector<Column> columns_of(const SweepTable& table) {
       measures[m].push_back(is_there ? found->second.values[m] : k_none);
   }
   std::vector<Column> columns{{"run", std::move(index)}};
-  for (std::size_t p = 0; p < table.study.parameters.size(); ++p) columns.push_back(parameter_column(table.study, p));
+  for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
+    columns.push_back(parameter_column(table.study, p));
   columns.push_back({"seed", std::move(seeds)});
   columns.push_back({"ticks", std::move(ticks)});
   columns.push_back({"time_s", std::move(times)});
-  for (std::size_t m = 0; m < measures.size(); ++m) columns.push_back({table.measures[m], std::move(measures[m])});
+  for (std::size_t m = 0; m < measures.size(); ++m)
+    columns.push_back({table.measures[m], std::move(measures[m])});
   columns.push_back({"state_hash", std::move(hashes)});
   columns.push_back({"error", std::move(errors)});
   return columns;
@@ -115,7 +117,8 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
 void write_csv(const SweepTable& table, const fs::path& file) {
   const std::vector<Column> columns = columns_of(table);
   std::string text;
-  for (const Column& column : columns) text += fmt::format("{}{}", text.empty() ? "" : ",", csv_cell(column.name));
+  for (const Column& column : columns)
+    text += fmt::format("{}{}", text.empty() ? "" : ",", csv_cell(column.name));
   text += '\n';
   for (std::size_t row = 0; row < table.study.runs.size(); ++row)
     for (const Column& column : columns)

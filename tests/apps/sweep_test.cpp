@@ -36,11 +36,14 @@ TEST_F(Sweep, MakesATableWithARowARun) {
   EXPECT_EQ(outcome.out, "6 of 6 runs done: out/table.csv\n");
   const std::vector<std::string> lines = lines_of(table("out"));
   ASSERT_THAT(lines, SizeIs(7));
-  EXPECT_EQ(lines[0], "run,robots,seed,ticks,time_s,path_length_m,path_length_m_max,stalls,stalls_max,state_hash,error");
+  EXPECT_EQ(
+      lines[0],
+      "run,robots,seed,ticks,time_s,path_length_m,path_length_m_max,stalls,stalls_max,state_hash,error");
   EXPECT_THAT(lines[1], StartsWith("0,2,1,10,1,"));
   EXPECT_THAT(lines[6], StartsWith("5,5,3,10,1,"));
   // A row is the run that `troupe run` makes.
-  const Outcome run = troupe({"run", "w.json", "--for", "1", "--robots", "5", "--seed", "3", "--json", "--quiet"});
+  const Outcome run =
+      troupe({"run", "w.json", "--for", "1", "--robots", "5", "--seed", "3", "--json", "--quiet"});
   const std::size_t hash = run.out.find("\"state_hash\":\"") + 14;
   EXPECT_THAT(lines[6], EndsWith("," + run.out.substr(hash, 16) + ","));
 }
@@ -52,7 +55,8 @@ TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   const Outcome first = troupe({"sweep", "study.json", "-o", "parts", "--part", "2/2"});
   EXPECT_EQ(first.code, 0) << first.err;
   EXPECT_EQ(first.out, "3 of 6 runs done; the table follows when all are\n");
-  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out, "6 of 6 runs done: parts/table.csv\n");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out,
+            "6 of 6 runs done: parts/table.csv\n");
   EXPECT_EQ(table("parts"), table("one"));
 }
 
@@ -94,7 +98,8 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
 TEST_F(Sweep, ListsTheRunsAndMakesNone) {
   const Outcome outcome = troupe({"sweep", "study.json", "--list"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(lines_of(outcome.out), ElementsAre("run,robots,seed", "0,2,1", "1,2,2", "2,2,3", "3,5,1", "4,5,2", "5,5,3"));
+  EXPECT_THAT(lines_of(outcome.out),
+              ElementsAre("run,robots,seed", "0,2,1", "1,2,2", "2,2,3", "3,5,1", "4,5,2", "5,5,3"));
   EXPECT_THAT(files(), ElementsAre("study.json", "w.json"));
 }
 

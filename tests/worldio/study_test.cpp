@@ -13,26 +13,33 @@
 namespace troupe::worldio {
 namespace {
 
-using testing::ElementsAre;
 using testing::Each;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
 class StudyFile : public testing::Test {
  protected:
-  StudyFile() : file_(std::filesystem::path(testing::TempDir()) / "study.json") {}
+  StudyFile()
+      : folder_(std::filesystem::path(testing::TempDir()) /
+                (std::string("study.") + testing::UnitTest::GetInstance()->current_test_info()->name())),
+        file_(folder_ / "study.json") {
+    std::filesystem::create_directories(folder_);
+  }
+  ~StudyFile() override { std::filesystem::remove_all(folder_); }
 
   Study study(const std::string& members) {
-    std::ofstream(file_) << "{\"troupe_study\": 1, \"world\": \"w/hall.json\"" << (members.empty() ? "" : ",\n")
-                         << members << "}";
+    std::ofstream(file_) << "{\"troupe_study\": 1, \"world\": \"w/hall.json\""
+                         << (members.empty() ? "" : ",\n") << members << "}";
     diagnostics_ = Diagnostics();
     return load_study(file_, make_registry(), diagnostics_);
   }
   std::vector<std::string> wrong(const std::string& members) {
     study(members);
     std::vector<std::string> texts;
-    for (const std::string& text : findings(diagnostics_)) texts.push_back(text.substr(text.rfind("study.json")));
+    for (const std::string& text : findings(diagnostics_))
+      texts.push_back(text.substr(text.rfind("study.json")));
     return texts;
   }
   std::vector<std::vector<std::string>> values(const std::string& members) {
@@ -42,6 +49,7 @@ class StudyFile : public testing::Test {
     return all;
   }
 
+  std::filesystem::path folder_;  // of its own: tests run side by side
   std::filesystem::path file_;
   Diagnostics diagnostics_;
 };
@@ -69,11 +77,13 @@ TEST_F(StudyFile, AGridIsAllCombinationsTheFirstSlowestAndSeedsFastest) {
   EXPECT_THAT(grid.runs[17].values, ElementsAre("{\"x\": [3]}", "1"));
   EXPECT_EQ(grid.parameters[0].name, "a.0.b");
   EXPECT_EQ(grid.parameters[1].name, "gain");
-  EXPECT_THAT(grid.settings(grid.runs[7]), ElementsAre(testing::Pair("/a/0/b", "\"two\""), testing::Pair("/c", "0")));
+  EXPECT_THAT(grid.settings(grid.runs[7]),
+              ElementsAre(testing::Pair("/a/0/b", "\"two\""), testing::Pair("/c", "0")));
 }
 
 TEST_F(StudyFile, StepsEndAtTheLastValueExactly) {
-  EXPECT_THAT(values(R"("parameters": [{"set": "/x", "from": 0.1, "to": 0.7, "steps": 7}])").back(), ElementsAre("0.7"));
+  EXPECT_THAT(values(R"("parameters": [{"set": "/x", "from": 0.1, "to": 0.7, "steps": 7}])").back(),
+              ElementsAre("0.7"));
 }
 
 TEST_F(StudyFile, SamplesAreDrawnWithinTheirIntervals) {
@@ -103,23 +113,36 @@ TEST_F(StudyFile, SamplesOfOneParameterDependNeitherOnTheOthersNorOnTheirNumber)
     return cells;
   };
   const auto alone = column(values(R"("samples": 3, "parameters": [{"set": "/u", "uniform": [0, 1]}])"), 0);
-  auto more = column(values(R"("samples": 9, "parameters": [{"set": "/n", "integers": [1, 9]}, {"set": "/u", "uniform": [0, 1]}])"), 1);
+  auto more = column(
+      values(
+          R"("samples": 9, "parameters": [{"set": "/n", "integers": [1, 9]}, {"set": "/u", "uniform": [0, 1]}])"),
+      1);
   more.resize(3);
   EXPECT_EQ(alone, more);
-  EXPECT_NE(alone, column(values(R"("samples": 3, "random_seed": 2, "parameters": [{"set": "/u", "uniform": [0, 1]}])"), 0));
+  EXPECT_NE(
+      alone,
+      column(values(R"("samples": 3, "random_seed": 2, "parameters": [{"set": "/u", "uniform": [0, 1]}])"),
+             0));
 }
 
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"), ElementsAre(HasSubstr("expected a JSON pointer")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
+              ElementsAre(HasSubstr("expected a JSON pointer")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"), ElementsAre(HasSubstr("needs 1 to")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [2, 1]}], "samples": 2)"), ElementsAre(HasSubstr("must be below the second")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"), ElementsAre(HasSubstr("above 0")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"), ElementsAre(HasSubstr("whole numbers")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"), ElementsAre(HasSubstr("say how often")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"), testing::Contains(HasSubstr("not both")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"), ElementsAre(HasSubstr("another column is called \"seed\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [2, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("must be below the second")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("above 0")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"),
+              ElementsAre(HasSubstr("whole numbers")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"),
+              ElementsAre(HasSubstr("say how often")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
+              testing::Contains(HasSubstr("not both")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
+              ElementsAre(HasSubstr("another column is called \"seed\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
               ElementsAre(HasSubstr("/parameters/1: another column is called \"x\"")));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
@@ -127,8 +150,10 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("twice")));
   EXPECT_THAT(wrong(R"("seeds": [])"), ElementsAre(HasSubstr("at least one seed")));
   EXPECT_THAT(wrong(R"("seeds": 4)"), ElementsAre(HasSubstr("expected a list of seeds")));
-  EXPECT_THAT(wrong(R"("seeds": {"from": 1, "count": 1000}, "parameters": [{"set": "/x", "from": 0, "to": 1, "steps": 1001}])"),
-              ElementsAre(HasSubstr("these are 1.001e+06 runs; at most 1000000 are allowed")));
+  EXPECT_THAT(
+      wrong(
+          R"("seeds": {"from": 1, "count": 1000}, "parameters": [{"set": "/x", "from": 0, "to": 1, "steps": 1001}])"),
+      ElementsAre(HasSubstr("these are 1.001e+06 runs; at most 1000000 are allowed")));
   EXPECT_THAT(wrong(R"("sample": 3)"), ElementsAre(HasSubstr("unknown key \"sample\"")));
   Diagnostics nowhere;
   load_study("nowhere.json", make_registry(), nowhere);
