@@ -286,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: $schema, bounds_m, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -520,7 +520,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: bounds_m, floorplans, ground, measure_every_ms, "
+          "maze.json:5: error: unknown key \"noise\"; known: $schema, bounds_m, floorplans, ground, "
+          "measure_every_ms, "
           "measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, "
           "ranging, "
           "record, "
