@@ -492,8 +492,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("count": 4)", R"("count": 26)",
               "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
               "free cells (of 25)"},
-        Wrong{R"("rule": "grid", )", "",
-              R"(maze.json:18: error: /populations/0/place: missing "rule": grid, uniform, gaussian, poisson_disc or free_floor)"},
+        Wrong{
+            R"("rule": "grid", )", "",
+            R"(maze.json:18: error: /populations/0/place: missing "rule": grid, uniform, gaussian, poisson_disc or free_floor)"},
         Wrong{
             R"("rule": "grid")", R"("rule": "gird")",
             R"(maze.json:18: error: /populations/0/place/rule: unknown rule "gird"; known: free_floor, gaussian, grid, poisson_disc, uniform (did you mean "grid"?))"},
@@ -540,7 +541,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: $schema, at, bounds_m, faults, floorplans, ground, "
+          "maze.json:5: error: unknown key \"noise\"; known: $schema, at, bounds_m, faults, floorplans, "
+          "ground, "
           "measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, "
           "quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, "
           "stop_when, tick_ms, tick_s, title, troupe, types, watch, window"));
