@@ -26,6 +26,13 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
       }
 }
 
+/// How often wide bodies are listed goes up and down a little as they move: room for that is made at once.
+template <typename T>
+void resize_with_room(std::vector<T>& list, std::size_t size) {
+  if (size > list.capacity()) list.reserve(size + size / 4);
+  list.resize(size);
+}
+
 }  // namespace
 
 void BodyIndex::reserve(const Box& ground) {
@@ -168,7 +175,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     counts_[slot] = {count, count, count};
   });
   place_tiles(parallel);
-  tile_rows_.resize(tiles_[slots].rows);
+  resize_with_room(tile_rows_, tiles_[slots].rows);
   parallel.for_each(parts_.size(), [&](std::size_t p) {
     Part& part = parts_[p];
     const auto put = [&](std::size_t slot, const BodyCircle& circle) {
@@ -187,7 +194,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
     place_tiles(parallel);
   }
-  circles_.resize(tiles_[slots].circles + k_read_beyond);
+  resize_with_room(circles_, tiles_[slots].circles + k_read_beyond);
   order_.resize(tiles_[slots].homes);
   begins_.resize(slots * cells + 1);
   begins_.back() = tiles_[slots].circles;
