@@ -52,7 +52,7 @@ class Camera {
 
  private:
   void draw() {
-    painter_.draw(world_.frame(), {});
+    painter_.draw(world_.frame(), {.camera = {.perspective = true, .pitch = 0.87}});
     ++frames_;
   }
 

@@ -1,6 +1,7 @@
 #include "apps/pictures/render.hpp"
 
 #include "apps/diff/diff_recordings.hpp"
+#include "apps/interrupt.hpp"
 #include "apps/observers/filming.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
@@ -32,7 +33,8 @@ other file; it can show what was recorded (troupe run --record-fields): scans wa
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 ended early by Ctrl-C or SIGTERM, what was
+drawn until then is whole.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -40,14 +42,16 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Times in order, or the one the input stands at.
+/// Times in order, or the one the input stands at. Who is stopped on the way there draws nothing of it.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
-  for (std::size_t i = 0; i < files.size(); ++i)
-    pictures.write(
-        take_at(options.pictures.snapshot_at_s.empty() ? std::nan("") : options.pictures.snapshot_at_s[i]),
-        files[i]);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Pictures::Shot shot =
+        take_at(options.pictures.snapshot_at_s.empty() ? std::nan("") : options.pictures.snapshot_at_s[i]);
+    if (stop_requested()) return;
+    pictures.write(shot, files[i]);
+  }
 }
 
 void draw_simulation(const RenderOptions& options, Simulation simulation) {
@@ -60,7 +64,8 @@ void draw_simulation(const RenderOptions& options, Simulation simulation) {
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);
   draw_each(options, pictures, [&](double time) {
-    while (!std::isnan(time) && simulation.tick() < engine::ticks_until(time, simulation.tick_s())) {
+    while (!std::isnan(time) && simulation.tick() < engine::ticks_until(time, simulation.tick_s()) &&
+           !stop_requested()) {
       simulation.step();
       pictures.see(simulation);
     }
@@ -105,7 +110,7 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   Filming film(options.pictures, run);
   film.rehearse();
   film.open();
-  for (std::size_t frame = 0; frame < times.size(); ++frame) {
+  for (std::size_t frame = 0; frame < times.size() && !stop_requested(); ++frame) {
     run.go_to_frame(frame);
     film.observe(run, frame + 1 < times.size() ? times[frame + 1] : std::numeric_limits<double>::infinity());
   }
@@ -169,8 +174,9 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
 
 ExitCode render_pictures(const RenderOptions& options) {
   try {
+    stop_on_signals();
     render_checked(options);
-    return k_finished;
+    return stop_requested() ? k_stopped : k_finished;
   } catch (const InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
   } catch (const OutputError& error) {

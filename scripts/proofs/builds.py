@@ -32,7 +32,7 @@ def compiled(compiler, level):
     """The program by this compiler at this level, in a folder of its own under build/."""
     folder = ROOT / "build" / "prove" / f"{compiler}{level}"
     options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=None", f"-DCMAKE_CXX_FLAGS={level}",
-               "-DTROUPE_TESTS=OFF", "-DTROUPE_PERF=OFF"]
+               "-DTROUPE_TESTS=OFF", "-DTROUPE_PERF=OFF", "-DTROUPE_PYTHON=OFF", "-DCMAKE_UNITY_BUILD=ON"]
     return _build(ROOT, folder, options, ["bin/troupe"])
 
 

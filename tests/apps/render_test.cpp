@@ -1,6 +1,10 @@
+#include "apps/exit_code.hpp"
 #include "tests/apps/program.hpp"
 #include "worldio/hdf5_file.hpp"
 
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,6 +139,25 @@ TEST_F(Render, ARecordingCanBeFilmed) {
   EXPECT_EQ(of_world.code, 2);
   EXPECT_THAT(of_world.err, AnyOf(HasSubstr("a world is while it runs, by troupe run --film"),
                                   HasSubstr("ffmpeg is not installed")));
+}
+
+TEST_F(Render, WhatIsStoppedKeepsWhatIsDrawn) {
+  record();
+  if (IsSkipped()) return;
+  std::filesystem::create_directory(path("frames"));
+  const Outcome film = troupe_until(
+      {"render", "run.h5", "--film", "frames/%06d.png", "--film-speed", "0.01", "--size", "96x64"},
+      "frames/000001.png", 1, SIGTERM);
+  EXPECT_EQ(film.code, k_stopped) << film.err;
+  EXPECT_FALSE(std::filesystem::exists(path("frames/002500.png")));
+  const auto is_picture = [](const auto& entry) { return entry.path().extension() == ".png"; };
+  EXPECT_TRUE(std::ranges::all_of(std::filesystem::directory_iterator(path("frames")), is_picture));
+
+  const Outcome stills =
+      troupe_until({"render", "room.world", "-o", "at-{time}.png", "--at", "1,100000", "--size", "96x64"},
+                   "at-1.png", 1, SIGTERM);
+  EXPECT_EQ(stills.code, k_stopped) << stills.err;
+  EXPECT_FALSE(std::filesystem::exists(path("at-100000.png")));
 }
 
 TEST_F(Render, WhatARecordingHasNotIsRefused) {
