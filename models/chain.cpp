@@ -53,12 +53,12 @@ const FieldTable& chain_fields() {
        .min = 0,
        .text = "a reading below it ahead is turned away from"},
       {.name = "joins",
-       .fallback = 0.05,
+       .fallback = 0.02,
        .min = 0,
        .max = 1,
        .text = "chance in a decision that it becomes a link where there is room for one"},
       {.name = "leaves",
-       .fallback = 0.002,
+       .fallback = 0.005,
        .min = 0,
        .max = 1,
        .text = "chance in a decision that the last link of a chain leaves it"},
@@ -208,6 +208,7 @@ struct Chain {
       command = {speed, 0, 0};
       return;
     }
+    const std::optional<Post> nest = nearest(radio, 0);
     if (memory.homeward != 0 && post->number == 0) {
       memory.homeward = 0;
       memory.round_updates =
@@ -215,21 +216,28 @@ struct Chain {
     }
     if (memory.homeward != 0) {
       head_for(nearest(radio, post->number - 1).value_or(*post).place, command);
-    } else if (memory.round_updates > 0 && post->number == 0) {
-      --memory.round_updates;
-      go_round(post->place, command);
-    } else if (const std::optional<Post> next = nearest(radio, post->number + 1)) {
-      head_for(next->place, command);
-    } else {
-      const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
-      if (room.norm() < k_tolerance_share * spacing && random.uniform() < joins && post->number + 1 < k_prey) {
-        memory = {};
-        memory.link = 1;
-        memory.number = static_cast<std::uint8_t>(post->number + 1);
-        return;
-      }
-      head_for(room, command);
+      return;
     }
+    if (memory.round_updates > 0 && nest) {
+      --memory.round_updates;
+      go_round(nest->place, command);
+      return;
+    }
+    const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
+    const std::optional<Post> next = nearest(radio, post->number + 1);
+    // From the nest chains may lead in several directions.
+    const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > spacing);
+    if (!has_room) {
+      head_for(next->place, command);
+      return;
+    }
+    if (room.norm() < k_tolerance_share * spacing && random.uniform() < joins && post->number + 1 < k_prey) {
+      memory = {};
+      memory.link = 1;
+      memory.number = static_cast<std::uint8_t>(post->number + 1);
+      return;
+    }
+    head_for(room, command);
   }
 
   /// Where the next link is to stand: in line with the last two; at the nest, where the robot is.

@@ -9,9 +9,10 @@ namespace troupe::models {
 /// says      by radio, two bytes: a number, and 1 where a path to the prey begins behind it. The nest says 0,
 ///           a link of a chain one more than the link it stands at, the prey 255
 /// searches  who hears none of them goes straight on, and turns away from what its scanner sees ahead
-/// explores  goes from the link that it hears nearest to the next one, outwards. Where there is none it goes
-///           `spacing` beyond the last, in line with the one before it, and with the chance `joins` in a
-///           decision stands there as the next link
+/// explores  goes from the link that it hears nearest to the next one, outwards. Where there is none, or at the
+///           nest none within `spacing` of where a first link would stand, it goes `spacing` beyond the last
+///           one, in line with the one before it, and with the chance `joins` in a decision stands there as
+///           the next link
 /// leaves    a link that hears no further one, and not the prey, with the chance `leaves`; one that hears
 ///           nobody of the number before its own; and of two of one number in one place the one of the higher
 ///           id. It goes back along the chain, round the nest for a while, and explores again
