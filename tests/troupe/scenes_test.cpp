@@ -265,7 +265,7 @@ TEST(BrazilNutScene, RobotsFormRingsByTheirSize) {
   EXPECT_LT(std::ranges::max(errors), 0.02);
 }
 
-TEST(BrazilNutScene, ErrorsFallExponentiallyWithTheRatioOfSizes) {
+TEST(BrazilNutScene, ErrorsFallSteeplyWithTheRatioOfSizes) {
   if (test::k_slow_build) GTEST_SKIP() << "takes 60,000 ticks";
   std::vector<double> little, more;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
