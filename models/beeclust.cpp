@@ -25,11 +25,7 @@ constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
 
 const FieldTable& beeclust_fields() {
   static const FieldTable table{{
-      {.name = "speed",
-       .unit = Unit::meters_per_second,
-       .fallback = 0.1,
-       .min = 0,
-       .text = "straight ahead"},
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
       {.name = "max_wait",
        .unit = Unit::seconds,
        .fallback = 60.0,

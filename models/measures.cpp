@@ -253,8 +253,7 @@ class StateMean : public OfRobots {
       if (table.component() != component) continue;
       has_component = true;
       const std::size_t field = field_of(table, params);
-      for (std::size_t row = 0; row < table.rows(); ++row)
-        cells[table.ids()[row].index()] = {t, field, row};
+      for (std::size_t row = 0; row < table.rows(); ++row) cells[table.ids()[row].index()] = {t, field, row};
     }
     if (!has_component) {
       std::ranges::sort(known);

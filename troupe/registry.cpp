@@ -79,8 +79,8 @@ engine::Registry make_registry() {
                        models::held_measure(),        models::displacement_measure(),
                        models::path_length_measure(), models::mean_speed_measure(),
                        models::order_measure(),       models::spread_measure(),
-                       models::alive_measure(),         models::share_within_measure(),
-                       models::state_mean_measure(),    models::rank_errors_measure()};
+                       models::alive_measure(),       models::share_within_measure(),
+                       models::state_mean_measure(),  models::rank_errors_measure()};
   registry.faults = {models::dead_sensors_fault(), models::slow_wheels_fault(), models::drop_out_fault()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;

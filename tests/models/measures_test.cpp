@@ -448,10 +448,12 @@ TEST(Measures, RankErrorsAreThePairsThatStandTheWrongWayRound) {
   scene.body("l1", large, {-5, 0, 0, 0});
   World world = scene.world();
   const MeasureSpec errors = spec("rank_errors", "", {{"center", std::vector<double>{1, 0}}});
-  // Of 8 pairs of unlike robots (10, less s0 s1 and l0 l1) one: s1 is farther than l0. l1 and h0 are equally far.
+  // Of 8 pairs of unlike robots (10, less s0 s1 and l0 l1) one: s1 is farther than l0. l1 and h0 are equally
+  // far.
   EXPECT_DOUBLE_EQ(value(world, errors), 1.0 / 8);
-  EXPECT_DOUBLE_EQ(value(world, spec("share_within", "", {{"center", std::vector<double>{1, 0}}, {"radius", 4.0}})),
-                   3.0 / 5);
+  EXPECT_DOUBLE_EQ(
+      value(world, spec("share_within", "", {{"center", std::vector<double>{1, 0}}, {"radius", 4.0}})),
+      3.0 / 5);
 }
 
 TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {

@@ -1,5 +1,5 @@
-// worlds/beeclust.json, coverage.json, chain.json and brazil_nut.json: the experiments of docs/scenes.md, each over ten
-// seeds, and what their controllers do by hand.
+// worlds/beeclust.json, coverage.json, chain.json and brazil_nut.json: the experiments of docs/scenes.md,
+// each over ten seeds, and what their controllers do by hand.
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
@@ -106,8 +106,8 @@ class BeeclustByHand : public test::ScratchTest {
   Simulation duel(const std::string& grey) {
     return Simulation(write("duel.json", R"({"troupe": 1, "types": {
       "robot": {"size_m": [0.06, 0.06, 0.06], "drive": {"kind": "diff"},
-        "sensors": [{"name": "eye", "kind": "ground", "floor": [)" + grey + ", " + grey + ", " +
-                                             grey + R"(]},
+        "sensors": [{"name": "eye", "kind": "ground", "floor": [)" +
+                                             grey + ", " + grey + ", " + grey + R"(]},
                     {"name": "radio", "kind": "radio", "range_m": 1, "payload": 1},
                     {"name": "ir", "kind": "ranger", "pose": {"z_m": 0.04}, "transducers": [{"range_max_m": 0.2, "fov_deg": 180, "samples": 9}]}],
         "controller": {"kind": "beeclust"}},
@@ -129,7 +129,8 @@ TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
   const engine::World& world = simulation.world();
   const BodyId a = world.find("a");
   std::uint32_t longest = 0;
-  // They meet where 0.12 m are left: after (0.4 - 0.12) m at 0.1 m/s each, 14 ticks, and some to hear and to stop.
+  // They meet where 0.12 m are left: after (0.4 - 0.12) m at 0.1 m/s each, 14 ticks, and some to hear and to
+  // stop.
   for (int tick = 0; tick < 20; ++tick) {
     simulation.step();
     longest = std::max(longest, memory_of<std::uint32_t>(world, a, "beeclust/0", "wait_updates"));
@@ -142,9 +143,8 @@ TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
   for (int tick = 0; tick < 300; ++tick) simulation.step();
   EXPECT_EQ(distance(simulation), apart) << "they stand for 32 s";
   for (int tick = 0; tick < 100; ++tick) simulation.step();
-  EXPECT_GT(std::abs(distance(simulation) - apart) +
-                std::abs(world.pose(a).y - world.pose(world.find("b")).y),
-            0.1)
+  EXPECT_GT(
+      std::abs(distance(simulation) - apart) + std::abs(world.pose(a).y - world.pose(world.find("b")).y), 0.1)
       << "and then go apart";
 }
 
@@ -187,8 +187,8 @@ TEST(CoverageScene, SearchSlowsDownByTheShareOfTheRobotsThatFail) {
   const double of_all = rate("0", all);
   EXPECT_NEAR(rate("0.25", three_quarters) / of_all, 0.75, 0.1);
   EXPECT_NEAR(rate("0.5", half) / of_all, 0.5, 0.1);
-  // n v 4 c / (pi A): robots on random straight lines, whose cells of 0.5 m are 4 c / pi wide in the mean. Turning at
-  // the walls and ways that are gone twice cost about a quarter.
+  // n v 4 c / (pi A): robots on random straight lines, whose cells of 0.5 m are 4 c / pi wide in the mean.
+  // Turning at the walls and ways that are gone twice cost about a quarter.
   const double straight = 20 * 0.5 * 4 * 0.5 / (3.14159 * 144);
   EXPECT_LT(of_all, straight);
   EXPECT_GT(of_all, 0.65 * straight);
@@ -222,11 +222,11 @@ TEST(ChainScene, APathLeadsFromTheNestToThePreyWhateverTheSeed) {
     bool reaches_prey = false;
     for (const auto& [number, place] : path) {
       reaches_prey = reaches_prey || (place - prey).norm() <= 0.9;
-      const bool has_inner =
-          number == 1 ? (place - nest).norm() <= 0.9
-                      : std::ranges::any_of(path, [&, n = number, p = place](const auto& other) {
-                          return other.first == n - 1 && (other.second - p).norm() <= 0.9;
-                        });
+      const bool has_inner = number == 1
+                                 ? (place - nest).norm() <= 0.9
+                                 : std::ranges::any_of(path, [&, n = number, p = place](const auto& other) {
+                                     return other.first == n - 1 && (other.second - p).norm() <= 0.9;
+                                   });
       EXPECT_TRUE(has_inner) << "seed " << seed << ", link " << number;
     }
     EXPECT_TRUE(reaches_prey) << "seed " << seed;
