@@ -36,7 +36,7 @@ struct MeasureKind {
   std::string_view definition;  ///< what exactly, and from where
   FieldTable params;            ///< its parameters
   /// robots: those that are measured, in the order of their ids; there may be none. Throws std::length_error
-  /// where the parameters ask for too much.
+  /// where the parameters ask for too much, std::invalid_argument where they ask for what is not there.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 

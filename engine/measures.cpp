@@ -46,7 +46,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     try {
       measures_.push_back(kind->make(world, spec.params, robots));
-    } catch (const std::length_error& fault) {
+    } catch (const std::logic_error& fault) {
       diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, fault.what()));
       continue;
     }

@@ -2,15 +2,24 @@
 
 #include "engine/measures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace troupe::models {
 namespace {
 
+using engine::Element;
+using engine::FieldTable;
+using engine::FieldType;
 using engine::Measure;
 using engine::Record;
+using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
@@ -158,6 +167,137 @@ class Spread : public OfRobots {
   }
 };
 
+const FieldTable& share_within_fields() {
+  static const FieldTable table{{
+      {.name = "center",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .text = "[x, y] of the circle",
+       .columns = 2},
+      {.name = "radius", .unit = Unit::meters, .min = 0, .text = "of the circle"},
+  }};
+  return table;
+}
+
+class ShareWithin : public OfRobots {
+ public:
+  ShareWithin(const World& world, const Record& params, std::vector<Row> rows)
+      : OfRobots(world, params, std::move(rows)),
+        center_(params[0].numbers()[0], params[0].numbers()[1]),
+        radius_(params[1].number()) {}
+
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      return (world.transform(robots()[i]).position - center_).squaredNorm() <= radius_ * radius_;
+    });
+  }
+
+ private:
+  Vec2 center_;
+  double radius_;
+};
+
+const FieldTable& state_mean_fields() {
+  static const FieldTable table{{
+      {.name = "component",
+       .type = FieldType::text,
+       .text = "of the state, as \"KIND/0\" is the memory of the first controller"},
+      {.name = "field", .type = FieldType::text, .text = "of the component"},
+      {.name = "column",
+       .type = FieldType::integer,
+       .fallback = 0,
+       .min = 0,
+       .max = 1e6,
+       .text = "of a field that is an array"},
+  }};
+  return table;
+}
+
+/// Of those robots whose state has the component.
+class StateMean : public OfRobots {
+  struct Cell {
+    std::size_t table = k_none;
+    std::size_t field = 0;
+    std::size_t row = 0;
+  };
+  static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
+
+ public:
+  StateMean(const World& world, const Record& params, std::vector<Row> rows)
+      : StateMean(world, params, std::move(rows), cells_of(world, params)) {}
+
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      const Cell& cell = cells_[i];
+      return number(world.tables()[cell.table], cell);
+    });
+  }
+
+ private:
+  /// cells: by body.
+  StateMean(const World& world, const Record& params, std::vector<Row> rows, const std::vector<Cell>& cells)
+      : OfRobots(world, params, with(world, cells, std::move(rows))),
+        column_(static_cast<std::size_t>(params[2].integer())) {
+    for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
+  }
+
+  /// Each type that has the component keeps a table of its own.
+  static std::vector<Cell> cells_of(const World& world, const Record& params) {
+    const std::string& component = params[0].text();
+    std::vector<Cell> cells(world.spec().bodies.size());
+    std::vector<std::string_view> known;
+    bool has_component = false;
+    for (std::size_t t = 0; t < world.tables().size(); ++t) {
+      const StateTable& table = world.tables()[t];
+      known.push_back(table.component());
+      if (table.component() != component) continue;
+      has_component = true;
+      const std::size_t field = field_of(table, params);
+      for (std::size_t row = 0; row < table.rows(); ++row) cells[table.ids()[row].index()] = {t, field, row};
+    }
+    if (!has_component) {
+      std::ranges::sort(known);
+      known.erase(std::ranges::unique(known).begin(), known.end());
+      throw std::invalid_argument(unknown_name("component", component, known));
+    }
+    return cells;
+  }
+  static std::size_t field_of(const StateTable& table, const Record& params) {
+    const std::string& name = params[1].text();
+    std::vector<std::string_view> known;
+    for (const engine::StateField& field : table.fields()) {
+      if (field.name != name) {
+        known.push_back(field.name);
+        continue;
+      }
+      if (params[2].integer() >= field.columns)
+        throw std::invalid_argument(fmt::format("the last column of \"{}\" is {}", name, field.columns - 1));
+      return known.size();
+    }
+    throw std::invalid_argument(unknown_name("field", name, known));
+  }
+  static std::vector<Row> with(const World& world, const std::vector<Cell>& cells, std::vector<Row> rows) {
+    std::erase_if(rows, [&](Row row) { return cells[world.body(row).index()].table == k_none; });
+    return rows;
+  }
+
+  double number(const StateTable& table, const Cell& cell) const {
+    switch (table.fields()[cell.field].element) {
+      case Element::f64: return table.cell<double>(cell.row, cell.field)[column_];
+      case Element::f32: return table.cell<float>(cell.row, cell.field)[column_];
+      case Element::i64: return static_cast<double>(table.cell<std::int64_t>(cell.row, cell.field)[column_]);
+      case Element::i32: return table.cell<std::int32_t>(cell.row, cell.field)[column_];
+      case Element::u64: return static_cast<double>(table.cell<std::uint64_t>(cell.row, cell.field)[column_]);
+      case Element::u32: return table.cell<std::uint32_t>(cell.row, cell.field)[column_];
+      case Element::u8: return table.cell<std::uint8_t>(cell.row, cell.field)[column_];
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::size_t column_;
+  std::vector<Cell> cells_;  // beside robots()
+};
+
 class Alive : public OfRobots {
  public:
   using OfRobots::OfRobots;
@@ -220,6 +360,21 @@ engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
       "spread", Unit::meters, "how far robots are from their centre, in the mean",
       "The mean over the robots of the distance between their origins and the mean of all their origins.");
+}
+
+engine::MeasureKind share_within_measure() {
+  return engine::make_measure_kind<ShareWithin>(
+      "share_within", Unit::none, "share of the robots that are in a circle",
+      "The share of the robots whose origin lies within `radius` of `center`, the circle included.",
+      share_within_fields());
+}
+
+engine::MeasureKind state_mean_measure() {
+  return engine::make_measure_kind<StateMean>(
+      "state_mean", Unit::none, "a number of the robots' state, in the mean",
+      "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
+      "sensor reads. Of a field that is 0 or 1 it is a share.",
+      state_mean_fields());
 }
 
 }  // namespace troupe::models

@@ -13,5 +13,7 @@ engine::MeasureKind path_length_measure();
 engine::MeasureKind mean_speed_measure();
 engine::MeasureKind order_measure();
 engine::MeasureKind spread_measure();
+engine::MeasureKind share_within_measure();
+engine::MeasureKind state_mean_measure();
 
 }  // namespace troupe::models

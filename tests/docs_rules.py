@@ -5,7 +5,7 @@ Patterns are searched in a command; texts are known by their page and by how the
 
 # Commands that are never run: (pattern, why).
 NOT_RUN = [
-    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|reference|replay-page|format|lint|check-\w+)\b",
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|check-\w+)\b",
      "builds, or takes minutes"),
     (r"^(cmake|ctest) --preset ", "builds, or tests, all of Troupe"),
     (r"\bpip3? ", "builds all of Troupe"),
@@ -110,6 +110,12 @@ SHOWN_ONLY = [
     ("docs/recordings.md", "differs at tick 40", "a difference, which there must not be: tests/apps/diff_test.cpp"),
     ("docs/replay.md", "long.html:", "of a recording of ten minutes"),
     ("docs/sensing.md", "c = (v - o)", "formulas"),
+    ("docs/scenes.md", "beeclust: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "coverage: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "chain: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "brazil_nut: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "perception: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "flock: ", "scripts/scenes prints it, after minutes"),
     ("docs/stage-worlds.md", "maze.world:12", "of a world with faults: tests/worldio/stage_world_test.cpp"),
 ]
 

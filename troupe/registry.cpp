@@ -1,6 +1,9 @@
 #include "troupe/registry.hpp"
 
 #include "models/actuator.hpp"
+#include "models/beeclust.hpp"
+#include "models/brazil_nut.hpp"
+#include "models/chain.hpp"
 #include "models/collective_perception.hpp"
 #include "models/collector.hpp"
 #include "models/coverage.hpp"
@@ -25,6 +28,7 @@
 #include "models/power.hpp"
 #include "models/radio.hpp"
 #include "models/radio_flocking.hpp"
+#include "models/rank_errors.hpp"
 #include "models/remover.hpp"
 #include "models/script.hpp"
 #include "models/spawner.hpp"
@@ -66,13 +70,17 @@ engine::Registry make_registry() {
                           models::collector_controller(),
                           models::gradient_controller(),
                           models::radio_flocking_controller(),
-                          models::collective_perception_controller()};
+                          models::collective_perception_controller(),
+                          models::beeclust_controller(),
+                          models::chain_controller(),
+                          models::brazil_nut_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
                        models::path_length_measure(), models::mean_speed_measure(),
                        models::order_measure(),       models::spread_measure(),
-                       models::alive_measure()};
+                       models::alive_measure(),       models::share_within_measure(),
+                       models::state_mean_measure(),  models::rank_errors_measure()};
   registry.faults = {models::dead_sensors_fault(), models::slow_wheels_fault(), models::drop_out_fault()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;

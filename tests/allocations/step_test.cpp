@@ -54,6 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200},
                       Scene{"lookout", "lookout.json", 200, 100}, Scene{"chatter", "chatter.json", 200, 100},
                       Scene{"perception", "perception.json", 100, 200}, Scene{"blobs", "blobs.world", 10, 20},
+                      Scene{"beeclust", "beeclust.json", 100, 200}, Scene{"chain", "chain.json", 100, 200},
+                      Scene{"brazilNut", "brazil_nut.json", 100, 200},
                       Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
                       Scene{"noise", "noise.world", 10, 50},
                       // Births and deaths fall into what is counted.

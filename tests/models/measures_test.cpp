@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <random>
@@ -74,13 +75,25 @@ MeasureSpec spec(std::string kind, std::string of = {},
           .params = known ? test::record(known->params, values) : engine::Record{}};
 }
 
+bool needs_nothing(const engine::MeasureKind& kind) {
+  return std::ranges::all_of(kind.params.defaults(), &engine::Value::given);
+}
+
+std::vector<double> origin() { return {0, 0}; }
+
+/// The same of all, of the minibots and of the trucks; those that need no parameters first. Then one of all.
 std::vector<MeasureSpec> all_specs() {
   std::vector<MeasureSpec> specs;
-  for (const char* of : {"", "minibot", "t"})
+  for (const char* of : {"", "minibot", "t"}) {
     for (const engine::MeasureKind& kind : test::registry().measures) {
+      if (!needs_nothing(kind)) continue;
       specs.push_back(spec(std::string(kind.name), of));
       if (kind.name == "coverage") specs.back().params = test::record(kind.params, {{"cell", 0.37}});
     }
+    specs.push_back(spec("share_within", of, {{"center", origin()}, {"radius", k_edge_m / 4}}));
+    specs.push_back(spec("state_mean", of, {{"component", "velocity"}, {"field", "turn"}}));
+  }
+  specs.push_back(spec("rank_errors", "", {{"center", origin()}}));  // of one type alone there are none
   return specs;
 }
 
@@ -159,6 +172,18 @@ class Oracle {
     for (const Pose& pose : now_) sum += std::hypot(pose.x - x, pose.y - y);
     return sum / size();
   }
+  double share_within(double radius) const {
+    const auto inside = [&](const Pose& pose) { return std::hypot(pose.x, pose.y) <= radius; };
+    return static_cast<double>(std::ranges::count_if(now_, inside)) / size();
+  }
+  /// All pairs of the first `lower` robots and the others.
+  double rank_errors(std::size_t lower) const {
+    double wrong = 0;
+    for (std::size_t a = 0; a < lower; ++a)
+      for (std::size_t b = lower; b < now_.size(); ++b)
+        wrong += std::hypot(now_[b].x, now_[b].y) < std::hypot(now_[a].x, now_[a].y);
+    return wrong / static_cast<double>(lower * (now_.size() - lower));
+  }
   double coverage(const World& world) const {
     std::size_t free = 0;
     std::size_t visited = 0;
@@ -216,7 +241,9 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
       EXPECT_NEAR(v[7], oracles[o].mean_speed(world.tick_s()), 1e-9);
       EXPECT_NEAR(v[8], oracles[o].order(), 1e-9);
       EXPECT_NEAR(v[9], oracles[o].spread(), 1e-9);
+      EXPECT_EQ(v[11], oracles[o].share_within(k_edge_m / 4));
     }
+    EXPECT_NEAR(values.back(), oracles[0].rank_errors(k_minibots), 1e-9);
     EXPECT_EQ(values[3], static_cast<double>(world.stalled_count()));
     EXPECT_EQ(values[4], static_cast<double>(world.held_count()));
     EXPECT_EQ(values[3], values[kinds + 3] + values[2 * kinds + 3]);
@@ -356,6 +383,7 @@ TEST(Measures, OfFewRobotsAreNumbersOrNone) {
   test::SceneBuilder scene;
   World empty = scene.world();
   for (const engine::MeasureKind& kind : test::registry().measures) {
+    if (!needs_nothing(kind)) continue;
     const double v = value(empty, spec(std::string(kind.name)));
     if (kind.name == "stalls" || kind.name == "held" || kind.name == "alive")
       EXPECT_EQ(v, 0) << kind.name;
@@ -405,6 +433,59 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   set.see();
   EXPECT_THAT(set.values()[0], 1);
   EXPECT_TRUE(std::isnan(set.values()[3])) << "there is no other";
+}
+
+TEST(Measures, RankErrorsAreThePairsThatStandTheWrongWayRound) {
+  test::SceneBuilder scene;
+  const TypeId small = scene.robot("small", {test::box(0.2, 0.2)});
+  const TypeId large = scene.robot("large", {test::box(0.4, 0.4)});
+  const TypeId huge = scene.robot("huge", {test::box(0.6, 0.6)});
+  // From the centre (1, 0) on: small, large, small, huge at 0 to 6 m, and a large one beside the huge one.
+  scene.body("s0", small, {1, 0, 0, 0});
+  scene.body("l0", large, {1, 2, 0, 0});
+  scene.body("s1", small, {-3, 0, 0, 0});
+  scene.body("h0", huge, {7, 0, 0, 0});
+  scene.body("l1", large, {-5, 0, 0, 0});
+  World world = scene.world();
+  const MeasureSpec errors = spec("rank_errors", "", {{"center", std::vector<double>{1, 0}}});
+  // Of 8 pairs of unlike robots (10, less s0 s1 and l0 l1) one: s1 is farther than l0. l1 and h0 are equally
+  // far.
+  EXPECT_DOUBLE_EQ(value(world, errors), 1.0 / 8);
+  EXPECT_DOUBLE_EQ(
+      value(world, spec("share_within", "", {{"center", std::vector<double>{1, 0}}, {"radius", 4.0}})),
+      3.0 / 5);
+}
+
+TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
+  test::SceneBuilder scene;
+  const TypeId wanderer = scene.robot("wanderer", {test::box(0.2, 0.2)});
+  scene[wanderer].devices.push_back(test::ranger("eye", {{{}, 5, 3, 9}}));
+  const TypeId other = scene.robot("other", {test::box(0.4, 0.4)});
+  scene[other].devices.push_back(test::ranger("eye", {{{}, 2, 3, 9}}));
+  scene.robot("blind", {test::box(0.2, 0.2)});
+  scene.body("w0", wanderer, {0, 0, 0, 0});
+  scene.body("w1", wanderer, {0, 50, 0, 0});
+  scene.body("o0", other, {0, 90, 0, 0});
+  scene.body("b0", TypeId(scene.spec.types.size() - 1), {0, -50, 0, 0});
+  World world = scene.world();
+  world.step();
+  const auto ranges = [](int column, std::string of = {}) {
+    return spec("state_mean", std::move(of),
+                {{"component", "ranger/eye"}, {"field", "ranges"}, {"column", column}});
+  };
+  EXPECT_DOUBLE_EQ(value(world, ranges(0)), (5 + 5 + 2) / 3.0) << "two tables of one component";
+  EXPECT_DOUBLE_EQ(value(world, ranges(8, "w")), 5);
+  EXPECT_TRUE(std::isnan(value(world, ranges(0, "b")))) << "it has none";
+  const auto fault = [&](const MeasureSpec& one) {
+    Diagnostics diagnostics;
+    const MeasureSet set(world, test::registry(), {&one, 1}, diagnostics);
+    return diagnostics.findings().empty() ? std::string() : diagnostics.text(diagnostics.findings()[0]);
+  };
+  EXPECT_THAT(fault(ranges(9)), HasSubstr("state_mean: the last column of \"ranges\" is 8"));
+  EXPECT_THAT(fault(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
+              HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, pose, ranger/eye, "));
+  EXPECT_THAT(fault(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
+              HasSubstr("state_mean: unknown field \"range\"; known: ranges"));
 }
 
 TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {

@@ -1,0 +1,283 @@
+// worlds/beeclust.json, coverage.json, chain.json and brazil_nut.json: the experiments of docs/scenes.md,
+// each over ten seeds, and what their controllers do by hand.
+
+#include "engine/world.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/measures.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+constexpr std::uint64_t k_seeds = 10;
+
+Simulation scene(const char* name, std::uint64_t seed, Settings settings = {}) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.seed = seed;
+  options.set = std::move(settings);
+  return Simulation(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / name, options);
+}
+
+/// The means of the world's measures over (from, to], s, looked at every second.
+std::vector<double> means_between(Simulation& simulation, Measures& measures, double from, double to) {
+  std::vector<double> sums(measures.columns().size(), 0);
+  double count = 0;
+  while (simulation.time_s() < to - 1e-9) {
+    simulation.step();
+    measures.see();
+    if (simulation.tick() % 10 != 0 || simulation.time_s() <= from) continue;
+    const std::vector<double> values = measures.values();
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += values[i];
+    ++count;
+  }
+  for (double& sum : sums) sum /= count;
+  return sums;
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// A number that the controller of this kind keeps for a body.
+template <class T>
+T memory_of(const engine::World& world, BodyId body, std::string_view component, std::string_view field) {
+  for (const engine::StateTable& table : world.tables()) {
+    if (table.component() != component) continue;
+    const auto row = std::ranges::find(table.ids(), body);
+    if (row == table.ids().end()) continue;
+    for (std::size_t f = 0; f < table.fields().size(); ++f)
+      if (table.fields()[f].name == field)
+        return table.cell<T>(static_cast<std::size_t>(row - table.ids().begin()), f)[0];
+  }
+  throw std::out_of_range(std::string(field));
+}
+
+// ---- beeclust.json
+
+TEST(BeeclustScene, TheSwarmGathersBelowTheBrighterLampAndFollowsIt) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 180,000 ticks";
+  std::vector<double> bright, dim, after;
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    Simulation simulation = scene("beeclust.json", seed);
+    Measures measures(simulation);  // left, right
+    const std::vector<double> before = means_between(simulation, measures, 600, 900);
+    bright.push_back(before[0]);
+    dim.push_back(before[1]);
+    after.push_back(means_between(simulation, measures, 1500, 1800)[1]);
+    EXPECT_GT(bright.back(), 0.6) << "seed " << seed;
+    EXPECT_GT(bright.back(), 3 * dim.back()) << "seed " << seed;
+    EXPECT_GT(after.back(), 0.5) << "seed " << seed << ", where the lamps have changed places";
+  }
+  EXPECT_NEAR(mean(bright), 0.76, 0.06);
+  EXPECT_NEAR(mean(dim), 0.10, 0.04);
+  EXPECT_NEAR(mean(after), 0.70, 0.10);
+}
+
+TEST(BeeclustScene, WhereNobodyWaitsTheShareIsThatOfTheGround) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 36,000 ticks";
+  std::vector<double> left;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    Simulation simulation = scene("beeclust.json", seed, {{"/types/robot/controller/max_wait_s", "0"}});
+    Measures measures(simulation);
+    left.push_back(means_between(simulation, measures, 0, 1800)[0]);
+  }
+  const double circle = 3.14159 * 0.5 * 0.5;
+  EXPECT_NEAR(mean(left), circle / (2.1 * 1.2), 0.04);
+}
+
+class BeeclustByHand : public test::ScratchTest {
+ protected:
+  /// Two robots 0.4 m apart that go straight at each other, on ground of some grey.
+  Simulation duel(const std::string& grey) {
+    return Simulation(write("duel.json", R"({"troupe": 1, "types": {
+      "robot": {"size_m": [0.06, 0.06, 0.06], "drive": {"kind": "diff"},
+        "sensors": [{"name": "eye", "kind": "ground", "floor": [)" +
+                                             grey + ", " + grey + ", " + grey + R"(]},
+                    {"name": "radio", "kind": "radio", "range_m": 1, "payload": 1},
+                    {"name": "ir", "kind": "ranger", "pose": {"z_m": 0.04}, "transducers": [{"range_max_m": 0.2, "fov_deg": 180, "samples": 9}]}],
+        "controller": {"kind": "beeclust"}},
+      "wall": {"size_m": [0.1, 2, 0.2]}},
+      "models": [{"name": "a", "type": "robot", "pose": {"x_m": -0.2}},
+                 {"name": "b", "type": "robot", "pose": {"x_m": 0.2, "heading_deg": 180}},
+                 {"name": "lone", "type": "robot", "pose": {"x_m": 0, "y_m": 3}},
+                 {"name": "wall", "type": "wall", "pose": {"x_m": 0.4, "y_m": 3}}]})"),
+                      {.threads = 1});
+  }
+  static double distance(const Simulation& simulation) {
+    return simulation.world().pose(simulation.world().find("b")).x -
+           simulation.world().pose(simulation.world().find("a")).x;
+  }
+};
+
+TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
+  Simulation simulation = duel("0.5");
+  const engine::World& world = simulation.world();
+  const BodyId a = world.find("a");
+  std::uint32_t longest = 0;
+  // They meet where 0.12 m are left: after (0.4 - 0.12) m at 0.1 m/s each, 14 ticks, and some to hear and to
+  // stop.
+  for (int tick = 0; tick < 20; ++tick) {
+    simulation.step();
+    longest = std::max(longest, memory_of<std::uint32_t>(world, a, "beeclust/0", "wait_updates"));
+  }
+  // 60 s * 0.25 / (0.25 + 0.22) = 31.91 s.
+  EXPECT_EQ(longest, 319u);
+  const double apart = distance(simulation);
+  EXPECT_GT(apart, 0.06 + 0.005);
+  EXPECT_LE(apart, 0.12);
+  for (int tick = 0; tick < 300; ++tick) simulation.step();
+  EXPECT_EQ(distance(simulation), apart) << "they stand for 32 s";
+  for (int tick = 0; tick < 100; ++tick) simulation.step();
+  EXPECT_GT(
+      std::abs(distance(simulation) - apart) + std::abs(world.pose(a).y - world.pose(world.find("b")).y), 0.1)
+      << "and then go apart";
+}
+
+TEST_F(BeeclustByHand, NobodyWaitsOnBlackGroundNorAtAWall) {
+  for (const auto& [grey, name] : {std::pair("0", "a"), std::pair("1", "lone")}) {
+    Simulation simulation = duel(grey);
+    const engine::World& world = simulation.world();
+    const BodyId body = world.find(name);
+    bool has_turned = false;
+    for (int tick = 0; tick < 60; ++tick) {
+      simulation.step();
+      EXPECT_EQ(memory_of<std::uint32_t>(world, body, "beeclust/0", "wait_updates"), 0u) << name;
+      has_turned = has_turned || std::abs(world.pose(body).heading) > 1;
+    }
+    EXPECT_TRUE(has_turned) << name;
+    EXPECT_LT(world.pose(body).x, 0.35 - 0.03) << "no farther than the wall";
+  }
+}
+
+// ---- coverage.json
+
+TEST(CoverageScene, SearchSlowsDownByTheShareOfTheRobotsThatFail) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 18,000 ticks";
+  // Random search (Koopman): the ground that is left falls by exp(-k n t), with n robots that work.
+  const auto rate = [](const char* share, std::vector<double>& at_60_s) {
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+      Simulation simulation = scene("coverage.json", seed, {{"/at/0/disable/share", share}});
+      Measures measures(simulation);
+      means_between(simulation, measures, 0, 20);
+      const double left_at_20_s = 1 - measures.value("coverage");
+      means_between(simulation, measures, 20, 60);
+      const double left_at_60_s = 1 - measures.value("coverage");
+      at_60_s.push_back(1 - left_at_60_s);
+      sum += std::log(left_at_20_s / left_at_60_s) / 40;
+    }
+    return sum / static_cast<double>(k_seeds);
+  };
+  std::vector<double> all, three_quarters, half;
+  const double of_all = rate("0", all);
+  EXPECT_NEAR(rate("0.25", three_quarters) / of_all, 0.75, 0.1);
+  EXPECT_NEAR(rate("0.5", half) / of_all, 0.5, 0.1);
+  // n v 4 c / (pi A): robots on random straight lines, whose cells of 0.5 m are 4 c / pi wide in the mean.
+  // Turning at the walls and ways that are gone twice cost about a quarter.
+  const double straight = 20 * 0.5 * 4 * 0.5 / (3.14159 * 144);
+  EXPECT_LT(of_all, straight);
+  EXPECT_GT(of_all, 0.65 * straight);
+  EXPECT_NEAR(mean(all), 0.875, 0.02);
+  EXPECT_NEAR(mean(three_quarters), 0.82, 0.03);
+  EXPECT_NEAR(mean(half), 0.77, 0.03);
+}
+
+// ---- chain.json
+
+TEST(ChainScene, APathLeadsFromTheNestToThePreyWhateverTheSeed) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes up to 500,000 ticks";
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    Simulation simulation = scene("chain.json", seed);
+    const engine::World& world = simulation.world();
+    simulation.run_for(5000);
+    EXPECT_TRUE(simulation.stopped()) << "seed " << seed;
+    for (int tick = 0; tick < 30; ++tick) simulation.step();  // the news goes a link a tick
+    EXPECT_EQ(memory_of<std::uint8_t>(world, world.find("nest"), "chain/0", "path"), 1) << "seed " << seed;
+    std::vector<std::pair<int, Vec2>> path;
+    for (const std::string& name : simulation.robot_names()) {
+      const BodyId body = world.find(name);
+      if (memory_of<std::uint8_t>(world, body, "chain/0", "path") != 0)
+        path.emplace_back(memory_of<std::uint8_t>(world, body, "chain/0", "number"),
+                          world.pose(body).position());
+    }
+    const Vec2 nest = world.pose(world.find("nest")).position();
+    const Vec2 prey = world.pose(world.find("prey")).position();
+    // Links stand 0.6 m apart, and no more than 0.1 m farther, and hear 0.9 m far: two do not do for 2.5 m.
+    EXPECT_GE(path.size(), 3u) << "seed " << seed;
+    bool reaches_prey = false;
+    for (const auto& [number, place] : path) {
+      reaches_prey = reaches_prey || (place - prey).norm() <= 0.9;
+      const bool has_inner = number == 1
+                                 ? (place - nest).norm() <= 0.9
+                                 : std::ranges::any_of(path, [&, n = number, p = place](const auto& other) {
+                                     return other.first == n - 1 && (other.second - p).norm() <= 0.9;
+                                   });
+      EXPECT_TRUE(has_inner) << "seed " << seed << ", link " << number;
+    }
+    EXPECT_TRUE(reaches_prey) << "seed " << seed;
+  }
+}
+
+TEST(ChainScene, TheFartherThePreyTheLongerItTakes) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes up to 1,000,000 ticks";
+  const auto mean_time = [](const char* x_m) {
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+      Simulation simulation = scene("chain.json", seed, {{"/models/5/pose/x_m", x_m}});
+      simulation.run_for(5000);
+      sum += simulation.time_s();
+    }
+    return sum / static_cast<double>(k_seeds);
+  };
+  const double near = mean_time("2");
+  const double far = mean_time("3");
+  EXPECT_LT(2 * near, far);
+}
+
+// ---- brazil_nut.json
+
+double rank_errors(std::uint64_t seed, const Settings& settings) {
+  Simulation simulation = scene("brazil_nut.json", seed, settings);
+  Measures measures(simulation);
+  return means_between(simulation, measures, 400, 600)[0];
+}
+
+TEST(BrazilNutScene, RobotsFormRingsByTheirSize) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 60,000 ticks";
+  std::vector<double> errors;
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) errors.push_back(rank_errors(seed, {}));
+  EXPECT_LT(mean(errors), 0.01);
+  EXPECT_LT(std::ranges::max(errors), 0.02);
+}
+
+TEST(BrazilNutScene, ErrorsFallSteeplyWithTheRatioOfSizes) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 60,000 ticks";
+  std::vector<double> little, more;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    little.push_back(rank_errors(
+        seed, {{"/types/middle/controller/radius_m", "0.1"}, {"/types/large/controller/radius_m", "0.125"}}));
+    more.push_back(rank_errors(
+        seed, {{"/types/middle/controller/radius_m", "0.12"}, {"/types/large/controller/radius_m", "0.18"}}));
+  }
+  EXPECT_NEAR(mean(little), 0.094, 0.03);
+  EXPECT_LT(3 * mean(more), mean(little)) << "0.25 more of the ratio: a third or less of the errors";
+  EXPECT_GT(mean(more), 0.005) << "and still more of them than of ratio 2";
+}
+
+}  // namespace
+}  // namespace troupe
