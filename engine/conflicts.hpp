@@ -79,7 +79,7 @@ struct Pushables {
 /// memory  grows with the rows alone: settling allocates when there are more of them than ever before
 class Conflicts {
  public:
-  static constexpr int k_push_passes = 4;
+  static constexpr int k_push_passes = 16;
 
   /// One entry a row in each span.
   struct Crowd {

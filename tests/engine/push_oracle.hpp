@@ -173,7 +173,7 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
         at[i] = body(i, pose);
         const std::vector<Pose> last = to;
         bool is_clear = false;
-        for (int pass = 0; pass < 4 && !is_clear; ++pass) {
+        for (int pass = 0; pass < 16 && !is_clear; ++pass) {
           is_clear = true;
           for (std::size_t b = 0; b <= pushed.size(); ++b) {
             const std::size_t by = b == 0 ? i : pushed[b - 1];

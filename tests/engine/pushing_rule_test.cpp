@@ -89,7 +89,7 @@ PushCrowd random_pushers(Draw& draw, std::size_t most, double fill, bool walls) 
   double area = 0;
   const std::size_t kinds = 3 + draw.below(4);
   for (std::size_t k = 0; k < kinds; ++k) {
-    is_puck.push_back(k == 0 || (k > 1 && draw.chance(0.5)));
+    is_puck.push_back(k == 0 || (k > 1 && draw.chance(0.6)));
     const double size = is_puck[k] ? draw.scale(0.06, 0.3) : draw.scale(0.2, 0.8);
     crowd.kinds.push_back(is_puck[k] && draw.chance(0.7)
                               ? make_kind({{{random_star(draw, 5 + draw.below(8), size / 2, 1)}, {0, 0.3}}})
@@ -117,7 +117,7 @@ PushCrowd random_pushers(Draw& draw, std::size_t most, double fill, bool walls) 
   for (std::size_t i = 0; i < most; ++i) {
     const std::size_t k = draw.below(kinds);
     const bool anyhow = may_overlap && draw.chance(0.1);
-    for (int trial = 0; trial < 25; ++trial) {
+    for (int trial = 0; trial < 60; ++trial) {
       const Pose pose{corner.x() + draw.real(0, side), corner.y() + draw.real(0, side), 0, draw.real(-3, 3)};
       Blocks placed = place(crowd.kinds[k].body.blocks, pose);
       if (!anyhow && std::ranges::any_of(solid, [&](const Blocks& other) { return overlap(placed, other); }))
@@ -132,11 +132,19 @@ PushCrowd random_pushers(Draw& draw, std::size_t most, double fill, bool walls) 
   return crowd;
 }
 
-/// Robots go on as they please, rather ahead than not; pucks do not move by themselves.
+/// Robots go as they please; pucks do not move by themselves. most_poses: not a whole number, or it is a matter
+/// of rounding at how many poses a motion is looked at.
 void propose(PushCrowd& crowd, Draw& draw, double most_poses) {
   random_motions(crowd, draw, most_poses);
+  const bool gently = draw.chance(0.7);
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     Motion& m = crowd.motions[i];
+    if (gently) {
+      const double way = crowd.shapes[i]->radius * draw.real(0.05, 0.7);
+      m = {m.from, m.from, draw.chance(0.5) ? 0 : draw.real(-0.2, 0.2), true};
+      const double direction = draw.real(-k_pi, k_pi);
+      m.to = compose(m.from, {way * std::cos(direction), way * std::sin(direction), 0, m.turn});
+    }
     if (crowd.pushable[i] != 0) m = {m.from, m.from, 0, false};
   }
 }
@@ -201,16 +209,16 @@ TEST_F(PushingRule, RandomCrowdsSettleAsTheRuleSays) {
   for (std::uint64_t seed = 1; seed <= 900 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(8'000'000 + seed);
-    PushCrowd crowd = random_pushers(draw, 10 + draw.below(60), draw.real(0.3, 1), draw.chance(0.5));
-    propose(crowd, draw, 40);
+    PushCrowd crowd = random_pushers(draw, 10 + draw.below(60), draw.real(0.5, 2), draw.chance(0.5));
+    propose(crowd, draw, 40.5);
     compare(crowd, tally);
     if (HasFatalFailure()) return;
   }
   tally.report();
-  EXPECT_GT(4 * tally.order_matters, tally.crowds);
+  EXPECT_GT(6 * tally.order_matters, tally.crowds);
   EXPECT_GT(tally.shifts, tally.crowds);
   EXPECT_GT(tally.chained, tally.crowds / 10);
-  EXPECT_GT(tally.again, tally.crowds / 50);
+  EXPECT_GT(tally.again, tally.crowds / 300);
   EXPECT_GT(tally.too_many, tally.crowds / 50);
 }
 
@@ -219,13 +227,13 @@ TEST_F(PushingRule, LargeCrowdsSettleAsTheRuleSays) {
   for (std::uint64_t seed = 1; seed <= 20 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Draw draw(8'100'000 + seed);
-    PushCrowd crowd = random_pushers(draw, 300 + draw.below(400), draw.real(0.4, 1), draw.chance(0.5));
-    propose(crowd, draw, 20);
+    PushCrowd crowd = random_pushers(draw, 300 + draw.below(300), draw.real(0.5, 2), draw.chance(0.5));
+    propose(crowd, draw, 20.5);
     compare(crowd, tally);
     if (HasFatalFailure()) return;
   }
   tally.report();
-  EXPECT_EQ(tally.order_matters, tally.crowds);
+  EXPECT_GT(2 * tally.order_matters, tally.crowds);
   EXPECT_GT(tally.deep, 0u);
 }
 
@@ -244,7 +252,7 @@ TEST_F(PushingRule, NothingOverlapsAndNothingLeavesARoom) {
     for (std::size_t i = 0; i < 70; ++i) {
       const std::size_t k = i < 8 ? 0 : 1;
       for (int trial = 0; trial < 100; ++trial) {
-        const Pose pose{draw.real(-0.85, 0.85), draw.real(-0.85, 0.85), 0, draw.real(-3, 3)};
+        const Pose pose{draw.real(-0.8, 0.8), draw.real(-0.8, 0.8), 0, draw.real(-3, 3)};
         Blocks placed = place(crowd.kinds[k].body.blocks, pose);
         if (std::ranges::any_of(solid, [&](const Blocks& other) { return overlap(placed, other); })) continue;
         solid.push_back(std::move(placed));
