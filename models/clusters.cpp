@@ -19,7 +19,6 @@ using engine::World;
 const FieldTable& cluster_fields() {
   static const FieldTable table{{{.name = "distance",
                                   .unit = Unit::meters,
-                                  .fallback = 0.1,
                                   .min = 0,
                                   .max = 1000,
                                   .text = "origins that are no farther apart are of one cluster",
