@@ -255,7 +255,8 @@ class Conflicts::Settling {
     const double reach = zone_radius(row);
     index_.for_each_near(Box::around(at, reach), [&](const BodyCircle& circle) {
       if (zone == Zone::plain && is_pushable(circle.row) &&
-          partition::in_reach(at, reach, crowd_.poses[circle.row].position(), crowd_.shapes[circle.row]->radius))
+          partition::in_reach(at, reach, crowd_.poses[circle.row].position(),
+                              crowd_.shapes[circle.row]->radius))
         zone = Zone::pushes;
     });
   }
@@ -265,7 +266,8 @@ class Conflicts::Settling {
     if (zone != Zone::plain || !is_mover(row)) return;
     bool meets = false;
     for_each_zone(row, [&](std::uint32_t other) {
-      meets = meets || std::atomic_ref(conflicts_.zones_[other]).load(std::memory_order_relaxed) == Zone::pushes;
+      meets =
+          meets || std::atomic_ref(conflicts_.zones_[other]).load(std::memory_order_relaxed) == Zone::pushes;
     });
     if (meets) std::atomic_ref(zone).store(Zone::may_push, std::memory_order_relaxed);
   }
@@ -406,7 +408,8 @@ class Conflicts::Settling {
     for (std::size_t k = 1; k <= n; ++k) {
       const Pose pose = k < n ? mover.between(k, n) : mover.motion.to;
       const Transform at = k < n ? Transform(pose) : mover.motion.there();
-      if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count)) return false;
+      if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count))
+        return false;
       for (Pushed& pushed : std::span(set).first(count)) {
         if (pushed.now == pushed.last) continue;
         if (!can_stand(mover, pushed, bodies.all())) return false;
@@ -472,8 +475,9 @@ class Conflicts::Settling {
     const auto before = [&]() -> const PlacedShape& {
       return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.before), z);
     };
-    if (scene_.has_obstacles() &&
-        scene_.crossed(there, [&](std::uint32_t solid) { return scene_.overlaps_solid(solid, before()); }) >= 0)
+    if (scene_.has_obstacles() && scene_.crossed(there, [&](std::uint32_t solid) {
+          return scene_.overlaps_solid(solid, before());
+        }) >= 0)
       return false;
     return std::ranges::none_of(bodies, [&](std::uint32_t row) {
       const Place now = place_now(mover, row);
@@ -481,8 +485,8 @@ class Conflicts::Settling {
       if (!partition::in_reach(pushed.now, shape.radius, now.at.position, theirs.radius)) return false;
       const PlacedShape placed(theirs, now.at, now.z);
       if (!meet(pushed.row, there, row, placed)) return false;
-      const bool apart = (pushed.now - now.at.position).squaredNorm() >
-                         (pushed.before - now.at.position).squaredNorm();
+      const bool apart =
+          (pushed.now - now.at.position).squaredNorm() > (pushed.before - now.at.position).squaredNorm();
       return !(apart && meet(pushed.row, before(), row, placed));
     });
   }

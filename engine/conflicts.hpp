@@ -58,24 +58,24 @@ struct Pushables {
 ///         thickness passes through it whole. Something thin may pass a corner of a part, by less than a
 ///         quarter of the part's width.
 /// pushed  What can be pushed does not refuse a body that can push, unless they overlap already where that
-///         one stands: it gives way, or the whole motion is refused and nothing is moved. The body goes through
-///         n = ceil(displacement / (thinnest part of it and of all that can be pushed / 4)) equally spaced poses.
-///         At each of them it, and then each body that it pushes, in the order in which they were first met,
-///         shifts whatever it overlaps, in the order of their ids, by partition::way_out and k_rounding_m more:
-///         without a turn, and without going on by itself. Earlier ones push later ones, never the other way
-///         round. That is gone through until nobody overlaps, at most k_push_passes times. The motion is refused
-///         where it takes more bodies than the limit, or more passes; where one of them would be shifted
-///         from one pose to the next by more than half of its thinnest part; and where its new place is not within
-///         the bounds, not free of the static scene, or not free of every body that is not pushed, each where it
-///         is then (but for what it overlapped before: as above). Several may push one body in a tick, one after
-///         the other.
+///         one stands: it gives way, or the whole motion is refused and nothing is moved. The body goes
+///         through n = ceil(displacement / (thinnest part of it and of all that can be pushed / 4)) equally
+///         spaced poses. At each of them it, and then each body that it pushes, in the order in which they
+///         were first met, shifts whatever it overlaps, in the order of their ids, by partition::way_out and
+///         k_rounding_m more: without a turn, and without going on by itself. Earlier ones push later ones,
+///         never the other way round. That is gone through until nobody overlaps, at most k_push_passes
+///         times. The motion is refused where it takes more bodies than the limit, or more passes; where one
+///         of them would be shifted from one pose to the next by more than half of its thinnest part; and
+///         where its new place is not within the bounds, not free of the static scene, or not free of every
+///         body that is not pushed, each where it is then (but for what it overlapped before: as above).
+///         Several may push one body in a tick, one after the other.
 /// result  that of the sequential rule, body for body, on any number of threads
 /// source  deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. Of the bodies of higher priority that move too, a body depends
 ///         on those that would refuse it at one of their two poses and not at the other. Nearly all have none
-///         and settle at once, the rest in a few rounds, which need no geometry any more. Who may come to push
-///         has a circle that holds all that it could touch or move; it is looked at when all of higher priority
-///         whose circles meet its own are settled.
+///         and settle at once, the rest in a few rounds, which need no geometry any more. Who may come to
+///         push has a circle that holds all that it could touch or move; it is looked at when all of higher
+///         priority whose circles meet its own are settled.
 /// memory  grows with the rows alone: settling allocates when there are more of them than ever before
 class Conflicts {
  public:
@@ -150,8 +150,8 @@ class Conflicts {
   std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 where it refuses once it has moved
   std::array<std::uint32_t, k_few_far> far_;
 
-  // Only where something can be pushed. Each push is written once and never changed, so that who reads a place
-  // that another thread replaces finds the old or the new one whole.
+  // Only where something can be pushed. Each push is written once and never changed, so that who reads a
+  // place that another thread replaces finds the old or the new one whole.
   /// What a row pushed: [first, first + count) of pushes_.
   struct PushesOf {
     std::uint32_t first = 0;
@@ -161,7 +161,8 @@ class Conflicts {
   std::vector<PushesOf> pushes_of_;
   std::vector<Push> pushes_;
   std::size_t push_count_ = 0;
-  std::vector<std::uint32_t> pushed_last_;  // of a row, its last push, from 1; 0: none. Read and written atomically
+  std::vector<std::uint32_t>
+      pushed_last_;  // of a row, its last push, from 1; 0: none. Read and written atomically
 };
 
 }  // namespace troupe::engine

@@ -13,7 +13,7 @@ using engine::Record;
 using engine::Unit;
 
 constexpr std::size_t k_least_samples = 9;
-constexpr double k_turn = 1.0;             // rad/s
+constexpr double k_turn = 1.0;              // rad/s
 constexpr std::uint32_t k_surely_goes = 3;  // updates from a command until it must have moved
 
 const FieldTable& clustering_fields() {
@@ -42,14 +42,14 @@ enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
 struct Clustering {
   struct Memory {
-    double x = 0;        ///< m, where it was when it decided before
-    double y = 0;        ///< m
-    double heading = 0;  ///< rad
+    double x = 0;                    ///< m, where it was when it decided before
+    double y = 0;                    ///< m
+    double heading = 0;              ///< rad
     std::uint32_t same_updates = 0;  ///< since when it does the same
     std::uint8_t does = 0;           ///< go straight on, back off or turn
-    std::uint32_t back_updates = 0;   ///< left of backing off
-    std::uint32_t turn_updates = 0;   ///< left of turning
-    float turn = 0;                   ///< rad/s
+    std::uint32_t back_updates = 0;  ///< left of backing off
+    std::uint32_t turn_updates = 0;  ///< left of turning
+    float turn = 0;                  ///< rad/s
     TROUPE_FIELDS(x, y, heading, same_updates, does, back_updates, turn_updates, turn)
   };
 

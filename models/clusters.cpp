@@ -43,7 +43,9 @@ class Clusters : public Measure {
   Count count(const World& world) {
     std::iota(parents_.begin(), parents_.end(), 0u);
     std::ranges::fill(sizes_, 0u);
-    const auto counts = [&](std::uint32_t row) { return world.type(Row(row)).pushable && world.is_there(Row(row)); };
+    const auto counts = [&](std::uint32_t row) {
+      return world.type(Row(row)).pushable && world.is_there(Row(row));
+    };
     Count found;
     for (std::uint32_t row = 0; row < world.rows(); ++row) {
       if (!counts(row)) continue;

@@ -106,7 +106,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
       {"devices", "Robots that do more than range",
        "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
        "pucks "
-       "and carry them to mills. `pushers`: 9 beams each; they push 20,000 pucks about. `finders`: 9 beams and a finder each, with some 16 others in its range; "
+       "and carry them to mills. `pushers`: 9 beams each; they push 20,000 pucks about. `finders`: 9 beams "
+       "and a finder each, with some 16 others in its range; "
        "`finders-off`: the same without their finders. Beams are those of finders, too. `radios`: a ring of "
        "12 "
        "infrared rangers and a radio each, with 20 others in its range; `radios-off` has the rangers alone, "

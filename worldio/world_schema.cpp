@@ -251,7 +251,8 @@ void add_returns(ObjectSchema& object) {
                      Marks::max()))
       .optional(bare("gripper_return", FieldType::boolean, "whether grippers can take it"))
       .optional(bare("blob_return", FieldType::boolean, "whether blob finders see its colour"))
-      .optional(bare("pushable", FieldType::boolean, "whether robots push the whole body, rather than stall"));
+      .optional(
+          bare("pushable", FieldType::boolean, "whether robots push the whole body, rather than stall"));
 }
 
 /// An image that is stretched to a size, or a map of ROS, which knows its own.

@@ -67,8 +67,8 @@ inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& 
       Vec2 out(0, 0);
       for (const auto* ring : {&of_a, &of_b}) {
         for (std::size_t i = 0; i < ring->size(); ++i) {
-          const Vec2 edge = (*ring)[(i + ring->size()) % ring->size()] -
-                            (*ring)[(i + ring->size() - 1) % ring->size()];
+          const Vec2 edge =
+              (*ring)[(i + ring->size()) % ring->size()] - (*ring)[(i + ring->size() - 1) % ring->size()];
           const Vec2 normal = Vec2(edge.y(), -edge.x()) / std::hypot(edge.x(), edge.y());
           const Vec2 along = ring == &of_a ? normal : Vec2(-normal.x(), -normal.y());
           const double depth = shadow(of_a, along).high - shadow(of_b, along).low;
@@ -88,7 +88,8 @@ inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& 
   return way;
 }
 
-/// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by ids.
+/// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by
+/// ids.
 inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority = true) {
   using enum engine::Conflicts::Outcome;
   const Question& q = question.base;
@@ -124,7 +125,8 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
   std::vector<bool> touched(count);
   const auto body = [&](std::size_t i, const Pose& pose) { return place(q.bodies[i]->blocks, pose); };
   /// Does o, where it is, forbid that i goes from one pose to where it would overlap it?
-  const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to, const Blocks& there) {
+  const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to,
+                           const Blocks& there) {
     if (!overlap(there, placed[o])) return false;
     return !(squared(to, now[o]) > squared(from, now[o]) && overlap(body(i, from), placed[o]));
   };
@@ -149,7 +151,8 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
         if (is_walled(there, placed[i])) return false;
         for (std::size_t o = 0; o < count; ++o) {
           if (o == i || gives_way[o] || !overlap(there, placed[o])) continue;
-          if (squared(m.to, now[o]) <= squared(m.from, now[o]) || !overlap(placed[i], placed[o])) return false;
+          if (squared(m.to, now[o]) <= squared(m.from, now[o]) || !overlap(placed[i], placed[o]))
+            return false;
         }
       }
       return true;
@@ -202,7 +205,8 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
         if (!is_clear) return false;
         for (const std::size_t o : pushed) {
           if (to[o].x == last[o].x && to[o].y == last[o].y) continue;
-          if (std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest || outside(to[o])) return false;
+          if (std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest || outside(to[o]))
+            return false;
           if (is_walled(at[o], placed[o])) return false;
           for (std::size_t other = 0; other < count; ++other)
             if (other != i && !gives_way[other] && forbids(other, o, now[o], to[o], at[o])) return false;

@@ -132,8 +132,8 @@ PushCrowd random_pushers(Draw& draw, std::size_t most, double fill, bool walls) 
   return crowd;
 }
 
-/// Robots go as they please; pucks do not move by themselves. most_poses: not a whole number, or it is a matter
-/// of rounding at how many poses a motion is looked at.
+/// Robots go as they please; pucks do not move by themselves. most_poses: not a whole number, or it is a
+/// matter of rounding at how many poses a motion is looked at.
 void propose(PushCrowd& crowd, Draw& draw, double most_poses) {
   random_motions(crowd, draw, most_poses);
   const bool gently = draw.chance(0.7);
@@ -154,7 +154,8 @@ struct Tally {
               too_many = 0, order_matters = 0, deep = 0;
   void report() const {
     std::printf(
-        "%zu crowds, %zu motions, %zu refused; %zu pushed, %zu of them by others, %zu again; %zu stopped, %zu by "
+        "%zu crowds, %zu motions, %zu refused; %zu pushed, %zu of them by others, %zu again; %zu stopped, "
+        "%zu by "
         "too many; the order matters in %zu; somebody waited for one who waited in %zu\n",
         crowds, moving, refused, shifts, chained, again, stopped, too_many, order_matters, deep);
   }
@@ -165,7 +166,8 @@ class PushingRule : public ::testing::Test {
   PushingRule() {
     for (const unsigned threads : k_threads) parallel_.emplace_back(threads);
   }
-  /// Body for body as the oracle says: outcomes, and places to a nanometre; bit for bit on any threads and tiles.
+  /// Body for body as the oracle says: outcomes, and places to a nanometre; bit for bit on any threads and
+  /// tiles.
   void compare(PushCrowd& crowd, Tally& tally) {
     const PushAnswer expected = settle_pushing(crowd.ask());
     Settled first;

@@ -57,8 +57,8 @@ class Pushing : public test::ScratchTest {
 // the puck before it: 0.65 m + 0.75 m = 1.40 m.
 TEST_F(Pushing, APuckEndsWhereTheRobotsFrontLeavesIt) {
   for (const char* ranging : {"exact", "grid"}) {
-    Simulation simulation = world({{"r", "robot", 0}, {"p", "puck", 0.65, 0.04}},
-                                  fmt::format(R"("ranging": "{}",)", ranging));
+    Simulation simulation =
+        world({{"r", "robot", 0}, {"p", "puck", 0.65, 0.04}}, fmt::format(R"("ranging": "{}",)", ranging));
     drive(simulation, "r", 0.5, 23);
     EXPECT_NEAR(simulation.find("r").pose().x, 1.15, 1e-9);
     EXPECT_NEAR(simulation.find("p").pose().x, 1.40, 0.005);
@@ -70,7 +70,8 @@ TEST_F(Pushing, APuckEndsWhereTheRobotsFrontLeavesIt) {
   }
 }
 
-// Its front turns the robot's corner past the puck's side: half a turn pushes it out of the circle of the corner.
+// Its front turns the robot's corner past the puck's side: half a turn pushes it out of the circle of the
+// corner.
 TEST_F(Pushing, ATurningRobotPushesSideways) {
   Simulation simulation = world({{"r", "robot", 0}, {"p", "puck", 0.27, 0.18}});
   drive(simulation, "r", 0, 40, -0.5);
@@ -89,8 +90,7 @@ TEST_F(Pushing, AChainIsAsLongAsTheRobotIsStrong) {
   EXPECT_NEAR(two.find("p").pose().x, 0.65, 1e-6);
   EXPECT_NEAR(two.find("q").pose().x, 0.75, 1e-6);
   // A third is too much, and nothing moves.
-  Simulation three =
-      world({{"r", "weak", 0}, {"p", "puck", 0.25}, {"q", "puck", 0.35}, {"s", "puck", 0.45}});
+  Simulation three = world({{"r", "weak", 0}, {"p", "puck", 0.25}, {"q", "puck", 0.35}, {"s", "puck", 0.45}});
   drive(three, "r", 0.2, 20);
   EXPECT_EQ(three.find("r").pose().x, 0);
   EXPECT_EQ(three.find("p").pose().x, 0.25);
@@ -144,17 +144,19 @@ TEST_F(Pushing, WhatIsNotPushableStops) {
   EXPECT_EQ(weakling.find("r").pose().x, 0);
 }
 
-// A tick takes the robot as far as the puck is wide. It is not jumped over: it goes before the robot, slips aside
-// where only its corner is met, or nothing moves.
+// A tick takes the robot as far as the puck is wide. It is not jumped over: it goes before the robot, slips
+// aside where only its corner is met, or nothing moves.
 TEST_F(Pushing, NothingIsJumpedOver) {
   for (int i = 0; i < 20; ++i) {
-    Simulation simulation = world({{"r", "robot", 0, 0.01 * i, 0}, {"p", "puck", 0.5 + 0.02 * i}, {"w", "wall", 3}});
+    Simulation simulation =
+        world({{"r", "robot", 0, 0.01 * i, 0}, {"p", "puck", 0.5 + 0.02 * i}, {"w", "wall", 3}});
     simulation.find("r").set_speed(1, 0, 0);
     for (int tick = 0; tick < 40; ++tick) {
       simulation.step();
       const Pose robot = simulation.find("r").pose();
       const Pose puck = simulation.find("p").pose();
-      ASSERT_TRUE(puck.x - robot.x >= 0.25 - 1e-9 || robot.y - puck.y >= 0.2 - 1e-9) << i << ", tick " << tick;
+      ASSERT_TRUE(puck.x - robot.x >= 0.25 - 1e-9 || robot.y - puck.y >= 0.2 - 1e-9)
+          << i << ", tick " << tick;
       ASSERT_TRUE(i > 17 || puck.x > robot.x + 0.25 - 1e-9) << i;
       ASSERT_LE(simulation.find("p").pose().x, 2.94 + 1e-9);
     }
