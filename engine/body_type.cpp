@@ -1,5 +1,7 @@
 #include "engine/body_type.hpp"
 
+#include "engine/conflicts.hpp"
+
 #include "engine/placement.hpp"
 #include "engine/ticks.hpp"
 
@@ -57,9 +59,11 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
     type.targets.push_back(p);
     radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
   }
+  type.pushable = std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.pushable; });
   const bool can_be_gripped =
       std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
-  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped) {  // others: the static scene
+  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped ||
+      type.pushable) {  // others: the static scene
     try {
       type.obstacle = obstacle_shape(spec);
       type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
@@ -192,6 +196,15 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
           diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
       type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s),
                     read_localization(kind->params, params)};
+      if (const int at = kind->params.find("pushes"); at >= 0)
+        type.drive->pushes = static_cast<std::uint8_t>(
+            std::clamp<std::int64_t>(params[static_cast<std::size_t>(at)].integer(), 0, k_most_pushed));
+      if (type.pushable)
+        diagnostics.error(
+            spec.drive->where,
+            fmt::format("type \"{}\" has a drive and is pushable: only what does not move by itself "
+                        "is pushed",
+                        spec.name));
     } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
   }

@@ -54,8 +54,10 @@ struct BodyType {
     Localization localization;
     std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
     std::optional<std::size_t> supply = std::nullopt;          ///< what it runs on: index into `devices`
+    std::uint8_t pushes = 0;                                   ///< how many bodies it pushes at once
   };
   std::optional<Drive> drive;
+  bool pushable = false;  ///< robots push it; it has no drive
 
   struct Device {
     std::string name;
@@ -91,7 +93,7 @@ struct BodyType {
   /// What a body of this type takes: readings, memories and its outline.
   double row_bytes() const;
   /// Whether bodies of the type have a row: they can move, be moved, sense or decide.
-  bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty(); }
+  bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
   /// Whether their obstacle shape changes.
   bool is_composite() const { return !joints.empty() || carries; }
 };

@@ -2,6 +2,7 @@
 
 #include "base/random.hpp"
 #include "partition/placed_shape.hpp"
+#include "partition/separation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -40,9 +41,8 @@ double value_of(const std::atomic<std::uint64_t>& most) {
   return std::bit_cast<double>(most.load(std::memory_order_relaxed));
 }
 
-std::size_t motion_samples(double length, double turn, const ObstacleShape& shape) {
-  const double displacement = length + shape.radius * std::abs(turn);
-  const double samples = displacement / (0.25 * shape.thinnest);
+std::size_t motion_samples(double displacement, double thinnest) {
+  const double samples = displacement / (0.25 * thinnest);
   constexpr double k_most = 1e6;  // a needle at absurd speed must not hang the step
   const double n = samples < k_most ? samples : k_most;
   const auto whole = static_cast<std::size_t>(n);
@@ -60,12 +60,13 @@ class Mover {
   double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {
-    if (samples_ == 0) samples_ = motion_samples(length(), motion.turn, shape);
+    if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
     return samples_;
   }
   /// Pose k of n, 1 .. n - 1.
-  Pose between(std::size_t k) {
-    const double t = static_cast<double>(k) / static_cast<double>(samples());
+  Pose between(std::size_t k) { return between(k, samples()); }
+  Pose between(std::size_t k, std::size_t n) const {
+    const double t = static_cast<double>(k) / static_cast<double>(n);
     const Pose& to = motion.to;
     return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
             from.heading + t * motion.turn};
@@ -100,6 +101,37 @@ std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point
   const double last = std::clamp(middle + half, 0.0, samples);
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
+
+/// Numbers of which there are hardly ever many.
+class Few {
+ public:
+  void add(std::uint32_t n) {
+    if (count_ < few_.size()) {
+      few_[count_] = n;
+    } else {
+      if (count_ == few_.size()) many_.assign(few_.begin(), few_.end());
+      many_.push_back(n);
+    }
+    ++count_;
+  }
+  std::span<std::uint32_t> all() {
+    return count_ <= few_.size() ? std::span(few_).first(count_) : std::span(many_);
+  }
+  void clear() { count_ = 0; }
+
+ private:
+  std::array<std::uint32_t, 512> few_;
+  std::vector<std::uint32_t> many_;
+  std::size_t count_ = 0;
+};
+
+/// A body that is being pushed.
+struct Pushed {
+  std::uint32_t row;
+  Vec2 before;  // the motion
+  Vec2 last;    // at the pose before
+  Vec2 now;
+};
 
 }  // namespace
 
@@ -174,6 +206,7 @@ class Conflicts::Settling {
   /// ends. A round reads only what earlier rounds settled, so that the number of rounds, too, is the same on
   /// any number of threads.
   void look_again(const Waiting& waiting) {
+    if (waiting.count == k_in_zone) return look_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
     const auto refuses = [&](std::uint32_t other, bool refuses_moved) {
       const std::uint32_t s = atomic(conflicts_.settled_[other]).load(std::memory_order_acquire);
@@ -196,6 +229,7 @@ class Conflicts::Settling {
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
+  std::size_t push_count() const { return push_count_; }
   /// How many wait, and on to the next round.
   std::size_t next_round() {
     ++round_;
@@ -203,7 +237,260 @@ class Conflicts::Settling {
   }
   std::uint32_t round() const { return round_; }
 
+  // ---- where something can be pushed
+
+  /// How far out to look for those whose zones may meet.
+  void measure_zones(std::size_t first, std::size_t last) {
+    double largest = 0;
+    for (std::size_t row = first; row < last; ++row)
+      if (is_mover(row)) largest = std::max(largest, zone_radius(row));
+    raise(largest_zone_, largest);
+  }
+  /// Whether a pushable body stands in the row's zone.
+  void find_zone(std::uint32_t row) {
+    Zone& zone = conflicts_.zones_[row];
+    zone = Zone::plain;
+    if (!is_mover(row) || crowd_.pushables.limits[row] == 0) return;
+    const Vec2 at = crowd_.poses[row].position();
+    const double reach = zone_radius(row);
+    index_.for_each_near(Box::around(at, reach), [&](const BodyCircle& circle) {
+      if (zone == Zone::plain && is_pushable(circle.row) &&
+          partition::in_reach(at, reach, crowd_.poses[circle.row].position(),
+                              crowd_.shapes[circle.row]->radius))
+        zone = Zone::pushes;
+    });
+  }
+  /// Whether somebody may push a body into the zone of a row that has none in it.
+  void widen_zone(std::uint32_t row) {
+    Zone& zone = conflicts_.zones_[row];
+    if (zone != Zone::plain || !is_mover(row)) return;
+    bool meets = false;
+    for_each_zone(row, [&](std::uint32_t other) {
+      meets =
+          meets || std::atomic_ref(conflicts_.zones_[other]).load(std::memory_order_relaxed) == Zone::pushes;
+    });
+    if (meets) std::atomic_ref(zone).store(Zone::may_push, std::memory_order_relaxed);
+  }
+  bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
+
+  void first_look_in_zone(std::uint32_t row) {
+    if (leaves_world(crowd_.motions[row])) return settle(row, Outcome::held);
+    Mover mover(crowd_, row);
+    if (scene_refuses(mover)) return settle(row, Outcome::refused);
+    look_in_zone(row, conflicts_.waiting_.get());
+  }
+  /// All of higher priority whose zones meet this one come first. list: of those who wait for them.
+  void look_in_zone(std::uint32_t row, Waiting* list) {
+    bool open = false;
+    for_each_zone(row, [&](std::uint32_t other) {
+      open = open || (goes_before(other, row) && !is_settled_before(other));
+    });
+    if (open) return wait(list, {row, 0, k_in_zone});
+    Mover mover(crowd_, row);
+    settle(row, push(mover) ? Outcome::moved : Outcome::refused);
+  }
+
  private:
+  static constexpr std::uint32_t k_in_zone = k_unlisted - 1;
+
+  bool is_pushable(std::uint32_t row) const {
+    return crowd_.pushables.is_pushable[row] != 0 && !crowd_.shapes[row]->empty();
+  }
+  bool is_mover(std::size_t row) const {
+    return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
+  }
+  /// Of the circle about where the row stands that holds the whole motion and whatever it may push, wherever
+  /// that is pushed: each of them touches one that was met before it.
+  double zone_radius(std::size_t row) const {
+    constexpr double k_slack_m = 1e-6;  // of k_rounding_m each time that something is shifted
+    const double length = sqrt(length2_of(row));
+    return length + crowd_.shapes[row]->radius + 2 * crowd_.pushables.limits[row] * crowd_.pushables.radius +
+           k_slack_m;
+  }
+  /// visit(row) for all other movers whose zones meet the row's.
+  template <class Visit>
+  void for_each_zone(std::uint32_t row, Visit&& visit) const {
+    const Vec2 at = crowd_.poses[row].position();
+    const double reach = zone_radius(row);
+    index_.for_each_near(Box::around(at, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
+      if (circle.row != row && is_mover(circle.row) &&
+          partition::in_reach(at, reach, crowd_.poses[circle.row].position(), zone_radius(circle.row)))
+        visit(circle.row);
+    });
+  }
+  bool is_settled_before(std::uint32_t row) const {
+    const std::uint32_t s = atomic(conflicts_.settled_[row]).load(std::memory_order_acquire);
+    return s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
+  }
+
+  /// Where a body is now that all that comes before `mover`, and may matter to it, is settled.
+  struct Place {
+    Transform at;
+    double z;
+  };
+  Place place_now(const Mover& mover, std::uint32_t row) const {
+    if (is_pushable(row)) return {pushed_to(row, position_now(row)), crowd_.poses[row].z};
+    if (has_moved_before(mover, row)) return {crowd_.motions[row].there(), crowd_.motions[row].to.z};
+    return {crowd_.transforms[row], crowd_.poses[row].z};
+  }
+  bool has_moved_before(const Mover& mover, std::uint32_t row) const {
+    if (!is_mover(row) || !goes_before(row, mover.row)) return false;
+    const std::uint32_t s = atomic(conflicts_.settled_[row]).load(std::memory_order_acquire);
+    return s / k_outcomes > conflicts_.base_ && static_cast<Outcome>(s % k_outcomes) == Outcome::moved;
+  }
+  std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const {
+    if (is_plain(row) || !has_moved_before(mover, row)) return {};
+    // Whose zone does not meet the mover's may be being settled just now.
+    if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
+                             zone_radius(row)))
+      return {};
+    const PushesOf& of = conflicts_.pushes_of_[row];
+    return {conflicts_.pushes_.data() + of.first, of.count};
+  }
+  /// From 1; 0: none.
+  std::uint32_t last_push(std::uint32_t row) const {
+    return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
+  }
+  /// Of a pushable body.
+  Vec2 position_now(std::uint32_t row) const {
+    const std::uint32_t push = last_push(row);
+    return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
+  }
+  Transform pushed_to(std::uint32_t row, const Vec2& position) const {
+    return {position, crowd_.transforms[row].rotation};
+  }
+  bool goes_first(std::uint32_t a, std::uint32_t b) const { return crowd_.ids[a] < crowd_.ids[b]; }
+  bool meet(std::uint32_t a, const PlacedShape& at_a, std::uint32_t b, const PlacedShape& at_b) const {
+    return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
+  }
+
+  /// Whether the motion is free, or becomes so by pushing; then what is pushed is where it was pushed to.
+  bool push(Mover& mover) {
+    const std::size_t limit = crowd_.pushables.limits[mover.row];
+    const Vec2 from = mover.from.position();
+    const double reach = zone_radius(mover.row);
+    conflicts_.pushes_of_[mover.row] = {};
+    Few bodies;  // that do not give way
+    Few others;  // that do
+    const auto add = [&](std::uint32_t row) {
+      const Place now = place_now(mover, row);
+      if (!partition::in_reach(from, reach, now.at.position, crowd_.shapes[row]->radius)) return;
+      const bool gives_way =
+          limit > 0 && is_pushable(row) &&
+          !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
+      (gives_way ? others : bodies).add(row);
+    };
+    // What was pushed already is found with those who pushed it last: it may have come from afar.
+    index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
+      const std::uint32_t row = circle.row;
+      if (row == mover.row || crowd_.shapes[row]->empty()) return;
+      if (!is_pushable(row)) {
+        add(row);
+        for (const Push& push : pushes_before(mover, row))
+          if (last_push(push.row) == static_cast<std::size_t>(&push - conflicts_.pushes_.data()) + 1)
+            add(push.row);
+      } else if (last_push(row) == 0) {
+        add(row);
+      }
+    });
+    for (const std::uint32_t row : bodies.all()) {
+      const Place now = place_now(mover, row);
+      if (refuses(mover, row, now.z, now.at)) return false;
+    }
+    const std::span<std::uint32_t> pushable = others.all();
+    if (pushable.empty()) return true;
+    std::ranges::sort(pushable, {}, [&](std::uint32_t row) { return crowd_.ids[row]; });
+
+    std::array<Pushed, k_most_pushed> set;
+    std::size_t count = 0;
+    const std::size_t n =
+        motion_samples(mover.displacement(), std::min(mover.shape.thinnest, crowd_.pushables.thinnest));
+    for (std::size_t k = 1; k <= n; ++k) {
+      const Pose pose = k < n ? mover.between(k, n) : mover.motion.to;
+      const Transform at = k < n ? Transform(pose) : mover.motion.there();
+      if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count))
+        return false;
+      for (Pushed& pushed : std::span(set).first(count)) {
+        if (pushed.now == pushed.last) continue;
+        if (!can_stand(mover, pushed, bodies.all())) return false;
+        pushed.last = pushed.now;
+      }
+    }
+    if (count == 0) return true;
+    const std::size_t first = push_count_.fetch_add(count, std::memory_order_relaxed);
+    conflicts_.pushes_of_[mover.row] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+    for (std::size_t i = 0; i < count; ++i) {
+      conflicts_.pushes_[first + i] = {set[i].row, set[i].now};
+      atomic(conflicts_.pushed_last_[set[i].row])
+          .store(static_cast<std::uint32_t>(first + i + 1), std::memory_order_release);
+    }
+    return true;
+  }
+
+  /// Shifts what overlaps the mover there, and what overlaps that, until nothing does.
+  bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
+                std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
+    /// What `by` overlaps, of those that were met after it.
+    const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
+      for (const std::uint32_t other : pushable) {
+        if (other == by) continue;
+        std::size_t i = 0;
+        while (i < count && set[i].row != other) ++i;
+        if (i < after && i < count) continue;
+        const Vec2 now = i < count ? set[i].now : position_now(other);
+        const ObstacleShape& shape = *crowd_.shapes[other];
+        if (!partition::in_reach(at.position(), at.shape().radius, now, shape.radius)) continue;
+        const PlacedShape theirs(shape, pushed_to(other, now), crowd_.poses[other].z);
+        if (!meet(by, at, other, theirs)) continue;
+        const std::optional<Vec2> way = partition::way_out(at, theirs);
+        if (!way || (i == count && count == limit)) return false;
+        if (i == count) set[count++] = {other, now, now, now};
+        const double length = sqrt(way->squaredNorm());
+        const Vec2 to = now + (length + partition::k_rounding_m) / length * *way;
+        set[i].now = Vec2(to.x() + 0.0, to.y() + 0.0);  // no -0
+        shifted = true;
+      }
+      return true;
+    };
+    for (int pass = 0; pass < k_push_passes; ++pass) {
+      bool shifted = false;
+      if (!shift(row, mover, 0, shifted)) return false;
+      for (std::size_t b = 0; b < count; ++b) {
+        const std::uint32_t by = set[b].row;
+        const PlacedShape at(*crowd_.shapes[by], pushed_to(by, set[b].now), crowd_.poses[by].z);
+        if (!shift(by, at, b + 1, shifted)) return false;
+      }
+      if (!shifted) return true;
+    }
+    return false;
+  }
+
+  bool can_stand(Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const {
+    const ObstacleShape& shape = *crowd_.shapes[pushed.row];
+    if ((pushed.now - pushed.last).squaredNorm() > 0.25 * shape.thinnest * shape.thinnest) return false;
+    if (!crowd_.bounds.contains(pushed.now)) return false;
+    const double z = crowd_.poses[pushed.row].z;
+    const PlacedShape there(shape, pushed_to(pushed.row, pushed.now), z);
+    std::optional<PlacedShape> here;
+    const auto before = [&]() -> const PlacedShape& {
+      return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.before), z);
+    };
+    if (scene_.has_obstacles() && scene_.crossed(there, [&](std::uint32_t solid) {
+          return scene_.overlaps_solid(solid, before());
+        }) >= 0)
+      return false;
+    return std::ranges::none_of(bodies, [&](std::uint32_t row) {
+      const Place now = place_now(mover, row);
+      const ObstacleShape& theirs = *crowd_.shapes[row];
+      if (!partition::in_reach(pushed.now, shape.radius, now.at.position, theirs.radius)) return false;
+      const PlacedShape placed(theirs, now.at, now.z);
+      if (!meet(pushed.row, there, row, placed)) return false;
+      const bool apart =
+          (pushed.now - now.at.position).squaredNorm() > (pushed.before - now.at.position).squaredNorm();
+      return !(apart && meet(pushed.row, before(), row, placed));
+    });
+  }
+
   double length2_of(std::size_t row) const {
     return (crowd_.motions[row].to.position() - crowd_.poses[row].position()).squaredNorm();
   }
@@ -378,10 +665,18 @@ class Conflicts::Settling {
   double longest_ = 0;                  // m, of those found through the index
   std::atomic<std::size_t> waiting_count_ = 0;
   std::atomic<std::uint32_t> others_count_ = 0;
+  std::atomic<std::uint64_t> largest_zone_ = 0;  // bits of a radius, m
+  std::atomic<std::size_t> push_count_ = 0;
 };
 
-void Conflicts::reserve(std::size_t rows) {
+void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
   settled_.resize(rows, 0);
+  if (pushables.any()) {
+    zones_.resize(rows);
+    pushes_of_.resize(rows);
+    pushed_last_.resize(rows);
+    pushes_.resize(std::max(pushes_.size(), pushables.most));
+  }
   if (rows <= reserved_) return;
   reserved_ = rows;
   waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
@@ -392,7 +687,9 @@ void Conflicts::reserve(std::size_t rows) {
 void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
                        const partition::BodyIndex& index, partition::Parallel& parallel) {
   const std::size_t rows = crowd.motions.size();
-  reserve(rows);
+  reserve(rows, crowd.pushables);
+  for (const Push& push : pushes()) pushed_last_[push.row] = 0;
+  push_count_ = 0;
   constexpr std::uint32_t k_last_round = 1u << 29;  // after some years
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(settled_, 0);
@@ -408,9 +705,24 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
   for_each(rows, 16 * k_batch, [&](std::size_t first, std::size_t last) { settling.measure(first, last); });
   settling.measured();
   const std::span<const std::uint32_t> order = index.order();
-  for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) settling.first_look(order[i]);
-  });
+  if (crowd.pushables.any()) {
+    for_each(rows, 16 * k_batch,
+             [&](std::size_t first, std::size_t last) { settling.measure_zones(first, last); });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) settling.find_zone(order[i]);
+    });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) settling.widen_zone(order[i]);
+    });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i)
+        settling.is_plain(order[i]) ? settling.first_look(order[i]) : settling.first_look_in_zone(order[i]);
+    });
+  } else {
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) settling.first_look(order[i]);
+    });
+  }
   while (const std::size_t waiting = settling.next_round()) {
     for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) settling.look_again(waiting_[i]);
@@ -418,6 +730,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
     std::swap(waiting_, still_waiting_);
   }
   rounds_ = settling.round() - base_ - 1;
+  push_count_ = settling.push_count();
 }
 
 }  // namespace troupe::engine

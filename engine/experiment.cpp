@@ -76,10 +76,13 @@ constexpr std::string_view k_keeps_shape = "what changes while a world runs must
 
 /// What is wrong with new parameters of a drive; empty where nothing is.
 std::string fault_of(const DriveKind& kind, const Record& before, const Record& params) {
+  const auto changes = [&](std::string_view name) {
+    const int i = kind.params.find(name);
+    return i >= 0 && before[static_cast<std::size_t>(i)] != params[static_cast<std::size_t>(i)];
+  };
   for (const Field& field : localization_fields())
-    if (const int i = kind.params.find(field.name); i >= 0)
-      if (const auto f = static_cast<std::size_t>(i); before[f] != params[f])
-        return fmt::format("\"{}\": {}", field.name, k_keeps_shape);
+    if (changes(field.name)) return fmt::format("\"{}\": {}", field.name, k_keeps_shape);
+  if (changes("pushes")) return "\"pushes\" is the same for as long as the world runs";
   return kind.fault(params);
 }
 

@@ -285,11 +285,12 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  conflicts_.settle(
-      {poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_, bounds()},
-      scene_, index_, parallel_);
+  conflicts_.settle({poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_,
+                     bounds(), pushables_},
+                    scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
+  if (pushables_.any()) commit_pushes();
   if (links_.any()) {
     settle_joints();
     carry();
@@ -380,6 +381,21 @@ void World::commit() {
   });
   stalled_ = stalled;
   held_ = held;
+}
+
+void World::commit_pushes() {
+  const std::span<const Conflicts::Push> pushes = conflicts_.pushes();
+  parallel_.for_each((pushes.size() + k_block - 1) / k_block, [&](std::size_t b) {
+    for (const Conflicts::Push& push :
+         pushes.subspan(b * k_block).first(std::min(k_block, pushes.size() - b * k_block))) {
+      if (!conflicts_.is_last(push)) continue;
+      const Row row(push.row);
+      Pose& pose = as<Pose>(k_pose)[push.row];
+      pose.x = push.position.x();
+      pose.y = push.position.y();
+      put(row, type(row), Transform{push.position, transform(row).rotation});
+    }
+  });
 }
 
 void World::count_way(Row row, const BodyType::Drive& drive) {

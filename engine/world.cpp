@@ -81,6 +81,7 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   diagnostics.throw_if_errors();
   geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
   build_rows();
+  build_pushables();
   build_links();
   build_experiment(registry, diagnostics);
   build_scene();
@@ -201,6 +202,23 @@ void World::build_rows() {
                    Vec2::Zero());  // rangers copy more than there is
   motions_.resize(rows());
   free_circles_.resize(rows());
+}
+
+void World::build_pushables() {
+  if (std::ranges::none_of(types_, &BodyType::pushable)) return;
+  pushables_.thinnest = std::numeric_limits<double>::infinity();
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const BodyType& t = type(Row(r));
+    const bool is_pushable = t.pushable && !t.obstacle.empty();
+    row_pushable_.push_back(is_pushable);
+    row_push_limits_.push_back(t.drive ? t.drive->pushes : 0);
+    pushables_.most += row_push_limits_.back();
+    if (!is_pushable) continue;
+    pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
+    pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
+  }
+  pushables_.is_pushable = row_pushable_;
+  pushables_.limits = row_push_limits_;
 }
 
 void World::build_scene() {

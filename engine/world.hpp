@@ -299,6 +299,7 @@ class World {
   void check_reserves(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
   void build_rows();
+  void build_pushables();
   void build_scene();
   void build_tables();
   void build_lives();
@@ -326,6 +327,7 @@ class World {
   void commit();
   /// The odometry of a robot that has moved as proposed.
   void count_way(Row row, const BodyType::Drive& drive);
+  void commit_pushes();
   void apply_effects();
 
   // engine/lives.cpp
@@ -449,6 +451,9 @@ class World {
   std::vector<std::uint8_t> row_subscribed_;  // by the program, beside what the world runs
   std::vector<const partition::ObstacleShape*> row_shapes_;
   std::vector<std::uint32_t> row_ids_;
+  std::vector<std::uint8_t> row_pushable_;  // these two empty where nothing can be pushed
+  std::vector<std::uint8_t> row_push_limits_;
+  Pushables pushables_;
   std::vector<std::size_t> outline_begins_;
   std::size_t robots_at_start_ = 0;
   std::vector<Localization::Error> row_odometry_errors_;  // empty where nobody has odometry

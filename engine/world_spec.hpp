@@ -32,6 +32,7 @@ struct Returns {
   std::int32_t fiducial = 0;  ///< what fiducial finders read, or BodySpec::fiducial; 0: they do not find it
   std::int32_t fiducial_key = 0;  ///< of the finders that may find it
   bool gripper = false;           ///< grippers feel it, and can take it
+  bool pushable = false;          ///< robots that drive into it push the whole body: docs/pushing.md
   bool blob = true;               ///< blob finders see its colour; else it only hides what is behind
   friend bool operator==(const Returns&, const Returns&) = default;
 };

@@ -1,6 +1,7 @@
 #include "models/drives.hpp"
 
 #include "base/pose.hpp"
+#include "engine/conflicts.hpp"
 
 #include <fmt/format.h>
 
@@ -90,6 +91,12 @@ std::vector<engine::Field> drive_fields() {
        .fallback = 0.0,
        .text = "the same of the turn"},
   };
+  fields.push_back({.name = "pushes",
+                    .type = engine::FieldType::integer,
+                    .fallback = std::int64_t{4},
+                    .min = 0,
+                    .max = engine::k_most_pushed,
+                    .text = "how many pushable bodies it pushes at once; more stop it"});
   for (engine::Field& field : engine::localization_fields()) fields.push_back(std::move(field));
   return fields;
 }

@@ -64,7 +64,8 @@ struct FixedZones {
 
 bool never_moves(const engine::TypeSpec& type) {
   return !type.drive && type.devices.empty() && type.controllers.empty() &&
-         std::ranges::none_of(type.parts, [](const PartSpec& part) { return part.returns.gripper; });
+         std::ranges::none_of(
+             type.parts, [](const PartSpec& part) { return part.returns.gripper || part.returns.pushable; });
 }
 
 /// Looks at the ground: what two kinds of devices have in common.

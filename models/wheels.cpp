@@ -31,7 +31,7 @@ const std::array<DriveKind, 3>& drives() {
   return kinds;
 }
 
-/// All that any drive takes, but for what it knows of where it is.
+/// All that any drive takes, but for what it knows of where it is, and what it pushes: joints push nothing.
 const FieldTable& table() {
   static const FieldTable fields = [] {
     FieldTable all{{{.name = "drive",
@@ -41,7 +41,7 @@ const FieldTable& table() {
                      .choices = {"diff", "omni", "car"}}}};
     const std::vector<Field> left_out = engine::localization_fields();
     for (const Field& field : drives().back().params.fields)
-      if (std::ranges::find(left_out, field.name, &Field::name) == left_out.end())
+      if (std::ranges::find(left_out, field.name, &Field::name) == left_out.end() && field.name != "pushes")
         all.fields.push_back(field);
     return all;
   }();

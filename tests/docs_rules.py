@@ -18,7 +18,7 @@ NOT_RUN = [
     (r"/usr/bin/python3$", "waits for somebody to type"),
     (r"perf_kernels|perf_paper --only", "takes minutes"),
     (r"perf_paper --quick", "is the test perf.paper"),
-    (r"\bworlds/(campus|foragers)\.json", "takes minutes of one core"),
+    (r"\bworlds/(campus|foragers|pushers)\.json", "takes minutes of one core"),
     (r"--rate 1\b", "takes as long as it simulates"),
 ]
 

@@ -4,6 +4,8 @@
 #include "models/beeclust.hpp"
 #include "models/brazil_nut.hpp"
 #include "models/chain.hpp"
+#include "models/clustering.hpp"
+#include "models/clusters.hpp"
 #include "models/collective_perception.hpp"
 #include "models/collector.hpp"
 #include "models/coverage.hpp"
@@ -73,14 +75,16 @@ engine::Registry make_registry() {
                           models::collective_perception_controller(),
                           models::beeclust_controller(),
                           models::chain_controller(),
-                          models::brazil_nut_controller()};
+                          models::brazil_nut_controller(),
+                          models::clustering_controller()};
   registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
                        models::neighbours_measure(),  models::stalls_measure(),
                        models::held_measure(),        models::displacement_measure(),
                        models::path_length_measure(), models::mean_speed_measure(),
                        models::order_measure(),       models::spread_measure(),
                        models::alive_measure(),       models::share_within_measure(),
-                       models::state_mean_measure(),  models::rank_errors_measure()};
+                       models::state_mean_measure(),  models::rank_errors_measure(),
+                       models::clusters_measure(),    models::largest_cluster_measure()};
   registry.faults = {models::dead_sensors_fault(), models::slow_wheels_fault(), models::drop_out_fault()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};
   return registry;

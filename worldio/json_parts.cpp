@@ -273,18 +273,20 @@ engine::Returns read_returns(JsonObject& object) {
   mark("fiducial_key", returns.fiducial_key);
   returns.gripper = read_boolean(object, "gripper_return", returns.gripper);
   returns.blob = read_boolean(object, "blob_return", returns.blob);
+  returns.pushable = read_boolean(object, "pushable", returns.pushable);
   return returns;
 }
 
 void write_returns(const engine::Returns& returns, JsonNode::Object& object) {
   const engine::Returns usual;
-  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
+  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
   if (obstacle != usual.obstacle) add_member(object, "obstacle", obstacle);
   if (ranger != usual.ranger) add_member(object, "ranger_return", short_number(ranger));
   if (fiducial != usual.fiducial) add_member(object, "fiducial_return", std::int64_t{fiducial});
   if (fiducial_key != usual.fiducial_key) add_member(object, "fiducial_key", std::int64_t{fiducial_key});
   if (gripper != usual.gripper) add_member(object, "gripper_return", gripper);
   if (blob != usual.blob) add_member(object, "blob_return", blob);
+  if (pushable != usual.pushable) add_member(object, "pushable", pushable);
 }
 
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least, std::size_t most) {

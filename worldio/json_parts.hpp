@@ -29,7 +29,8 @@ void write_pose(const Pose& pose, JsonNode::Object& object, const Pose& fallback
 /// The same with x, y and heading whatever they are: where a body stands is what people look for, and set.
 void write_place(const Pose& pose, JsonNode::Object& object);
 
-/// The keys `obstacle`, `ranger_return`, `fiducial_return`, `fiducial_key`, `gripper_return`, `blob_return`.
+/// The keys `obstacle`, `ranger_return`, `fiducial_return`, `fiducial_key`, `gripper_return`, `blob_return`,
+/// `pushable`.
 engine::Returns read_returns(JsonObject& object);
 void write_returns(const engine::Returns& returns, JsonNode::Object& object);
 

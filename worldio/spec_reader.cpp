@@ -360,6 +360,7 @@ engine::PartSpec SpecReader::part(const JsonCursor& at) {
   part.returns.fiducial_key = int32(object, "fiducial_key");
   part.returns.gripper = boolean(object, "gripper_return");
   part.returns.blob = boolean(object, "blob_return");
+  part.returns.pushable = object.find("pushable") && boolean(object, "pushable");
   part.floor_plan = boolean(object, "floor_plan");
   if (object.find("color")) {
     const std::vector<double> c = numbers(object, "color", 4);

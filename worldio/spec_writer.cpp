@@ -150,7 +150,7 @@ Json part_json(const engine::PartSpec& part) {
                fitted, color, where] = part;
   static_cast<void>(image);  // what they make stands here: no other file is needed
   static_cast<void>(fitted);
-  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
+  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
   Json json;
   json["name"] = text_json(name);
   json["alias"] = text_json(alias);
@@ -167,6 +167,7 @@ Json part_json(const engine::PartSpec& part) {
   json["fiducial_key"] = fiducial_key;
   json["gripper_return"] = gripper;
   json["blob_return"] = blob;
+  if (pushable) json["pushable"] = pushable;
   json["floor_plan"] = floor_plan;
   if (color) json["color"] = color_json(*color);
   json["where"] = where_json(where);

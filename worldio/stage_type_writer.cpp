@@ -147,6 +147,7 @@ void TypeText::write_part(std::uint32_t p) {
     lacks(part.where, "only a model of kind \"position\" has a drive, and it always has one");
   write_body(part, own);
   write_returns(part.returns);
+  if (part.returns.pushable) lacks(part.where, "bodies that are pushed");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
   if (drive) write_stage_drive(*type_.drive, *drive, text_);
   write_power(p);
@@ -258,7 +259,8 @@ void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* 
 
 void TypeText::write_returns(const engine::Returns& returns) {
   const engine::Returns usual;
-  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, blob] = returns;
+  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
+  static_cast<void>(pushable);  // Stage knows nothing of it
   if (obstacle != usual.obstacle) text_.flag("obstacle_return", obstacle);
   if (ranger != usual.ranger) text_.number("ranger_return", short_number(ranger));
   if (fiducial != usual.fiducial) text_.number("fiducial_return", fiducial);

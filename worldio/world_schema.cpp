@@ -250,7 +250,9 @@ void add_returns(ObjectSchema& object) {
       .optional(bare("fiducial_key", FieldType::integer, "finders find what has their key", Marks::min(),
                      Marks::max()))
       .optional(bare("gripper_return", FieldType::boolean, "whether grippers can take it"))
-      .optional(bare("blob_return", FieldType::boolean, "whether blob finders see its colour"));
+      .optional(bare("blob_return", FieldType::boolean, "whether blob finders see its colour"))
+      .optional(
+          bare("pushable", FieldType::boolean, "whether robots push the whole body, rather than stall"));
 }
 
 /// An image that is stretched to a size, or a map of ROS, which knows its own.

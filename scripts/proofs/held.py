@@ -12,7 +12,7 @@ WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), 
           World("magpies.json", weight=0.2), World("lookout.json", weight=0.1),
           World("colony.json", weight=0.1), World("pucks.json", weight=0.1), World("chatter.json", weight=0.3),
           World("perception.json", weight=0.02), World("door.json", weight=0.01, casts=False),
-          World("failures.json", weight=0.05))
+          World("failures.json", weight=0.05), World("clustering.json", weight=0.02))
 
 
 def hold(world, proofs, ticks, folder, golden=None):

@@ -60,7 +60,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"noise", "noise.world", 10, 50},
                       // Births and deaths fall into what is counted.
                       Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300},
-                      Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170}),
+                      Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170},
+                      Scene{"clustering", "clustering.json", 400, 400}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

@@ -87,6 +87,7 @@ std::vector<Scene> scenes() {
           {"crowd", k_worlds / "crowd.json", {}},
           {"crowdOnTheGrid", k_worlds / "crowd.json", by_grid},
           {"magpies", k_worlds / "magpies.json", {}},
+          {"clustering", k_worlds / "clustering.json", {}},
           {"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}},
           {"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}}};
 }

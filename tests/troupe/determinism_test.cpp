@@ -111,7 +111,9 @@ std::vector<GoldenRun> runs() {
           {"door.json", {}, 50},
           {"failures.json", {}, 300},
           {"noise.world", {}, 50},
-          {"perception.json", {}, 50}};
+          {"perception.json", {}, 50},
+          {"clustering.json", {}, 300},
+          {"pushers.json", {}, 10}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {

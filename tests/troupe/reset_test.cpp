@@ -38,6 +38,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact, 3},
                       Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
                       Scene{"caveWithLasers", "cave-complex-laser.json"}, Scene{"magpies", "magpies.json"},
+                      Scene{"clustering", "clustering.json"},
                       Scene{"magpiesOnTheGrid", "magpies.json", RangingEngine::grid, 2}),
     [](const auto& scene) { return scene.param.name; });
 

@@ -1,0 +1,49 @@
+#include "partition/separation.hpp"
+
+#include <limits>
+
+namespace troupe::partition {
+namespace {
+
+struct Way {
+  Vec2 out = Vec2::Zero();  // a unit
+  double depth = std::numeric_limits<double>::infinity();
+};
+
+/// Looks among the outward normals of a polygon for a shorter way by which another one leaves it. Edges too
+/// short to have a direction are left out. sign: -1 where it is the polygon that leaves.
+template <class P, class Q>
+void shorten(const P& polygon, const Q& other, double sign, Way& way) {
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec2 start = polygon[j];
+    const Vec2 edge = polygon[i] - start;
+    const double length = sqrt(edge.squaredNorm());
+    if (!(length > k_rounding_m)) continue;
+    const Vec2 out(edge.y() / length, -edge.x() / length);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < other.size(); ++k) nearest = std::min(nearest, out.dot(other[k] - start));
+    if (-nearest < way.depth) way = {sign * out, -nearest};
+  }
+}
+
+}  // namespace
+
+std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
+  if (!in_reach(a.position(), a.shape().radius, b.position(), b.shape().radius)) return {};
+  Way longest{Vec2::Zero(), 0};
+  a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+    const ZInterval z = piece_a.z.shifted(a.z());
+    return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
+      if (!z.overlaps(piece_b.z.shifted(b.z()))) return false;
+      Way way;
+      shorten(ring_a, ring_b, 1, way);
+      if (way.depth > 0) shorten(ring_b, ring_a, -1, way);
+      if (way.depth > longest.depth) longest = way;
+      return false;
+    });
+  });
+  if (!(longest.depth > 0)) return {};
+  return longest.depth * longest.out;
+}
+
+}  // namespace troupe::partition

@@ -1,0 +1,236 @@
+#pragma once
+
+#include "tests/engine/conflict_oracle.hpp"
+
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::oracle {
+
+/// What pushing adds to a question of who may move: a row each.
+struct PushQuestion {
+  Question base;
+  std::vector<std::vector<ConvexPrism>> pieces;  ///< convex, that bodies were cut into
+  std::vector<bool> pushable;
+  std::vector<std::size_t> limits;
+};
+
+struct PushAnswer {
+  std::vector<engine::Conflicts::Outcome> outcomes;
+  std::vector<Pose> poses;
+  std::size_t shifts = 0;    ///< bodies that were pushed, once for each that pushed them
+  std::size_t chained = 0;   ///< of these, by what was pushed itself
+  std::size_t again = 0;     ///< that another one had pushed before
+  std::size_t stopped = 0;   ///< motions refused for what was to be pushed
+  std::size_t too_many = 0;  ///< of these, because it was too much
+};
+
+/// The most by which a shadow of b reaches into that of a, along directions in which one ends: the way out.
+inline std::vector<Vec2> corners(const Ring& outline, const Pose& pose) {
+  std::vector<Vec2> out;
+  const double c = std::cos(pose.heading);
+  const double s = std::sin(pose.heading);
+  for (const Vec2& v : outline)
+    out.emplace_back(pose.x + c * v.x() - s * v.y(), pose.y + s * v.x() + c * v.y());
+  return out;
+}
+
+struct Shadow {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+};
+inline Shadow shadow(const std::vector<Vec2>& points, const Vec2& along) {
+  Shadow out;
+  for (const Vec2& p : points) {
+    const double at = p.x() * along.x() + p.y() * along.y();
+    out.low = std::min(out.low, at);
+    out.high = std::max(out.high, at);
+  }
+  return out;
+}
+
+/// By how much b must be shifted to leave a: of the two pieces that reach farthest into one another.
+inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& at_a,
+                                 const std::vector<ConvexPrism>& b, const Pose& at_b) {
+  double farthest = 0;
+  Vec2 way(0, 0);
+  for (const ConvexPrism& p : a) {
+    for (const ConvexPrism& q : b) {
+      if (std::min(p.z.max + at_a.z, q.z.max + at_b.z) <= std::max(p.z.min + at_a.z, q.z.min + at_b.z))
+        continue;
+      const std::vector<Vec2> of_a = corners(p.outline, at_a);
+      const std::vector<Vec2> of_b = corners(q.outline, at_b);
+      double shortest = std::numeric_limits<double>::infinity();
+      Vec2 out(0, 0);
+      for (const auto* ring : {&of_a, &of_b}) {
+        for (std::size_t i = 0; i < ring->size(); ++i) {
+          const Vec2 edge =
+              (*ring)[(i + ring->size()) % ring->size()] - (*ring)[(i + ring->size() - 1) % ring->size()];
+          const Vec2 normal = Vec2(edge.y(), -edge.x()) / std::hypot(edge.x(), edge.y());
+          const Vec2 along = ring == &of_a ? normal : Vec2(-normal.x(), -normal.y());
+          const double depth = shadow(of_a, along).high - shadow(of_b, along).low;
+          if (depth < shortest) {
+            shortest = depth;
+            out = along;
+          }
+        }
+      }
+      if (shortest > farthest) {
+        farthest = shortest;
+        way = out * shortest;
+      }
+    }
+  }
+  if (farthest == 0) return {};
+  return way;
+}
+
+/// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by
+/// ids.
+inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority = true) {
+  using enum engine::Conflicts::Outcome;
+  const Question& q = question.base;
+  const std::size_t count = q.motions.size();
+  const auto squared = [](const Pose& a, const Pose& b) {
+    return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+  };
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  if (by_priority)
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return mix(q.seed, q.tick, q.ids[i]); });
+  std::vector<std::size_t> by_id(count);
+  std::iota(by_id.begin(), by_id.end(), 0);
+  std::ranges::sort(by_id, {}, [&](std::size_t i) { return q.ids[i]; });
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < count; ++i)
+    if (question.pushable[i]) thinnest = std::min(thinnest, q.bodies[i]->thinnest);
+
+  std::vector<Blocks> walls;
+  for (const Solid& wall : q.walls) walls.push_back(place({wall}, {}));
+  const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
+  const auto outside = [&](const Pose& p) {
+    return p.x < all.min.x() || p.x > all.max.x() || p.y < all.min.y() || p.y > all.max.y();
+  };
+
+  PushAnswer answer{std::vector(count, stands), {}};
+  std::vector<Pose>& now = answer.poses;
+  std::vector<Blocks> placed;
+  for (std::size_t i = 0; i < count; ++i) {
+    now.push_back(q.motions[i].from);
+    placed.push_back(place(q.bodies[i]->blocks, now[i]));
+  }
+  std::vector<bool> touched(count);
+  const auto body = [&](std::size_t i, const Pose& pose) { return place(q.bodies[i]->blocks, pose); };
+  /// Does o, where it is, forbid that i goes from one pose to where it would overlap it?
+  const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to,
+                           const Blocks& there) {
+    if (!overlap(there, placed[o])) return false;
+    return !(squared(to, now[o]) > squared(from, now[o]) && overlap(body(i, from), placed[o]));
+  };
+  const auto is_walled = [&](const Blocks& there, const Blocks& before) {
+    return std::ranges::any_of(
+        walls, [&](const Blocks& wall) { return overlap(there, wall) && !overlap(before, wall); });
+  };
+
+  for (const std::size_t i : order) {
+    const Motion& m = q.motions[i];
+    if (!m.moves) continue;
+    if (outside(m.to)) {
+      answer.outcomes[i] = held;
+      continue;
+    }
+    std::vector<bool> gives_way(count);
+    for (std::size_t o = 0; o < count; ++o)
+      gives_way[o] = question.limits[i] > 0 && question.pushable[o] && !overlap(placed[i], placed[o]);
+    const auto is_free = [&] {
+      for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
+        const Blocks there = body(i, pose);
+        if (is_walled(there, placed[i])) return false;
+        for (std::size_t o = 0; o < count; ++o) {
+          if (o == i || gives_way[o] || !overlap(there, placed[o])) continue;
+          if (squared(m.to, now[o]) <= squared(m.from, now[o]) || !overlap(placed[i], placed[o]))
+            return false;
+        }
+      }
+      return true;
+    };
+    if (!is_free()) {
+      answer.outcomes[i] = refused;
+      continue;
+    }
+
+    std::vector<std::size_t> pushed;  // in the order in which they are met
+    std::vector<Pose> to = now;
+    std::vector<Blocks> at = placed;
+    std::size_t shifts = 0;
+    std::size_t chained = 0;
+    bool too_many = false;
+    const auto push = [&] {
+      Body fine = *q.bodies[i];
+      fine.thinnest = std::min(fine.thinnest, thinnest);
+      for (const Pose& pose : poses_of_motion(m, fine)) {
+        to[i] = pose;
+        at[i] = body(i, pose);
+        const std::vector<Pose> last = to;
+        bool is_clear = false;
+        for (int pass = 0; pass < 16 && !is_clear; ++pass) {
+          is_clear = true;
+          for (std::size_t b = 0; b <= pushed.size(); ++b) {
+            const std::size_t by = b == 0 ? i : pushed[b - 1];
+            for (const std::size_t o : by_id) {
+              const auto known = static_cast<std::size_t>(std::ranges::find(pushed, o) - pushed.begin());
+              if (!gives_way[o] || o == by || known < b || !overlap(at[by], at[o])) continue;
+              if (known == pushed.size()) {
+                if (pushed.size() == question.limits[i]) {
+                  too_many = true;
+                  return false;
+                }
+                pushed.push_back(o);
+                chained += b > 0;
+                ++shifts;
+              }
+              const auto way = leave(question.pieces[by], to[by], question.pieces[o], to[o]);
+              if (!way) return false;
+              const double length = std::hypot(way->x(), way->y());
+              to[o].x += way->x() * (1 + 1e-9 / length);
+              to[o].y += way->y() * (1 + 1e-9 / length);
+              at[o] = body(o, to[o]);
+              is_clear = false;
+            }
+          }
+        }
+        if (!is_clear) return false;
+        for (const std::size_t o : pushed) {
+          if (to[o].x == last[o].x && to[o].y == last[o].y) continue;
+          if (std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest || outside(to[o]))
+            return false;
+          if (is_walled(at[o], placed[o])) return false;
+          for (std::size_t other = 0; other < count; ++other)
+            if (other != i && !gives_way[other] && forbids(other, o, now[o], to[o], at[o])) return false;
+        }
+      }
+      return true;
+    };
+    if (!push()) {
+      answer.outcomes[i] = refused;
+      ++answer.stopped;
+      answer.too_many += too_many;
+      continue;
+    }
+    answer.outcomes[i] = moved;
+    answer.shifts += shifts;
+    answer.chained += chained;
+    for (const std::size_t o : pushed) {
+      answer.again += touched[o];
+      touched[o] = true;
+    }
+    now = to;
+    placed = at;
+  }
+  return answer;
+}
+
+}  // namespace troupe::oracle
