@@ -164,7 +164,7 @@ class Model {
   ///     robot.readings<float>("depth");             // of its camera, m, a value a pixel
   ///     robot.readings<std::int32_t>("id", "eye");  // of the fiducial finder "eye"
   ///
-  /// field   by its name; docs/sensing.md lists those of all kinds, fields() those of one device
+  /// field   by its name; docs/library.md lists those of all kinds, fields() those of one device
   /// device  by its name; empty: the first that has such a field
   /// shape   the field's columns, in its unit. The span stays valid, and shows new readings after each step
   /// errors  std::out_of_range with the known names where there is none of such a name; std::logic_error for
