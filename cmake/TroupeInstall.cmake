@@ -22,12 +22,26 @@ install(TARGETS ${libraries} EXPORT troupe FILE_SET HEADERS DESTINATION ${header
 install(FILES ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp DESTINATION ${header_dir}/troupe)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
 
-configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in ${PROJECT_BINARY_DIR}/troupeConfig.cmake
+set(troupe_is_build_tree OFF)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in
+                              ${PROJECT_BINARY_DIR}/installed/troupeConfig.cmake
                               INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake
+install(FILES ${PROJECT_BINARY_DIR}/installed/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
+
+# The build tree is a package, too: -Dtroupe_DIR=build/release. What its libraries were compiled with stands in its targets.
+if(PROJECT_IS_TOP_LEVEL)
+  set(troupe_is_build_tree ON)
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in ${PROJECT_BINARY_DIR}/troupeConfig.cmake
+                                INSTALL_DESTINATION ${PROJECT_BINARY_DIR} INSTALL_PREFIX ${PROJECT_BINARY_DIR}
+                                NO_SET_AND_CHECK_MACRO)
+  foreach(file FindHdf5C TroupePlugin)
+    configure_file(${PROJECT_SOURCE_DIR}/cmake/${file}.cmake ${PROJECT_BINARY_DIR}/${file}.cmake COPYONLY)
+  endforeach()
+  export(TARGETS ${libraries} troupe_warnings NAMESPACE troupe:: FILE ${PROJECT_BINARY_DIR}/troupeTargets.cmake)
+endif()
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)

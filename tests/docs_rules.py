@@ -75,6 +75,9 @@ CPP_BEFORE = {
         #include <engine/controller_check.hpp>
         #include <troupe/registry.hpp>
         struct Patrol { void operator()(const troupe::engine::Percept&, troupe::Random&, troupe::engine::Actions&) const {} };""",
+    "docs/library.md": """
+        troupe::Simulation simulation("worlds/hospital.json");
+        troupe::Model robot = simulation.find("r0");""",
     "docs/measures.md": """
         #include <engine/measure_kind.hpp>
         #include <troupe/registry.hpp>
@@ -104,6 +107,7 @@ SHOWN_ONLY = [
     ("docs/ground.md", "brightness =", "a formula"),
     ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
+    ("docs/library.md", "room.json:14", "of a world with a fault: tests/troupe/library_test.cpp"),
     ("docs/limits.md", "target ", "scripts/fuzz prints it, after half an hour"),
     ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
     ("docs/recordings.md", "200 kills", "tests/recording_kill_test.py printed it, after minutes"),

@@ -63,7 +63,7 @@ STANDARD = [
     (r"chrono|ctime", "reads the clock", TOP),
     (r"random", "draws random numbers that differ between implementations; base/random.hpp has ours", TOP),
     (r"thread|future|execution|barrier|latch|semaphore|stop_token", "is parallel; partition has the one loop",
-     ["partition/*.cpp", *TOP]),
+     ["partition/*.cpp", "apps/examples/seeds/seeds.cpp", *TOP]),
 ]
 
 # Words that no file below `apps` may use, outside comments and texts.

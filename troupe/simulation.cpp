@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/sight.hpp"
 #include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
@@ -12,7 +13,9 @@
 #include "troupe/build_info.hpp"
 #include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
+#include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/world_builder.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
 
@@ -20,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <stdexcept>
 
 namespace troupe {
@@ -27,6 +31,7 @@ namespace {
 
 constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still count in 64 bits
+constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
 /// "troupe 0.1.0", of a version line.
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
@@ -111,6 +116,14 @@ struct Simulation::Impl {
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
   /// Where the world has conditions with which its run is over.
   std::unique_ptr<engine::StopConditions> stop;
+  /// What record() began.
+  std::unique_ptr<Recording> recording;
+  std::deque<std::function<void(Simulation&)>> on_tick;
+  bool in_callbacks = false;
+
+  void refuse_in_callbacks(std::string_view what) const {
+    if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
+  }
 
   /// Once the world is made.
   void watch_for_the_end(Diagnostics& diagnostics) {
@@ -150,35 +163,64 @@ struct Model::Place {
       if (part > 0 && device.part == part && device.kind->drives) return &device;
     return nullptr;
   }
-  /// A body has the sensors of all its parts, a part its own.
-  std::vector<const engine::BodyType::Device*> sensors() const {
+  /// A body has the devices of all its parts, a part its own.
+  bool owns(const engine::BodyType::Device& device) const {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
-    std::vector<const engine::BodyType::Device*> own;
-    for (const auto& sensor : type().devices)
-      if (sensor.kind->is_sensor() && (part == 0 || sensor.name == parts[part].name)) own.push_back(&sensor);
-    return own;
+    return part == 0 || device.name == parts[part].name;
+  }
+  /// The first of its devices that is `wanted`; null where none is.
+  template <class Wanted>
+  const engine::BodyType::Device* find(Wanted&& wanted) const {
+    for (const engine::BodyType::Device& device : type().devices)
+      if (owns(device) && wanted(device)) return &device;
+    return nullptr;
+  }
+  /// `"r0" has no sensor "eye"; it has: ...`, with those of its devices that are `counted`.
+  template <class Counted>
+  [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const {
+    std::vector<std::string_view> known;
+    for (const engine::BodyType::Device& device : type().devices)
+      if (owns(device) && counted(device)) known.push_back(device.name);
+    if (known.empty() || wanted.empty()) throw std::out_of_range(fmt::format("\"{}\" has no {}", name, what));
+    throw std::out_of_range(
+        fmt::format("\"{}\" has no {} \"{}\"; it has: {}", name, what, wanted, comma_list(known)));
+  }
+  void check_running(const engine::BodyType::Device& device) const {
+    if (!world->senses(row(), device))
+      throw std::logic_error(fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first",
+                                         device.name, name));
   }
   const engine::BodyType::Device& sensor(std::string_view wanted) const {
-    std::vector<std::string_view> known;
-    for (const auto* sensor : sensors()) {
-      if (wanted.empty() || sensor->name == wanted) {
-        if (!world->senses(row(), *sensor)) {
-          throw std::logic_error(fmt::format(
-              "sensor \"{}\" of \"{}\" does not run: subscribe to the robot first", sensor->name, name));
-        }
-        return *sensor;
-      }
-      known.push_back(sensor->name);
-    }
-    if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no sensor", name));
-    throw std::out_of_range(
-        fmt::format("\"{}\" has no sensor \"{}\"; it has: {}", name, wanted, comma_list(known)));
+    const auto is_sensor = [](const engine::BodyType::Device& d) { return d.kind->is_sensor(); };
+    const auto* found = find([&](const engine::BodyType::Device& d) {
+      return is_sensor(d) && (wanted.empty() || d.name == wanted);
+    });
+    if (!found) throw_unknown("sensor", wanted, is_sensor);
+    check_running(*found);
+    return *found;
+  }
+  const engine::BodyType::Device& device(std::string_view wanted) const {
+    const auto* found = find([&](const engine::BodyType::Device& d) { return d.name == wanted; });
+    if (!found) throw_unknown("device", wanted, [](const auto&) { return true; });
+    return *found;
   }
 };
 
 Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 
+Model Model::of(engine::World& world, BodyId body) {
+  return Model(std::make_shared<Place>(Place{&world, body, 0, world.spec().name(body)}));
+}
+
 const std::string& Model::name() const { return place_->name; }
+
+BodyId Model::id() const { return place_->body; }
+
+Random Model::random(std::string_view name) const {
+  const engine::World& world = *place_->world;
+  return {world.spec().seed, stream_id("program", name), place_->body.value,
+          static_cast<std::uint32_t>(world.tick())};
+}
 
 Pose Model::pose() const {
   const engine::World& world = *place_->world;
@@ -249,7 +291,8 @@ bool Model::is_free(const Pose& pose) const { return place_->world->is_free(plac
 
 std::vector<std::string> Model::sensors() const {
   std::vector<std::string> names;
-  for (const auto* sensor : place_->sensors()) names.push_back(sensor->name);
+  for (const engine::BodyType::Device& device : place_->type().devices)
+    if (device.kind->is_sensor() && place_->owns(device)) names.push_back(device.name);
   return names;
 }
 
@@ -263,6 +306,57 @@ std::span<const float> Model::intensities(std::string_view sensor) const {
   const engine::StateTable& table = place_->world->percepts(found);
   if (table.fields().size() < 2) return {};
   return table.cell<float>(place_->world->slot(place_->row()), 1);
+}
+
+std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,
+                                       engine::Element element) const {
+  const engine::World& world = *place_->world;
+  const auto index_in = [&](const engine::BodyType::Device& device) {
+    const std::span<const engine::StateField> fields = world.percepts(device).fields();
+    const auto found = std::ranges::find(fields, field, &engine::StateField::name);
+    return found == fields.end() ? std::optional<std::size_t>()
+                                 : static_cast<std::size_t>(found - fields.begin());
+  };
+  const engine::BodyType::Device* device =
+      wanted.empty()
+          ? place_->find([&](const engine::BodyType::Device& each) { return index_in(each).has_value(); })
+          : &place_->device(wanted);
+  const std::optional<std::size_t> f = device ? index_in(*device) : std::nullopt;
+  if (!f) {
+    std::vector<std::string_view> known;
+    for (const engine::BodyType::Device& each : place_->type().devices)
+      if (place_->owns(each) && (!device || device == &each))
+        for (const engine::StateField& other : world.percepts(each).fields())
+          if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
+    const std::string of = device ? fmt::format("field of \"{}\" of \"{}\"", device->name, name())
+                                  : fmt::format("field of the devices of \"{}\"", name());
+    throw std::out_of_range(unknown_name(of, field, known));
+  }
+  if (device->kind->is_sensor()) place_->check_running(*device);
+  const engine::StateTable& table = world.percepts(*device);
+  if (const engine::Element own = table.fields()[*f].element; own != element)
+    throw std::invalid_argument(fmt::format("\"{}\" of \"{}\" of \"{}\" is {}, not {}", field, device->name,
+                                            name(), engine::element_name(own),
+                                            engine::element_name(element)));
+  return {table.cell<std::byte>(place_->slot(), *f).data(),
+          table.fields()[*f].columns * engine::element_size(element)};
+}
+
+std::span<const engine::StateField> Model::fields(std::string_view device) const {
+  return place_->world->percepts(place_->device(device)).fields();
+}
+
+std::byte* Model::asked(std::string_view wanted, std::size_t bytes) {
+  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto* device = place_->find([&](const engine::BodyType::Device& d) {
+    return takes(d) && (wanted.empty() ? d.prepared.command_bytes == bytes : d.name == wanted);
+  });
+  if (!device) place_->throw_unknown("device that takes such commands", wanted, takes);
+  if (device->prepared.command_bytes != bytes)
+    throw std::invalid_argument(
+        fmt::format("\"{}\" of \"{}\" takes commands of {} bytes, not of {}: those of {}", device->name,
+                    name(), device->prepared.command_bytes, bytes, device->kind->name));
+  return place_->world->asked_of(*device).row(place_->slot());
 }
 
 std::optional<Model::Energy> Model::energy() const {
@@ -301,6 +395,12 @@ Simulation Simulation::from_text(std::string text, const std::filesystem::path& 
                                  const SimulationOptions& options, engine::Registry registry) {
   return load(name, std::move(text), options, std::move(registry));
 }
+
+Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options)
+    : Simulation(world, options, make_registry()) {}
+
+Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry)
+    : Simulation(load(world.name(), world.json(), options, std::move(registry))) {}
 
 /// text: of the file, where that is not to be read.
 Simulation Simulation::load(const std::filesystem::path& file, std::optional<std::string> text,
@@ -375,6 +475,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());
+  if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach as far as the checkpoint
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
   if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
@@ -420,10 +521,39 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
 }
 
 void Simulation::step() {
+  impl_->refuse_in_callbacks("step()");
   // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
   if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
   impl_->world->step();
   if (impl_->stop) impl_->stop->see();
+  if (impl_->recording) impl_->recording->observe(*this);
+  if (impl_->on_tick.empty()) return;
+  struct Calling {
+    bool& flag;
+    explicit Calling(bool& f) : flag(f) { flag = true; }
+    ~Calling() { flag = false; }
+  };
+  const Calling calling(impl_->in_callbacks);
+  for (const auto& callback : impl_->on_tick) callback(*this);
+}
+
+void Simulation::on_tick(std::function<void(Simulation&)> callback) {
+  impl_->refuse_in_callbacks("on_tick()");
+  if (callback)
+    impl_->on_tick.push_back(std::move(callback));
+  else
+    impl_->on_tick.clear();
+}
+
+void Simulation::record(const std::filesystem::path& file) { record(file, RecordingOptions{}); }
+
+void Simulation::record(const std::filesystem::path& file, const RecordingOptions& options) {
+  if (impl_->recording) throw std::logic_error(fmt::format("{}: the run is recorded already", file.string()));
+  impl_->recording = std::make_unique<Recording>(file, *this, options);
+}
+
+void Simulation::stop_recording() {
+  if (const std::unique_ptr<Recording> recording = std::move(impl_->recording)) recording->close();
 }
 
 std::optional<std::string> Simulation::stopped() const {
@@ -432,15 +562,34 @@ std::optional<std::string> Simulation::stopped() const {
   return engine::text_of(impl_->world->spec().experiment.stop_when[*holding]);
 }
 
-void Simulation::run_for(double seconds) {
+namespace {
+
+std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
     throw std::invalid_argument(
-        fmt::format("run_for({}): give a time in seconds from 0 to {:g}", seconds, k_longest_run_s));
-  const std::uint64_t ticks = engine::ticks_until(seconds, tick_s());
+        fmt::format("{}({}): give a time in seconds from 0 to {:g}", call, seconds, k_longest_run_s));
+  return engine::ticks_until(seconds, tick_s);
+}
+
+}  // namespace
+
+void Simulation::run_for(double seconds) {
+  const std::uint64_t ticks = ticks_of("run_for", seconds, tick_s());
   for (std::uint64_t i = 0; i < ticks && !(impl_->stop && impl_->stop->holding()); ++i) step();
 }
 
+bool Simulation::run_until(const std::function<bool(const Simulation&)>& done, double at_most_s) {
+  const std::uint64_t ticks = ticks_of("run_until", at_most_s, tick_s());
+  for (std::uint64_t i = 0; i < ticks && !(impl_->stop && impl_->stop->holding()); ++i) {
+    step();
+    if (done(*this)) return true;
+  }
+  return false;
+}
+
 void Simulation::reset() {
+  impl_->refuse_in_callbacks("reset()");
+  stop_recording();
   impl_->world->reset();
   if (impl_->stop) impl_->stop->begin();
 }
@@ -449,6 +598,7 @@ double Simulation::time_s() const { return impl_->world->time_s(); }
 std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
 double Simulation::tick_s() const { return impl_->world->tick_s(); }
 std::size_t Simulation::robots() const { return impl_->world->robots(); }
+std::uint64_t Simulation::seed() const { return impl_->world->spec().seed; }
 std::string Simulation::title() const { return impl_->world->spec().title; }
 std::optional<double> Simulation::quit_time_s() const { return impl_->world->spec().quit_time_s; }
 
@@ -486,6 +636,32 @@ Model Simulation::find(std::string_view name) {
       fmt::format("no model \"{}\" in {}{}", name, impl_->file.string(), did_you_mean(name, names)));
 }
 
+Model Simulation::model(BodyId id) {
+  if (const std::size_t bodies = impl_->world->spec().bodies.size(); !id.valid() || id.index() >= bodies)
+    throw std::out_of_range(fmt::format("no model with id {}: there are {}", id.value, bodies));
+  return Model::of(*impl_->world, id);
+}
+
+RayHit Simulation::cast(const Pose& from, double range_max, const Model* without) const {
+  for (const double value : {from.x, from.y, from.z, from.heading})
+    if (!std::isfinite(value))
+      throw std::invalid_argument("cast(): the pose that the ray starts from is not finite");
+  if (!(range_max >= 0 && range_max <= k_longest_ray_m))
+    throw std::invalid_argument(
+        fmt::format("cast(): range_max {} m: give one from 0 to {:g} m", range_max, k_longest_ray_m));
+  if (without != nullptr && without->place_->world != impl_->world.get())
+    throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
+  const Rotation rotation(from.heading);
+  const engine::Sighting met = engine::first_met(
+      *impl_->world, {.origin = from.position(),
+                      .direction = {rotation.cos, rotation.sin},
+                      .length = range_max,
+                      .own = without != nullptr ? impl_->world->row(without->place_->body) : Row(),
+                      .z = from.z,
+                      .stops = [](const engine::Returns& returns) { return returns.ranger >= 0; }});
+  return {met.range, met.body, met.part};
+}
+
 void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
   std::vector<engine::World::Placed> placed;
   placed.reserve(poses.size());
@@ -501,8 +677,7 @@ std::optional<Model> Simulation::spawn(std::string_view population, const Pose& 
   engine::World& world = *impl_->world;
   const engine::Birth birth = world.spawn(reserve_of(population), pose);
   if (birth.status != engine::BirthStatus::born) return std::nullopt;
-  return Model(
-      std::make_shared<Model::Place>(Model::Place{&world, birth.body, 0, world.spec().name(birth.body)}));
+  return Model::of(world, birth.body);
 }
 
 std::size_t Simulation::unborn(std::string_view population) const {
@@ -612,7 +787,11 @@ const engine::World& Simulation::world() const { return *impl_->world; }
 const engine::Registry& Simulation::registry() const { return impl_->registry; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
-  Pictures pictures(*this, {.width = width, .height = height});
+  snapshot(png, {.width = width, .height = height});
+}
+
+void Simulation::snapshot(const std::filesystem::path& png, const PictureOptions& options) const {
+  Pictures pictures(*this, options);
   pictures.write(pictures.take(*this), png);
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "base/ids.hpp"
 #include "base/pose.hpp"
+#include "base/random.hpp"
 #include "engine/phase.hpp"
 #include "engine/ranging_engine.hpp"
+#include "engine/state_table.hpp"
 
 #include <array>
 #include <cstddef>
@@ -84,13 +87,20 @@ struct Statistics {
   std::size_t state_bytes = 0;        ///< of all state tables
 };
 
+class Recording;
 class Simulation;
 class Swarm;
+class WorldBuilder;
+struct PictureOptions;
+struct RecordingOptions;
 
 /// A model of a simulation, found by its name. A light handle: valid while its simulation lives.
 class Model {
  public:
   const std::string& name() const;  ///< as the world gives it, or as Stage would
+  /// Of its body: what fiducial finders, bumpers, radios and cast() tell of who was met, and what
+  /// Simulation::model() takes.
+  BodyId id() const;
   /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it. Of a body
   /// that died: where that was; of one not born yet: not a number.
   Pose pose() const;
@@ -136,6 +146,10 @@ class Model {
   /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
   bool is_free(const Pose& pose) const;
 
+  /// Its random numbers in this tick, for a program that drives it: a function of the seed, the name (one for
+  /// each use), the robot and the tick alone. Asked for twice, they are the same twice.
+  Random random(std::string_view name) const;
+
   /// Names of its sensors, in the order of the world: of a robot those of all its parts, of a part its own.
   std::vector<std::string> sensors() const;
   /// Readings of a ranger, m, one a beam: the whole sensor, counter-clockwise within each transducer.
@@ -145,6 +159,32 @@ class Model {
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities beside ranges(); empty unless the ranger has `intensity` switched on.
   std::span<const float> intensities(std::string_view sensor = {}) const;
+  /// What a sensor, or another device, of it tells, whatever its kind:
+  ///
+  ///     robot.readings<float>("depth");             // of its camera, m, a value a pixel
+  ///     robot.readings<std::int32_t>("id", "eye");  // of the fiducial finder "eye"
+  ///
+  /// field   by its name; docs/library.md lists those of all kinds, fields() those of one device
+  /// device  by its name; empty: the first that has such a field
+  /// shape   the field's columns, in its unit. The span stays valid, and shows new readings after each step
+  /// errors  std::out_of_range with the known names where there is none of such a name; std::logic_error for
+  ///         a sensor that is not running; std::invalid_argument where T is not what the field is made of
+  template <class T>
+  std::span<const T> readings(std::string_view field, std::string_view device = {}) const {
+    const std::span<const std::byte> bytes = cell(field, device, engine::element_of<T>());
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  /// What readings() can tell of a device: names, elements, columns, units. Throws std::out_of_range with the
+  /// known names when there is no such device.
+  std::span<const engine::StateField> fields(std::string_view device) const;
+  /// What is asked of a device, to be written between two steps; it acts from the next one on. Command is the
+  /// struct of its kind (models::GripperCommand, models::LedCommand, ...). Empty `device`: the first that
+  /// takes commands of this size. A controller that uses the device overrides it. Throws std::out_of_range
+  /// with the known names where none is called so, and std::invalid_argument where it takes other commands.
+  template <class Command>
+  Command& command(std::string_view device = {}) {
+    return *reinterpret_cast<Command*>(asked(device, sizeof(Command)));
+  }
 
   /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
   struct Energy {
@@ -164,10 +204,24 @@ class Model {
 
  private:
   friend class Simulation;
+  friend class Swarm;
   struct Place;
   explicit Model(std::shared_ptr<const Place> place);
+  static Model of(engine::World& world, BodyId body);
+  std::span<const std::byte> cell(std::string_view field, std::string_view device,
+                                  engine::Element element) const;
+  std::byte* asked(std::string_view device, std::size_t bytes);
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
+};
+
+/// What a ray met first.
+struct RayHit {
+  double range_m = 0;      ///< to its surface; the length of the ray where it met nothing
+  BodyId body;             ///< whose it is: Simulation::model(); not valid where it met nothing
+  std::uint32_t part = 0;  ///< of the body's type; 0: its root
+
+  bool met() const { return body.valid(); }  ///< anything at all
 };
 
 /// A world and its state. Not thread-safe: one thread calls it; it runs on `threads` workers of its own.
@@ -187,6 +241,11 @@ class Simulation {
   /// The same with kinds of the caller's own.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options, engine::Registry registry);
+  /// Makes a world that a program describes (troupe/world_builder.hpp). Errors as of from_text(), in the
+  /// lines of WorldBuilder::json().
+  explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
+  /// The same with kinds of the caller's own.
+  Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
   /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
   /// had never stopped, on any number of threads, and without the files that its world was loaded from.
   /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
@@ -216,10 +275,21 @@ class Simulation {
   /// two ticks is rounded up. Throws
   /// std::invalid_argument for what is no time (negative, not a number, beyond 1e12 s).
   void run_for(double seconds);
+  /// Steps until `done`, asked after each step, says so. True then; false where `at_most_s` seconds of world
+  /// time have passed, or the run is over, before. Throws std::invalid_argument as run_for() does.
+  bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
+  /// Called with this simulation at the end of every step, also of those that run_for() and run_until() make:
+  /// several in the order in which they were added, behind stopped() and what record() writes, which so see
+  /// the state as the step left it. What the program does between two steps it may do here (read, command,
+  /// set_poses(), spawn(), remove(), save()), but not step(), reset() or on_tick(): std::logic_error. An
+  /// exception comes out of step(), with the tick complete; callbacks behind it are not called. Null: all
+  /// that were added are forgotten.
+  void on_tick(std::function<void(Simulation&)> callback);
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
   /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
-  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten.
+  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten. What record()
+  /// began is closed.
   void reset();
 
   /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it
@@ -245,13 +315,27 @@ class Simulation {
   double tick_s() const;       ///< length of a tick
   /// That are in the world.
   std::size_t robots() const;
-  std::string title() const;  ///< the world's, else its file's name
+  std::uint64_t seed() const;  ///< of all random draws
+  std::string title() const;   ///< the world's, else its file's name
   /// Where the world itself asks to end.
   std::optional<double> quit_time_s() const;
 
   /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives
   /// or the one that Stage would generate. Throws std::out_of_range with near names when there is none.
   Model find(std::string_view name);
+  /// The model with this id, as sensors and cast() tell it. Throws std::out_of_range when there is none.
+  Model model(BodyId id);
+  /// The first surface along a ray, by exact geometry, in worlds that ask for the grid engine, too.
+  /// from       where it starts, m, and where it goes, rad: world frame; it stays at the height from.z
+  /// range_max  m; what is as far or farther is not met
+  /// without    a model that it passes, with all that this carries: who looks from within a robot
+  /// meets      what rangers meet (ranger_return >= 0), where the closed z interval holds the height, from
+  /// both
+  ///            sides; computed in doubles, so that it may differ from a reading in the last bits of a float
+  /// ties       two surfaces at one distance: the lower (id, part)
+  /// errors     std::invalid_argument for what is not finite, and a range below 0 or beyond 300 km
+  /// cost       a walk along the ray. Changes nothing: several threads may cast at once, between two steps
+  RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
   /// Many robots at once (troupe/swarm.hpp), in the order of their ids: those of the type or the population
   /// of this name, or the one robot; of an empty text all. Throws std::out_of_range with the known names
   /// where no robot is called so.
@@ -276,6 +360,15 @@ class Simulation {
   std::vector<std::string> robot_names() const;
   /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.
   void subscribe(std::string_view model);
+
+  /// Records this run from now on (troupe/recording.hpp): the state as it is now, and then of each step whose
+  /// tick is due, until stop_recording(), reset() or its own end. Throws as Recording does, and
+  /// std::logic_error where it records already.
+  void record(const std::filesystem::path& file);
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< as that
+  /// Closes it; plain tools read the file from now on. Throws std::runtime_error where that fails; does
+  /// nothing where nothing is recorded.
+  void stop_recording();
 
   /// Hash of the whole state, docs/determinism.md.
   std::uint64_t state_hash() const;
@@ -313,6 +406,9 @@ class Simulation {
   /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
   /// no render, or the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
+  /// The same as the options say (troupe/pictures.hpp): from where, of what size, with which layers. Throws
+  /// also InputError for what the world has not.
+  void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// The same picture in memory: 8-bit RGB, three bytes a pixel, row 0 on top. Throws also
   /// std::invalid_argument for a size below 1.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;

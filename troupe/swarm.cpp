@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <stdexcept>
 #include <utility>
 
@@ -163,6 +164,26 @@ double Swarm::range_bound(std::string_view sensor) const {
 void Swarm::subscribe() {
   if (world_->tick() > 0) throw std::logic_error("subscribe before the first step");
   for (const BodyId id : ids_) world_->subscribe(id);
+}
+
+void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& visit) {
+  constexpr std::size_t k_batch = 32;  // calls that are worth waking a thread for
+  if (robots_.empty()) {
+    robots_.reserve(size());
+    for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));
+  }
+  world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
+    std::exception_ptr fault;
+    for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {
+      if (!world_->is_there(rows_[i])) continue;
+      try {
+        visit(i, robots_[i]);
+      } catch (...) {
+        if (!fault) fault = std::current_exception();
+      }
+    }
+    if (fault) std::rethrow_exception(fault);
+  });
 }
 
 void Swarm::set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -71,6 +72,13 @@ class Swarm {
   /// Runs every sensor of all of them; before the first step.
   void subscribe();
 
+  /// visit(i, robot) for each that is in the world, on all threads of the simulation, in any order. Each
+  /// call may read the whole state, cast rays and draw its robot's random numbers, but change nothing than
+  /// its own robot's commands and estimate and what is the caller's own of robot i (an array's element i):
+  /// then the outcome is the same on any number of threads. Where calls throw, the others are still made, and
+  /// the exception of the first robot comes out. Between two steps, also in a callback of on_tick().
+  void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
+
   /// Model::set_speed, accelerate and go_to of each.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
   void accelerate(std::span<const Model::Speed> accelerations,
@@ -94,6 +102,7 @@ class Swarm {
   engine::World* world_;
   std::vector<Row> rows_;  // by id
   std::vector<BodyId> ids_;
+  std::vector<Model> robots_;  // made when for_each() is first called
 };
 
 }  // namespace troupe

@@ -7,3 +7,4 @@
 #include "troupe/recording.hpp"
 #include "troupe/simulation.hpp"
 #include "troupe/swarm.hpp"
+#include "troupe/world_builder.hpp"

@@ -63,12 +63,16 @@ if(NOT printed MATCHES "^r0 is at \\(-1\\.80[0-9]*, 0\\.98[0-9]*\\) m, the neare
   message(FATAL_ERROR "the example printed:\n${printed}")
 endif()
 
-# The plug-in of the examples, far from the source tree, runs in the installed program and in a program of one's own.
-file(COPY ${SOURCE}/apps/examples/plugin DESTINATION ${SCRATCH})
-run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/plugin -B ${SCRATCH}/plugin/build -G ${GENERATOR}
-    -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS}
-    -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
-run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/plugin/build)
+# The examples, far from the source tree, each with its own CMakeLists: the plug-in runs in the installed program and in a
+# program of one's own.
+function(build_example name)
+  file(COPY ${SOURCE}/apps/examples/${name} DESTINATION ${SCRATCH})
+  run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/${name} -B ${SCRATCH}/${name}/build -G ${GENERATOR}
+      -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS}
+      -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+  run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/${name}/build)
+endfunction()
+build_example(plugin)
 run(IN ${SCRATCH}/plugin OUTPUT described ${SCRATCH}/prefix/bin/troupe describe follow_wall --plugin-path build)
 if(NOT described MATCHES "controller follow_wall: keep a wall at the left\n.*distance_m")
   message(FATAL_ERROR "troupe describe follow_wall printed:\n${described}")
@@ -78,6 +82,37 @@ run(IN ${SCRATCH}/plugin OUTPUT hash ${SCRATCH}/consumer/runs_plugin room.json b
 string(STRIP "${hash}" hash)
 if(NOT hash MATCHES "^[0-9a-f]+$" OR NOT summary MATCHES "\"state_hash\":\"${hash}\"")
   message(FATAL_ERROR "the program ends at ${hash}, troupe run with:\n${summary}")
+endif()
+
+# A thousand trials of one world, which end with the same state everywhere.
+build_example(evolution)
+run(IN ${SCRATCH} OUTPUT printed ${SCRATCH}/evolution/build/evolve)
+if(NOT printed MATCHES "after +20 trials: 0\\.[0-9]+ of the room\n.*the best covers 0\\.[0-9]+, state 3d7de78fb366170a\n$")
+  message(FATAL_ERROR "evolve printed:\n${printed}")
+endif()
+
+# A study whose table does not depend on how many cores carry it out.
+build_example(seeds)
+run(IN ${SCRATCH} OUTPUT table ${SCRATCH}/seeds/build/seeds ${SOURCE}/apps/examples/study/room.json)
+run(IN ${SCRATCH} OUTPUT again ${SCRATCH}/seeds/build/seeds ${SOURCE}/apps/examples/study/room.json 1)
+string(REGEX MATCHALL "\n" lines "${table}")
+list(LENGTH lines lines)
+if(NOT lines EQUAL 33 OR NOT table STREQUAL again)
+  message(FATAL_ERROR "the study printed:\n${table}\nand on one core:\n${again}")
+endif()
+
+# The README's program in an empty folder, against the build tree.
+file(COPY ${SOURCE}/apps/examples/minimal.cpp DESTINATION ${SCRATCH}/try)
+file(WRITE ${SCRATCH}/try/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(minimal LANGUAGES CXX)\n"
+     "find_package(troupe REQUIRED)\nadd_executable(minimal minimal.cpp)\n"
+     "target_link_libraries(minimal PRIVATE troupe::troupe)\n")
+run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/try -B ${SCRATCH}/try/build -G ${GENERATOR} -Dtroupe_DIR=${BUILD}
+    -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/try/build)
+run(IN ${SOURCE} OUTPUT again ${SCRATCH}/try/build/minimal worlds/minimal.world)
+run(IN ${SOURCE} OUTPUT printed ${SCRATCH}/consumer/minimal worlds/minimal.world)
+if(NOT again STREQUAL printed)
+  message(FATAL_ERROR "against the build tree the example printed:\n${again}")
 endif()
 
 # The Python package, from where it was installed.

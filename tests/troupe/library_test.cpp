@@ -1,0 +1,408 @@
+// What programs have to build worlds, look into them and drive them, beside the simulation's own tests.
+#include "engine/controller.hpp"
+#include "models/gripper.hpp"
+#include "models/led.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/scratch.hpp"
+#include "troupe/troupe.hpp"
+#include "worldio/hdf5_file.hpp"
+#include "worldio/recording_reader.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::FloatEq;
+using ::testing::HasSubstr;
+
+template <class Exception, class Call>
+std::string message_of(Call&& call) {
+  try {
+    call();
+  } catch (const Exception& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing of this kind was thrown";
+  return {};
+}
+
+/// A wall ahead at x = 2, and a row of bots that look at it.
+WorldBuilder yard(int bots = 1) {
+  WorldBuilder world("yard.json");
+  world.wall({2, -50}, {2, 50}, 0.2);
+  world.type("bot")
+      .size(0.4, 0.3, 0.25)
+      .color("SteelBlue")
+      .drive("omni")
+      .sensor("eye", "ranger",
+              {{"transducers", {Settings{{"range_max_m", 5}, {"fov_deg", 60}, {"samples", 3}}}}}, {.z = 0.1})
+      .sensor("skin", "bumper", {{"bumpers", {Settings{{"pose", Pose{.x = 0.2}}, {"length_m", 0.3}}}}});
+  for (int i = 0; i < bots; ++i) world.add("r" + std::to_string(i), "bot", {.y = i * 1.0});
+  return world;
+}
+
+// ---- worlds
+
+TEST(WorldBuilder, DescribesWhatAFileSays) {
+  WorldBuilder world = yard(2);
+  world.set("seed", 7).set("seed", 8);
+  EXPECT_EQ(world.json(), R"({
+  "troupe": 1,
+  "seed": 8,
+  "types": {
+    "wall1": {
+      "size_m": [100, 0.2, 0.5],
+      "color": "gray40"
+    },
+    "bot": {
+      "size_m": [0.4, 0.3, 0.25],
+      "color": "SteelBlue",
+      "drive": {"kind": "omni"},
+      "sensors": [
+        {"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 5, "fov_deg": 60, "samples": 3}]},
+        {"name": "skin", "kind": "bumper", "bumpers": [{"pose": {"x_m": 0.2}, "length_m": 0.3}]}
+      ]
+    }
+  },
+  "models": [
+    {"name": "wall1", "type": "wall1", "pose": {"x_m": 2, "heading_rad": 1.5707963267948966}},
+    {"name": "r0", "type": "bot", "pose": {}},
+    {"name": "r1", "type": "bot", "pose": {"y_m": 1}}
+  ]
+}
+)");
+  Simulation built(world);
+  Simulation read = Simulation::from_text(world.json(), "yard.json");
+  EXPECT_EQ(built.seed(), 8u);
+  EXPECT_EQ(built.title(), read.title());
+  built.run_for(1);
+  read.run_for(1);
+  EXPECT_EQ(built.state_hash(), read.state_hash());
+}
+
+TEST(WorldBuilder, TakesPopulationsAndOptions) {
+  WorldBuilder world = yard(0);
+  world.population("s", "bot", 3, {{"rule", "grid"}, {"region_m", {{-9, -9}, {0, 0}}}, {"pitch_m", 1}},
+                   {{"color", "red"}});
+  const Simulation simulation(world, {.threads = 1, .seed = 3, .robots = {{"s", 5}}});
+  EXPECT_EQ(simulation.robots(), 5u);
+  EXPECT_EQ(simulation.seed(), 3u);
+}
+
+TEST(WorldBuilder, AllThatIsWrongComesOutWithTheLinesOfItsText) {
+  WorldBuilder world("bad");
+  world.type("bot").size(1, 1, 1).drive("dif").sensor("eye", "ranger", {{"range_m", 2}});
+  world.add("r0", "bott", {});
+  EXPECT_THAT(
+      message_of<InputError>([&] { const Simulation simulation(world); }),
+      AllOf(HasSubstr("bad.json:6: error: /types/bot/drive/kind: unknown drive \"dif\"; known: car, diff, "
+                      "omni (did you mean \"diff\"?)"),
+            HasSubstr("bad.json:8: error: /types/bot/sensors/0: unknown key \"range_m\""),
+            HasSubstr("\"bott\"")));
+}
+
+TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
+  EXPECT_EQ(message_of<std::invalid_argument>([] { Setting(std::nan("")); }),
+            "a world has finite numbers, not nan");
+  EXPECT_THROW(WorldBuilder().wall({1, 1}, {1, 1}), std::invalid_argument);
+  EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");
+  EXPECT_EQ(Setting(std::numeric_limits<std::uint64_t>::max()).json(), "18446744073709551615");
+  EXPECT_EQ(Setting(0.1).json(), "0.1");
+  EXPECT_EQ(Setting({1, 2.5, true, "x", {3}}).json(), R"([1, 2.5, true, "x", [3]])");
+}
+
+// ---- callbacks, and runs until
+
+TEST(OnTick, IsCalledInOrderBehindTheStep) {
+  Simulation simulation(yard());
+  std::vector<std::string> calls;
+  simulation.on_tick([&](Simulation& s) { calls.push_back("a" + std::to_string(s.tick())); });
+  simulation.on_tick([&](Simulation& s) { calls.push_back("b" + std::to_string(s.tick())); });
+  simulation.step();
+  simulation.run_for(0.1);
+  EXPECT_THAT(calls, ElementsAre("a1", "b1", "a2", "b2"));
+  simulation.reset();
+  Simulation moved = std::move(simulation);
+  moved.step();
+  EXPECT_THAT(calls, ElementsAre("a1", "b1", "a2", "b2", "a1", "b1"));
+  moved.on_tick(nullptr);
+  moved.step();
+  EXPECT_EQ(calls.size(), 6u);
+}
+
+TEST(OnTick, MayDriveAndPut) {
+  Simulation called(yard());
+  Simulation looped(yard());
+  const auto drive = [](Simulation& s) {
+    Model robot = s.find("r0");
+    robot.set_speed(0.2, 0.1);
+    if (s.tick() == 3) robot.set_pose({.x = -1, .y = 4});
+  };
+  called.on_tick(drive);
+  called.run_for(1);
+  for (int i = 0; i < 10; ++i) {
+    looped.step();
+    drive(looped);
+  }
+  EXPECT_EQ(called.state_hash(), looped.state_hash());
+}
+
+TEST(OnTick, MayNotStepAndItsExceptionsComeOutOfTheStep) {
+  Simulation simulation(yard());
+  simulation.on_tick([](Simulation& s) { s.step(); });
+  EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }), "step() in a callback of on_tick()");
+  EXPECT_EQ(simulation.tick(), 1u);
+  simulation.on_tick(nullptr);
+  simulation.on_tick([](Simulation& s) { s.on_tick(nullptr); });
+  EXPECT_THROW(simulation.step(), std::logic_error);
+  simulation.on_tick(nullptr);
+  simulation.step();
+  EXPECT_EQ(simulation.tick(), 3u);
+}
+
+TEST(RunUntil, EndsWithThePredicateOrTheTime) {
+  Simulation simulation(yard());
+  Model robot = simulation.find("r0");
+  robot.set_speed(0.5, 0);
+  EXPECT_TRUE(simulation.run_until([&](const Simulation&) { return robot.ranges()[1] < 1; }, 60));
+  EXPECT_LT(robot.ranges()[1], 1);
+  EXPECT_GT(robot.ranges()[1], 0.9);
+  const std::uint64_t tick = simulation.tick();
+  EXPECT_TRUE(simulation.run_until([](const Simulation&) { return true; }, 1));
+  EXPECT_EQ(simulation.tick(), tick + 1);
+  EXPECT_FALSE(simulation.run_until([](const Simulation&) { return true; }, 0));
+  EXPECT_FALSE(simulation.run_until([](const Simulation&) { return false; }, 0.5));
+  EXPECT_EQ(simulation.tick(), tick + 6);
+  EXPECT_THROW(simulation.run_until([](const Simulation&) { return false; }, -1), std::invalid_argument);
+}
+
+// ---- many robots at once
+
+/// Where everybody is after driving by what they see and by chance.
+std::uint64_t driven_hash(unsigned threads) {
+  Simulation simulation(yard(200), {.threads = threads});
+  Swarm swarm = simulation.swarm();
+  std::vector<double> seen(swarm.size());
+  simulation.on_tick([&](Simulation& s) {
+    swarm.for_each([&](std::size_t i, Model& robot) {
+      seen[i] = s.cast(robot.pose(), 3, &robot).range_m + robot.ranges()[0];
+      Random random = robot.random("drive");
+      robot.set_speed(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), seen[i] - 4);
+    });
+  });
+  simulation.run_for(3);
+  return simulation.state_hash();
+}
+
+TEST(ForEach, IsTheSameOnAnyNumberOfThreads) {
+  const std::uint64_t one = driven_hash(1);
+  EXPECT_EQ(driven_hash(2), one);
+  EXPECT_EQ(driven_hash(5), one);
+  EXPECT_NE(Simulation(yard(200)).state_hash(), one);
+}
+
+TEST(ForEach, CallsForEachOnceWithItsIndex) {
+  Simulation simulation(yard(100));
+  Swarm swarm = simulation.swarm();
+  std::vector<std::string> names(swarm.size());
+  swarm.for_each([&](std::size_t i, Model& robot) { names[i] += robot.name(); });
+  EXPECT_EQ(names, swarm.names());
+}
+
+TEST(ForEach, GivesTheExceptionOfTheFirstRobot) {
+  Simulation simulation(yard(100), {.threads = 4});
+  Swarm swarm = simulation.swarm();
+  std::vector<int> called(swarm.size());
+  EXPECT_EQ(message_of<std::runtime_error>([&] {
+              swarm.for_each([&](std::size_t i, Model& robot) {
+                called[i] = 1;
+                if (i % 10 == 7) throw std::runtime_error(robot.name());
+              });
+            }),
+            "r7");
+  EXPECT_THAT(called, ::testing::Each(1));
+}
+
+// ---- rays
+
+TEST(Cast, MeetsTheNearestAndSaysWhoseItIs) {
+  Simulation simulation(yard(2));
+  const Model robot = simulation.find("r0");
+  const RayHit wall = simulation.cast({.x = 0.5, .z = 0.1}, 5);
+  EXPECT_DOUBLE_EQ(wall.range_m, 1.4);
+  EXPECT_EQ(simulation.model(wall.body).name(), "wall1");
+  EXPECT_EQ(wall.body, simulation.find("wall1").id());
+  // From within r0 to the inner side of its own body, and, without it, to r1, whose side is at y = 0.85.
+  const Pose left{.z = 0.1, .heading = std::numbers::pi / 2};
+  EXPECT_EQ(simulation.cast(left, 5).body, robot.id());
+  const RayHit other = simulation.cast(left, 5, &robot);
+  EXPECT_EQ(other.body, simulation.find("r1").id());
+  EXPECT_NEAR(other.range_m, 0.85, 1e-12);
+}
+
+TEST(Cast, MeetsNothingBelowItsRangeOrAboveTheBodies) {
+  Simulation simulation(yard());
+  for (const RayHit& hit :
+       {simulation.cast({.x = 0.5, .z = 0.1}, 1.3), simulation.cast({.x = 0.5, .z = 3}, 5)})
+    EXPECT_FALSE(hit.met());
+  EXPECT_EQ(simulation.cast({.x = 0.5, .z = 3}, 5).range_m, 5);
+}
+
+TEST(Cast, IsWhatTheRangerReads) {
+  Simulation simulation(yard(3));
+  simulation.step();
+  const Model robot = simulation.find("r1");
+  const std::span<const float> ranges = robot.ranges();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Pose beam{.y = 1, .z = 0.1, .heading = (static_cast<double>(k) - 1) * std::numbers::pi / 6};
+    EXPECT_NEAR(simulation.cast(beam, 5, &robot).range_m, ranges[k], 1e-6);
+  }
+}
+
+TEST(Cast, RefusesWhatIsNoRay) {
+  Simulation simulation(yard());
+  Simulation other(yard());
+  const Model stranger = other.find("r0");
+  EXPECT_THROW(simulation.cast({.x = std::nan("")}, 1), std::invalid_argument);
+  EXPECT_THROW(simulation.cast({}, std::numeric_limits<double>::infinity()), std::invalid_argument);
+  EXPECT_THROW(simulation.cast({}, -1), std::invalid_argument);
+  EXPECT_THROW(simulation.cast({}, 1, &stranger), std::logic_error);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { simulation.model(BodyId(99)); }),
+            "no model with id 99: there are 3");
+}
+
+// ---- every sensor
+
+/// A robot with one of each kind, before something for each to see.
+WorldBuilder show() {
+  WorldBuilder world;
+  world.wall({2, -3}, {2, 3}, 0.2);
+  world.type("zone").size(2, 2, 0.001).color({0, 1, 0}).set("obstacle", false).set("ranger_return", -1);
+  world.type("beacon")
+      .size(0.2, 0.2, 0.5)
+      .color("red")
+      .set("fiducial_return", 42)
+      .device("bulb", "blinkenlight", {{"dutycycle", 1}});
+  world.type("bot")
+      .size(0.2, 0.2, 0.25)
+      .drive("diff")
+      .sensor("eye", "fiducial", {{"range_max_m", 5}})
+      .sensor("blobs", "blobfinder", {{"colors", {"red"}}})
+      .sensor("skin", "bumper", {{"bumpers", {Settings{{"pose", Pose{.x = 0.1}}, {"length_m", 0.2}}}}})
+      .sensor("cam", "camera", {{"width", 8}, {"height", 4}})
+      .sensor("floor", "ground")
+      .sensor("sun", "light_sensor", {{"directions", 4}, {"range_max_m", 5}})
+      .sensor("talk", "radio", {{"range_m", 3}, {"beacon", true}})
+      .device("lamp", "led", {{"shows", {0, 0, 1}}});
+  world.add("zone", "zone", {});
+  world.add("beacon", "beacon", {.x = 1});
+  world.add("r0", "bot", {});
+  world.add("r1", "bot", {.x = -1});
+  return world;
+}
+
+TEST(Readings, TellEverySensor) {
+  Simulation simulation(show());
+  simulation.run_for(0.3);
+  const Model robot = simulation.find("r0");
+  EXPECT_EQ(robot.readings<std::uint32_t>("count", "eye")[0], 1u);
+  EXPECT_EQ(robot.readings<std::int32_t>("id", "eye")[0], 42);
+  EXPECT_THAT(robot.readings<float>("bearing", "eye")[0], FloatEq(0));
+  EXPECT_EQ(robot.readings<std::uint32_t>("count", "blobs")[0], 1u);
+  EXPECT_EQ(robot.readings<std::uint8_t>("hit", "skin")[0], 0);
+  EXPECT_EQ(robot.readings<float>("depth").size(), 32u);
+  EXPECT_EQ(robot.readings<std::uint8_t>("color", "cam").size(), 4 * 32u);
+  EXPECT_THAT(robot.readings<float>("color", "floor"), ElementsAre(0, 1, 0));
+  EXPECT_GT(robot.readings<float>("brightness")[0], 0.5);
+  EXPECT_EQ(robot.readings<std::uint32_t>("sender", "talk")[0], simulation.find("r1").id().value);
+  EXPECT_THAT(robot.readings<float>("shown_color", "lamp"), ElementsAre(0, 0, 1));
+  EXPECT_EQ(robot.fields("eye")[0].name, "count");
+}
+
+TEST(Readings, SayWhatThereIsInstead) {
+  Simulation simulation(show());
+  const Model robot = simulation.find("r0");
+  EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("dept"); }),
+              AllOf(HasSubstr("unknown field of the devices of \"r0\" \"dept\""),
+                    HasSubstr("did you mean \"depth\"")));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("depth", "eye"); }),
+              HasSubstr("unknown field of \"eye\" of \"r0\" \"depth\"; known: bearing, body"));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { robot.readings<float>("depth", "came"); }),
+      HasSubstr("\"r0\" has no device \"came\"; it has: eye, blobs, skin, cam, floor, sun, talk, lamp"));
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { robot.readings<double>("depth"); }),
+            "\"depth\" of \"cam\" of \"r0\" is float32, not float64");
+}
+
+TEST(Commands, ReachADevice) {
+  Simulation simulation(show());
+  Model robot = simulation.find("r0");
+  robot.command<models::LedCommand>("lamp").show(1, 0, 0.5f);
+  simulation.run_for(0.2);
+  EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
+              AllOf(HasSubstr("\"lamp\" of \"r0\" takes commands of 16 bytes, not of 1"), HasSubstr("led")));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { robot.command<models::LedCommand>("cam"); }),
+              HasSubstr("\"r0\" has no device that takes such commands \"cam\"; it has: "));
+}
+
+// ---- recordings and pictures
+
+class LibraryFilesTest : public test::ScratchTest {};
+
+TEST_F(LibraryFilesTest, ARunIsRecordedUntilItIsSaidToStop) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  Simulation simulation(yard());
+  simulation.run_for(0.2);
+  simulation.record(folder_ / "run.h5", {.fields = {"pose", "ranges"}, .every_s = 0.2});
+  EXPECT_THAT(message_of<std::logic_error>([&] { simulation.record(folder_ / "other.h5"); }),
+              HasSubstr("other.h5: the run is recorded already"));
+  simulation.on_tick(
+      [](Simulation& s) { s.find("r0").set_pose({.x = -0.1 * static_cast<double>(s.tick())}); });
+  simulation.run_for(0.4);
+  simulation.stop_recording();
+  simulation.stop_recording();
+  simulation.run_for(0.4);
+  const worldio::RecordingReader recording(folder_ / "run.h5");
+  EXPECT_THAT(recording.ticks(), ElementsAre(2, 4, 6));
+  EXPECT_THROW(simulation.record(folder_ / "run.h5"), InputError);
+
+  simulation.record(folder_ / "next.h5");
+  simulation.reset();  // a recording is of one run
+  simulation.run_for(0.2);
+  EXPECT_THAT(worldio::RecordingReader(folder_ / "next.h5").ticks(), ElementsAre(10));
+}
+
+TEST_F(LibraryFilesTest, RecordingChangesNothing) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  Simulation plain(yard());
+  Simulation recorded(yard());
+  recorded.record(folder_ / "run.h5");
+  plain.run_for(1);
+  recorded.run_for(1);
+  EXPECT_EQ(plain.state_hash(), recorded.state_hash());
+}
+
+#ifdef TROUPE_HAS_RENDER
+TEST_F(LibraryFilesTest, ASnapshotTakesTheOptionsOfPictures) {
+  const Simulation simulation(yard());
+  simulation.snapshot(folder_ / "side.png",
+                      {.width = 80, .height = 60, .camera = "follow:r0", .across_m = 4});
+  EXPECT_GT(std::filesystem::file_size(folder_ / "side.png"), 100u);
+  EXPECT_THROW(simulation.snapshot(folder_ / "no.png", {.camera = "follow:nobody"}), InputError);
+}
+#endif
+
+}  // namespace
+}  // namespace troupe
