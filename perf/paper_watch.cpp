@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <filesystem>
 #include <string>
@@ -59,8 +60,10 @@ class MeasureWatcher : public Watcher {
  private:
   static std::vector<engine::MeasureSpec> specs(const engine::Registry& registry) {
     std::vector<engine::MeasureSpec> specs;
+    const auto has_default = [](const engine::Field& field) { return field.fallback.given(); };
     for (const engine::MeasureKind& kind : registry.measures)
-      specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
+      if (std::ranges::all_of(kind.params.fields, has_default))
+        specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
     return specs;
   }
 

@@ -224,8 +224,8 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
   refused({"--measures", "m.csv", "--measure", "coverge", "--hash-log", "h.log"},
           "measure coverge: error: unknown measure \"coverge\"; known: alive, clusters, coverage, "
           "displacement, held, "
-          "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, spread, "
-          "stalls (did you mean "
+          "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, rank_errors, "
+          "share_within, spread, stalls, state_mean (did you mean "
           "\"coverage\"?)");
   refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
   refused({"--events", "m.csv", "--measures", "./m.csv"},

@@ -534,7 +534,7 @@ TEST(Measures, SayWhatIsWrongWithThem) {
   EXPECT_THAT(
       texts,
       ElementsAre(
-          AllOf(HasSubstr("error: unknown measure \"stals\"; known: alive, coverage, "),
+          AllOf(HasSubstr("error: unknown measure \"stals\"; known: alive, clusters, coverage, "),
                 HasSubstr("(did you mean \"stalls\"?)")),
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",

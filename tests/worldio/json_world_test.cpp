@@ -354,7 +354,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
-            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: bitmap, blob_return, blocks, color, controller, controllers, device, device_order, devices, drive, extent_cm, extent_m, extent_mm, fiducial_key, fiducial_return, fit, floor_plan, gripper_return, kind, name, obstacle, parts, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: bitmap, blob_return, blocks, color, controller, controllers, device, device_order, devices, drive, extent_cm, extent_m, extent_mm, fiducial_key, fiducial_return, fit, floor_plan, gripper_return, kind, name, obstacle, parts, pushable, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
             R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},

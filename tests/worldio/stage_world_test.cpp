@@ -549,8 +549,9 @@ TEST_F(StageWorld, ReturnsAndColours) {
   const auto seen = load(
       "define m model()\nm( fiducial_return -7 fiducial_key 3 gripper_return 1 blob_return 0 )\nm()\n"
       "m( fiducial_return 3000000000 )\n");
-  EXPECT_EQ(type_of(seen, 1).parts[0].returns, (engine::Returns{true, 1, -7, 3, true, false}));
-  EXPECT_EQ(type_of(seen, 2).parts[0].returns, (engine::Returns{true, 1, 0, 0, false, true}));
+  EXPECT_EQ(type_of(seen, 1).parts[0].returns,
+            (engine::Returns{.fiducial = -7, .fiducial_key = 3, .gripper = true, .blob = false}));
+  EXPECT_EQ(type_of(seen, 2).parts[0].returns, engine::Returns{});
   EXPECT_THAT(messages(),
               ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number of 32 bits; "
                           "here is 3000000000"));
