@@ -257,7 +257,7 @@ class StateMean : public OfRobots {
     }
     if (!has_component) {
       std::ranges::sort(known);
-      known.erase(std::ranges::unique(known).begin(), known.end());
+      known.erase(std::unique(known.begin(), known.end()), known.end());
       throw std::invalid_argument(unknown_name("component", component, known));
     }
     return cells;

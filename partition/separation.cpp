@@ -15,7 +15,7 @@ struct Way {
 template <class P, class Q>
 void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Vec2 start = polygon[j];
+    const Vec2& start = polygon[j];
     const Vec2 edge = polygon[i] - start;
     const double length = sqrt(edge.squaredNorm());
     if (!(length > k_rounding_m)) continue;
