@@ -197,9 +197,10 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   }
 
   for (const DeviceSpec& sensor : spec.devices) {
-    const DeviceKind* kind = registry.device(sensor.kind);
+    std::string fault = unknown("sensor", sensor.kind, registry.devices);
+    const DeviceKind* kind = registry.device(sensor.kind, fault);
     if (!kind) {
-      diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.devices));
+      diagnostics.error(sensor.where, fault);
       continue;
     }
     if (const double samples = samples_asked_for(kind->params, sensor.params); samples > k_most_readings) {

@@ -27,7 +27,14 @@ std::vector<StateField> command_fields() {
 }
 
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
-const DeviceKind* Registry::device(std::string_view name) const { return find(devices, name); }
+const DeviceKind* Registry::device(std::string_view name) const {
+  std::string ignored;
+  return device(name, ignored);
+}
+const DeviceKind* Registry::device(std::string_view name, std::string& fault) const {
+  if (const DeviceKind* kind = find(devices, name)) return kind;
+  return plugged_devices ? plugged_devices(name, fault) : nullptr;
+}
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
 const ControllerKind* Registry::controller(std::string_view name) const {
   std::string ignored;

@@ -200,6 +200,10 @@ DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
 
 BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }
 std::size_t DeviceBatch::slot(std::size_t i) const { return world.slot(rows[i]); }
+Random DeviceBatch::random(std::size_t i, std::string_view name) const {
+  const auto own = static_cast<std::uint32_t>(mix(stream, stream_id("device", name)));
+  return {world.spec().seed, own, body(i).value, static_cast<std::uint32_t>(world.tick())};
+}
 Random DeviceBatch::random(std::size_t i) const {
   return {world.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(world.tick())};
 }

@@ -267,11 +267,13 @@ void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand&
 
   JsonObject object(at);
   const JsonNode* name_node = object.find("name");
-  const engine::DeviceKind* kind =
-      read_kind(object, what, known, [&](std::string_view name) -> const engine::DeviceKind* {
-        const engine::DeviceKind* found = registry_.device(name);
-        return found != nullptr && belongs(*found) ? found : nullptr;
-      });
+  std::string fault;
+  const auto find = [&](std::string_view name) -> const engine::DeviceKind* {
+    fault = unknown_name(what, name, known);
+    const engine::DeviceKind* found = registry_.device(name, fault);
+    return found != nullptr && belongs(*found) ? found : nullptr;
+  };
+  const engine::DeviceKind* kind = read_kind(object, what, known, find, fault);
   if (!kind) return;
   engine::DeviceSpec device{.kind = std::string(kind->name), .part = stand.part, .where = at.where()};
   device.joint = stand.joint;

@@ -176,15 +176,15 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
   EXPECT_THAT(fault_of("another_version"),
               MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 1., this is troupe 0.1.0 "
-                           ".interface 1.: build it again"));
+                           "was built for troupe 99.1.0 .interface 2., this is troupe 0.1.0 "
+                           ".interface 2.: build it again"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
   EXPECT_THAT(fault_of("other_headers"),
               HasSubstr("was built with the headers of another state of troupe 0.1.0"));
   EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
-  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller"));
+  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller and no device"));
   EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what its controllers are: a table is missing"));
   EXPECT_THAT(fault_of("clash"), EndsWith("has two controllers \"clash:idle\""));
   EXPECT_THAT(fault_of("expand:expand"),
@@ -268,6 +268,51 @@ TEST_F(PluginsTest, TheExampleFollowsTheWallsOfItsRoom) {
   }
   EXPECT_THAT(seen, testing::Each(true)) << "once around";
   EXPECT_LT(farthest_m, 0.8);
+}
+
+/// The sensor of the examples, and what it says when no beam is changed, or all are.
+TEST_F(PluginsTest, MayHoldSensors) {
+  const auto room = [&](std::string_view kind, std::string_view parameters) {
+    return write("room.json", R"({"troupe": 1, "types": {"wall": {"size_m": [0.2, 8, 1]},
+      "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"}, "sensors": [
+        {"name": "eye", "kind": ")" +
+                                  std::string(kind) + "\", " + std::string(parameters) +
+                                  R"("transducers": [{"fov_deg": 90, "samples": 64, "range_max_m": 4}]}]}},
+      "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 2.1}}, {"name": "r0", "type": "bot"}]})");
+  };
+  constexpr const char* k_exact = R"("short_share": 0, "max_share": 0, "random_share": 0, )";
+  const auto run = [&](const fs::path& world, unsigned threads) {
+    Simulation simulation(world, options({folder_of("plugins")}, threads));
+    simulation.run_for(2);
+    return std::pair(simulation.hashes().pose, simulation.find("r0").ranges()[32]);
+  };
+  EXPECT_EQ(run(room("ranger", ""), 1), run(room("beam_ranger", k_exact), 1)) << "the same readings";
+  EXPECT_NE(run(room("ranger", ""), 1), run(room("beam_ranger", ""), 1));
+  EXPECT_EQ(run(room("beam_ranger", ""), 1), run(room("beam_ranger", ""), 3)) << "on any threads";
+  EXPECT_EQ(run(room("beam_ranger", R"("short_share": 0, "max_share": 1, )"), 1).second, 4);
+  Simulation simulation(room("beam_ranger", ""), options({folder_of("plugins")}));
+  EXPECT_THAT(simulation.effective_options(), Contains(Key("plugin beam_ranger")));
+  EXPECT_EQ(simulation.swarm().beams(), 64u);
+}
+
+TEST_F(PluginsTest, SensorsThatCannotBeUsedSayWhy) {
+  const auto fault =
+      [&](std::string_view kind, const std::vector<fs::path>& path) {
+        return fault_of(
+            write("w.json", R"({"troupe": 1, "types": {"bot": {"size_m": [1, 1, 1], "drive": {"kind": "diff"},
+      "sensors": [{"kind": ")" + std::string(kind) +
+                                R"(", "transducers": []}]}}, "models": [{"name": "r0", "type": "bot"}]})"),
+            options(path));
+      };
+  EXPECT_THAT(fault("sonic", {folder_of("plugins")}),
+              AllOf(HasSubstr("unknown sensor \"sonic\"; known: "),
+                    HasSubstr("; there is no sonic.so in " + folder_of("plugins").string())));
+  EXPECT_THAT(fault("walker", {folder_of("plugins")}),
+              HasSubstr("walker.so has no sensor or device \"walker\"; it has no sensor or device at all"));
+  EXPECT_THAT(fault("beam_ranger:sonic", {folder_of("plugins")}),
+              HasSubstr("has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger"));
+  EXPECT_THAT(fault_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
+              HasSubstr("has no controller \"beam_ranger\"; it has no controller at all"));
 }
 
 class PluginsResumed : public PluginsTest {
