@@ -3,7 +3,7 @@
 
 #include "tests/allocations/counting.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 
 #include <ostream>

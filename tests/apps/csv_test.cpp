@@ -1,7 +1,7 @@
 #include "apps/csv.hpp"
 
 #include "apps/outputs.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

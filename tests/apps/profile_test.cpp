@@ -158,7 +158,7 @@ std::string limited(const std::string& file, const ProfileLimits& limits, std::s
 }
 
 TEST_F(Profiles, StaySmall) {
-  const std::string file = ::testing::TempDir() + "limited_trace.json";
+  const std::string file = path("limited_trace.json").string();
   const auto read_trace = [&] {
     std::ifstream stream(file);
     return Trace(std::string(std::istreambuf_iterator<char>(stream), {}));

@@ -261,29 +261,29 @@ TEST(Experiment, SlowWheelsGiveTheirShareOfEverySpeed) {
 }
 
 TEST(Experiment, DropOutsComeAsAPoissonProcessWould) {
-  constexpr std::size_t k_robots = test::k_slow_build ? 200 : 1000;
-  Squad row(k_robots);
+  constexpr std::size_t k_squad = test::k_slow_build ? 200 : 1000;
+  Squad row(k_squad);
   row.scene.spec.experiment.faults = {fault(population("r"), 1, "drop_out", {{"rate", 0.1}})};
   const auto world = row.world();
   step(*world, 11);
-  EXPECT_LE(world->ailing_count(), k_robots / 20u) << "from 1 s on";
+  EXPECT_LE(world->ailing_count(), k_squad / 20u) << "from 1 s on";
   step(*world, 100);
   // 10 s after it began 1 - exp(-1) of them are out, within four standard deviations.
   const double share = 1 - std::exp(-1.0);
-  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_robots,
-              4 * std::sqrt(k_robots * share * (1 - share)));
+  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_squad,
+              4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
 TEST(Experiment, DropOutsThatPassComeAgain) {
-  constexpr std::size_t k_robots = test::k_slow_build ? 200 : 1000;
-  Squad row(k_robots);
+  constexpr std::size_t k_squad = test::k_slow_build ? 200 : 1000;
+  Squad row(k_squad);
   row.scene.spec.experiment.faults = {fault(population("r"), 0, "drop_out", {{"rate", 1.0}, {"for", 1.0}})};
   const auto world = row.world();
   step(*world, 100);
   // In for 1 s in the mean, and half a tick as ticks round up; out for 1 s.
   const double share = 1 / 2.05;
-  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_robots,
-              4 * std::sqrt(k_robots * share * (1 - share)));
+  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_squad,
+              4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
 TEST(Experiment, AShareOfThemFailsWithAllThatTheEntryNames) {

@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"

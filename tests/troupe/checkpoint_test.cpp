@@ -5,7 +5,7 @@
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/hdf5_file.hpp"

@@ -7,7 +7,7 @@
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gmock/gmock.h>

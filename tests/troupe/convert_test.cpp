@@ -4,7 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 

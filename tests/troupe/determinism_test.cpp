@@ -6,7 +6,7 @@
 #include "base/hash.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

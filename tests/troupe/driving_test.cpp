@@ -2,7 +2,7 @@
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/hdf5_file.hpp"

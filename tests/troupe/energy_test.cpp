@@ -2,7 +2,7 @@
 #include "models/flags.hpp"
 #include "models/power.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

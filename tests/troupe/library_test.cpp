@@ -3,7 +3,7 @@
 #include "models/gripper.hpp"
 #include "models/led.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "worldio/recording_reader.hpp"

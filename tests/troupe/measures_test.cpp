@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/measures.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 

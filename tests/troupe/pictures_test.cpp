@@ -1,7 +1,7 @@
 #include "troupe/pictures.hpp"
 
 #include "base/diagnostics.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

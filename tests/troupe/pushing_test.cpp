@@ -2,7 +2,7 @@
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "tests/support/rogue_controllers.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "worldio/recording_reader.hpp"

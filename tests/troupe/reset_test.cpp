@@ -3,7 +3,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/load.hpp"

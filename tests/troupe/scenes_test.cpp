@@ -3,7 +3,7 @@
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/troupe.hpp"
 

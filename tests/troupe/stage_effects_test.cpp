@@ -1,5 +1,5 @@
 #include "engine/world.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/convert.hpp"

@@ -1,7 +1,7 @@
 #include "engine/world.hpp"
 #include "models/actuator.hpp"
 #include "models/gripper.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "troupe/simulation.hpp"
 
 #include <gmock/gmock.h>

@@ -3,7 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/math.hpp"
 #include "tests/support/slow_build.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
 

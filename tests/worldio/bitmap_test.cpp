@@ -1,5 +1,6 @@
 #include "worldio/bitmap.hpp"
 
+#include "tests/support/scratch.hpp"
 #include "worldio/png.hpp"
 
 #include <gmock/gmock.h>
@@ -75,11 +76,8 @@ TEST(Normalise, LeavesAnExtentOfZeroFinite) {
   EXPECT_EQ(solids[0].z, (ZInterval{2, 2}));
 }
 
-class BitmapFile : public testing::Test {
+class BitmapFile : public test::ScratchTest {
  protected:
-  BitmapFile() { fs::create_directories(folder_); }
-  ~BitmapFile() override { fs::remove_all(folder_); }
-
   std::optional<Bitmap> read(const fs::path& file) {
     diagnostics_ = Diagnostics();
     return read_bitmap(file, {diagnostics_.files()->add("w.world"), 7}, diagnostics_);
@@ -88,7 +86,6 @@ class BitmapFile : public testing::Test {
     return diagnostics_.findings().empty() ? "" : diagnostics_.text(diagnostics_.findings()[0]);
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "troupe_bitmap";
   Diagnostics diagnostics_;
 };
 

@@ -1,6 +1,6 @@
 #include "worldio/hdf5_file.hpp"
 
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

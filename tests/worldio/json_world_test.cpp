@@ -1,3 +1,4 @@
+#include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
@@ -59,16 +60,18 @@ std::string changed(const std::string& from, const std::string& to, std::string 
   return text.replace(at, from.size(), to);
 }
 
-/// A one-channel picture, binary PNM; '#' is solid.
-std::filesystem::path write_picture(const std::string& name, const std::vector<std::string>& rows) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "json_world_test";
-  std::filesystem::create_directories(folder);
-  std::ofstream out(folder / name, std::ios::binary);
-  out << "P5\n" << rows[0].size() << ' ' << rows.size() << "\n255\n";
-  for (const std::string& row : rows)
-    for (const char c : row) out.put(c == '#' ? '\0' : '\xff');
-  return folder / "maze.json";
-}
+/// Worlds beside pictures of their own.
+class JsonWorldOfPictures : public test::ScratchTest {
+ protected:
+  /// A one-channel picture, binary PNM; '#' is solid. Gives where a world beside it lies.
+  std::filesystem::path write_picture(const std::string& name, const std::vector<std::string>& rows) const {
+    std::string pixels = fmt::format("P5\n{} {}\n255\n", rows[0].size(), rows.size());
+    for (const std::string& row : rows)
+      for (const char c : row) pixels += c == '#' ? '\0' : '\xff';
+    write(name, pixels);
+    return folder_ / "maze.json";
+  }
+};
 
 TEST(JsonWorld, AWorldIsReadAsItStands) {
   const Loaded loaded(k_world);
@@ -197,7 +200,7 @@ TEST(JsonWorld, BlocksAreTakenAsTheyAre) {
   EXPECT_EQ(part.size, Eigen::Vector3d(2, 2, 1.1));
 }
 
-TEST(JsonWorld, FloorPlans) {
+TEST_F(JsonWorldOfPictures, FloorPlans) {
   const auto file = write_picture("plan.pgm", {".....", ".###.", ".#.#.", ".....", "....."});
   const std::string text = R"({"troupe": 1, "floorplans": [
     {"name": "a", "bitmap": "plan.pgm", "size_m": [6, 4, 2], "pose": {"x_m": 10, "heading_deg": 90}},
@@ -238,10 +241,9 @@ TEST(JsonWorld, FloorPlans) {
   EXPECT_TRUE(spec.bounds->max.isApprox(Vec2(12, 5)));
 }
 
-TEST(JsonWorld, MapsOfRosSayTheirSizeAndPlaceThemselves) {
+TEST_F(JsonWorldOfPictures, MapsOfRosSayTheirSizeAndPlaceThemselves) {
   const auto file = write_picture("lab.pgm", {"....", ".##.", "...."});
-  std::ofstream(file.parent_path() / "lab.yaml")
-      << "image: lab.pgm\nresolution: 0.5\norigin: [10, -3, 1.5707963267948966]\n";
+  write("lab.yaml", "image: lab.pgm\nresolution: 0.5\norigin: [10, -3, 1.5707963267948966]\n");
   const Loaded loaded(R"({"troupe": 1, "floorplans": [
     {"name": "a", "bitmap": "lab.yaml", "height_m": 2, "boundary": true}]})",
                       {}, file);
@@ -549,7 +551,7 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 
-TEST(JsonWorld, FloorPlanErrors) {
+TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
   const auto file = write_picture("white.pgm", {"..", ".."});
   write_picture("dark.pgm", {"##", "#."});
   const auto wrong = [&](const std::string& plan) {

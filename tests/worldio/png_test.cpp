@@ -1,10 +1,11 @@
 #include "worldio/png.hpp"
 
+#include "tests/support/scratch.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
@@ -21,21 +22,13 @@ using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
-class WritePng : public ::testing::Test {
+class WritePng : public test::ScratchTest {
  protected:
-  WritePng() : folder_(fs::temp_directory_path() / ("troupe-png-test-" + std::to_string(getpid()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~WritePng() override { fs::remove_all(folder_); }
-
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : fs::directory_iterator(folder_)) all.push_back(entry.path().filename().string());
     return all;
   }
-
-  fs::path folder_;
 };
 
 /// Noise, which does not compress.

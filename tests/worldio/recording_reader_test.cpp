@@ -1,6 +1,6 @@
 #include "worldio/recording_reader.hpp"
 
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "worldio/hdf5_superblock.hpp"
 #include "worldio/recording_repair.hpp"
 #include "worldio/recording_writer.hpp"

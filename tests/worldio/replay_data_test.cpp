@@ -1,7 +1,7 @@
 #include "worldio/replay_data.hpp"
 
 #include "base/diagnostics.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 #include "tests/worldio/replay_unpacked.hpp"
 #include "troupe/recording.hpp"
 #include "worldio/recorded_scene.hpp"

@@ -1,7 +1,7 @@
 #include "worldio/sealed_file.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "tests/troupe/scratch.hpp"
+#include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

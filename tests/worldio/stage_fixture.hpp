@@ -16,6 +16,7 @@
 #include "sensors/camera.hpp"
 #include "sensors/fiducial.hpp"
 #include "sensors/ranger.hpp"
+#include "tests/support/scratch.hpp"
 #include "worldio/load.hpp"
 
 #include <gmock/gmock.h>
@@ -47,24 +48,9 @@ inline const engine::Registry& test_registry() {
 
 /// Loads worlds in a folder of its own. A test takes every message with `messages()`; one that it did not
 /// take fails it.
-class StageTest : public testing::Test {
+class StageTest : public test::ScratchTest {
  protected:
-  StageTest() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("troupe_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~StageTest() override { std::filesystem::remove_all(folder_); }
-
   void TearDown() override { EXPECT_THAT(messages(), testing::IsEmpty()); }
-
-  void write(std::string_view name, std::string_view text) const {
-    const std::filesystem::path file = folder_ / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-  }
 
   /// Reads the text as the file `w.world` of the folder.
   engine::WorldSpec load(std::string_view text, const LoadOptions& options = {}) {
@@ -100,7 +86,6 @@ class StageTest : public testing::Test {
     return line;
   }
 
-  std::filesystem::path folder_;
   std::string prefix_;
   std::vector<std::string> messages_;
 };

@@ -1,5 +1,6 @@
 #include "worldio/study.hpp"
 
+#include "tests/support/scratch.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 
@@ -19,16 +20,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class StudyFile : public testing::Test {
+class StudyFile : public test::ScratchTest {
  protected:
-  StudyFile()
-      : folder_(std::filesystem::path(testing::TempDir()) /
-                (std::string("study.") + testing::UnitTest::GetInstance()->current_test_info()->name())),
-        file_(folder_ / "study.json") {
-    std::filesystem::create_directories(folder_);
-  }
-  ~StudyFile() override { std::filesystem::remove_all(folder_); }
-
   Study study(const std::string& members) {
     std::ofstream(file_) << "{\"troupe_study\": 1, \"world\": \"w/hall.json\""
                          << (members.empty() ? "" : ",\n") << members << "}";
@@ -49,8 +42,7 @@ class StudyFile : public testing::Test {
     return all;
   }
 
-  std::filesystem::path folder_;  // of its own: tests run side by side
-  std::filesystem::path file_;
+  std::filesystem::path file_ = folder_ / "study.json";
   Diagnostics diagnostics_;
 };
 
