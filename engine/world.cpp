@@ -49,8 +49,9 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     ++count;
   }
   // As wide as the bodies that take most of the ground, so that few lie in several cells, and never so small
-  // that one lies in more than some hundred.
-  const double least = std::max({0.05, widths > 0 ? widths2 / widths : 0, width / 8});
+  // that one lies in more than some hundred. Bodies of one width fit into their cells however the sums round.
+  const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
+  const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
   constexpr unsigned k_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_tile_bits};
