@@ -346,6 +346,18 @@ TEST(World, ThingsThatDoNotMoveAddNothingToTheHash) {
   EXPECT_EQ(alone.hashes().state, with_wall.hashes().state);
 }
 
+TEST(World, BodiesOfOneWidthLieInOneCellEachHoweverManyThereAre) {
+  for (const double edge : {0.1, 0.2, 0.31, 0.4})
+    for (int count = 1; count <= 600; count += 37) {
+      SceneBuilder scene;
+      const TypeId type = scene.robot("robot", {box(edge, edge)});
+      for (int i = 0; i < count; ++i) scene.body(fmt::format("r{}", i), type, {i * 1.0, 0, 0, 0});
+      World world = scene.world();
+      world.step();
+      EXPECT_FALSE(world.index().has_wide()) << count << " of " << edge << " m";
+    }
+}
+
 #if defined(__SSE2__)
 TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
   const auto run = [] {
