@@ -2,8 +2,8 @@
 // back.
 
 #include "tests/allocations/counting.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

@@ -6,8 +6,8 @@
 #include "engine/world.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gmock/gmock.h>

@@ -3,8 +3,8 @@
 #include "worldio/convert.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 

@@ -4,9 +4,9 @@
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
-#include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

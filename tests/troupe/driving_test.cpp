@@ -1,8 +1,8 @@
 // Robots that are sent somewhere, accelerated, put elsewhere, and that believe to be where they are not.
 
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/hdf5_file.hpp"

@@ -1,8 +1,8 @@
 #include "engine/world.hpp"
 #include "models/flags.hpp"
 #include "models/power.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
 
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/hdf5_file.hpp"
 

@@ -1,8 +1,8 @@
 // What is pushed, and how far: worlds small enough to reckon.
 
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/load.hpp"

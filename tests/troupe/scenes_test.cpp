@@ -2,8 +2,8 @@
 // each over ten seeds, and what their controllers do by hand.
 
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/troupe.hpp"
 

@@ -3,8 +3,8 @@
 #include "base/hash.hpp"
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 
 #include <gmock/gmock.h>

@@ -2,8 +2,8 @@
 
 #include "base/diagnostics.hpp"
 #include "base/math.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,8 +2,8 @@
 // multiply has limits that are met with an error.
 
 #include "base/diagnostics.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/bitmap.hpp"
 #include "worldio/png.hpp"

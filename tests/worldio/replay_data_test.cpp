@@ -38,7 +38,7 @@ constexpr const char* k_world = R"({
   ]
 })";
 
-class Replay : public troupe::test::ScratchTest {
+class Replay : public test::ScratchTest {
  protected:
   void SetUp() override {
     if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";

@@ -14,7 +14,7 @@
 #include <vector>
 
 /// Reads what a replay page holds, from docs/replay.md, by code of its own.
-namespace troupe::worldio::test {
+namespace troupe::test {
 
 inline std::string inflated(std::string_view bytes) {
   std::string out(1024 + 64 * bytes.size(), '\0');
@@ -133,4 +133,4 @@ inline Unpacked unpacked(std::string_view bytes) {
   return page;
 }
 
-}  // namespace troupe::worldio::test
+}  // namespace troupe::test
