@@ -8,7 +8,10 @@ namespace troupe::engine {
 
 /// What finds the ranges of a world: exact geometry, or a walk through the cells that outlines are drawn into
 /// (docs/sensing.md).
-enum class RangingEngine : std::uint8_t { exact, grid };
+enum class RangingEngine : std::uint8_t {
+  exact,  ///< the distance to the first edge, computed
+  grid,   ///< to the first occupied cell: quantised to `resolution`
+};
 
 /// As world files and the command line write them, in the order of the enumeration.
 inline constexpr std::array<std::string_view, 2> k_ranging_engines{"exact", "grid"};

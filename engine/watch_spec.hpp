@@ -6,8 +6,8 @@
 
 namespace troupe::engine {
 
-inline constexpr double k_most_rate = 1e9;
-inline constexpr std::int64_t k_most_clock_ticks = 1000000000;
+inline constexpr double k_most_rate = 1e9;                      ///< of WatchSpec::rate
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< of WatchSpec::clock_ticks
 
 /// How a world asks to be watched while it runs. Nothing of it changes a result.
 struct WatchSpec {
