@@ -14,7 +14,7 @@ struct ScanAhead {
   /// The nearest reading of the left half of the scan, and of the right one with the middle, m; infinite
   /// where there is none.
   float left = std::numeric_limits<float>::infinity();
-  float right = std::numeric_limits<float>::infinity();
+  float right = std::numeric_limits<float>::infinity();  ///< see `left`
 };
 
 /// scan    readings from right to left, m
