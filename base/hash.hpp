@@ -25,7 +25,7 @@ std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std
 /// The hash_bytes() of what comes piece by piece.
 class HashStream {
  public:
-  HashStream();
+  HashStream();  ///< of no bytes
   ~HashStream();
   HashStream(const HashStream&) = delete;
   HashStream& operator=(const HashStream&) = delete;

@@ -16,11 +16,13 @@ inline constexpr double k_pi = std::numbers::pi;  ///< the double nearest to pi
 /// edges   NaN gives NaN; sin, cos of +-inf give NaN; exp overflows to inf and underflows to 0;
 ///         log(+-0) = -inf, log(x < 0) = NaN; atan2 of zeros and infinities follows IEEE 754 9.2
 /// signs   sin and atan2 (in y) are odd bit for bit, zeros included, and cos is even
+///@{
 double sin(double radians);
 double cos(double radians);
 double atan2(double y, double x);
 double exp(double x);
 double log(double x);
+///@}
 
 /// What sincos() gives.
 struct SinCos {

@@ -19,12 +19,12 @@ namespace troupe::engine {
 
 /// How a measure is held against a number.
 enum class Comparison : std::uint8_t {
-  below,     ///< <
-  at_most,   ///< <=
-  above,     ///< >
-  at_least,  ///< >=
-  equal,     ///< ==
-  unequal,   ///< !=
+  below,     ///< `a < b`
+  at_most,   ///< `a <= b`
+  above,     ///< `a > b`
+  at_least,  ///< `a >= b`
+  equal,     ///< `a == b`
+  unequal,   ///< `a != b`
 };
 /// As files write them, in the order of Comparison.
 inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};

@@ -66,9 +66,9 @@ struct Estimates {
   Pose of(Row row, std::size_t slot) const;
 };
 
-/// The parameters that say it, for the tables of drives, and how they are read; a table without them means
-/// gps.
+/// The parameters that say it, for the tables of drives.
 std::vector<Field> localization_fields();
+/// What they say; a table without them means gps.
 Localization read_localization(const FieldTable& table, const Record& params);
 /// What is wrong with them taken together; empty when nothing is.
 std::string localization_fault(const FieldTable& table, const Record& params);

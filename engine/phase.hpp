@@ -13,7 +13,7 @@ enum class Phase : std::uint8_t {
   move,    ///< drives, joints and effects; conflicts are settled; births and deaths
   index,   ///< whoever moved is put where it is now in the sparse grid
 };
-inline constexpr std::size_t k_phases = 4;
-std::string_view phase_name(Phase phase);
+inline constexpr std::size_t k_phases = 4;  ///< values of Phase
+std::string_view phase_name(Phase phase);   ///< "sense", ...: as profiles call it
 
 }  // namespace troupe::engine

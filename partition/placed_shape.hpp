@@ -26,6 +26,7 @@ bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
 /// True when the segment enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
+/// The same of a ring whose vertices are worked out on the way.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
 /// A shape at a place. The vertices of shapes of up to 128, nearly all, are worked out once, on the stack;

@@ -133,7 +133,7 @@ class EdgeBlock {
     BeamSet met_by;       ///< the beams that may meet one of its edges
   };
 
-  EdgeBlock() { open_.fill(k_gap); }
+  EdgeBlock() { open_.fill(k_gap); }  ///< of no vertices
   /// No vertices are left.
   void clear() {
     std::fill_n(open_.begin(), vertices_, k_gap);
@@ -217,11 +217,12 @@ struct MetCircles : CircleArrays {
   }
 };
 
+/// What CircleArrays are padded to for may_meet(), in circles.
+inline constexpr std::size_t k_circle_padding = 16;
 /// Culls circles: leaves in `met` the rows and the beams of those of [begin, end) that some beam may meet
 /// before its limit and whose nearest point lies from `low` to `high` away from the reference, and returns
 /// their number. Margins are far above rounding: it leaves out none that counts.
 /// begin, end  multiples of k_circle_padding; circles with negative infinite radius are never met
-inline constexpr std::size_t k_circle_padding = 16;
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 

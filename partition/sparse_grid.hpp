@@ -61,7 +61,7 @@ class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no slot
 
-  TileDirectory() : keys_(16), slots_(16, k_none) {}
+  TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< of no tiles
   /// No tiles are left; their slots are given anew.
   void clear() {
     std::ranges::fill(slots_, k_none);
