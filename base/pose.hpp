@@ -56,7 +56,7 @@ inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const 
   const Vec2 p = transform_a_b * pose_b_c.position();
   return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};
 }
-/// The same, for one composition: both transforms are worked out here.
+/// The same for callers who have no transform: works it out.
 inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
   return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }

@@ -62,7 +62,7 @@ struct Estimates {
   std::span<const Pose> poses;           ///< a row each
   std::span<const Odometry> odometries;  ///< a slot each, where they have odometry
 
-  /// That of one robot, m and rad; at the origin where nobody knows.
+  /// That of one robot, m and rad; all 0 where nobody knows.
   Pose of(Row row, std::size_t slot) const;
 };
 

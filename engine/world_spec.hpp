@@ -121,7 +121,7 @@ struct TypeSpec {
   std::vector<JointSpec> joints;            ///< each after the one that it stands on
   std::optional<DriveSpec> drive;           ///< none: they do not move by themselves
   std::vector<DeviceSpec> devices;          ///< those that move a joint before those that stand on it
-  std::vector<ControllerSpec> controllers;  ///< the first decides for the body's drive
+  std::vector<ControllerSpec> controllers;  ///< in the order in which they decide: the last word counts
 };
 
 /// One body of the world.
