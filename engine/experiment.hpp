@@ -45,7 +45,7 @@ struct Experiment {
     /// Of `set`, one of the three: what the type runs with from then on; and, while that holds, what it ran
     /// with before.
     std::any data;
-    DeviceKind::Prepared device;  ///< see `data`
+    DeviceKind::Prepared device;  ///< instead of `data`, of a device
   };
   std::vector<Intervention> interventions;  ///< by tick; of one tick as the file has them
   std::size_t next = 0;                     ///< of them

@@ -86,11 +86,11 @@ class World {
     std::uint64_t conflict_rounds = 0;  ///< rounds of settling, see Conflicts::rounds()
   };
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< of this run so far
-  /// The state of a later tick, as somebody kept it: `fill` finds every byte of the tables 0 and sets every
-  /// field of every row; what is derived from them follows. False where the state then has not this hash, or
-  /// a body stands nowhere: the world is at S(0) again, as it is when `fill` throws.
+  /// Finds every byte of the tables 0, and sets every field of every row.
   using Fill = std::function<void(std::span<StateTable>)>;
-  /// Sets it, see Fill.
+  /// Goes to the state of a later tick, as somebody kept it; what is derived from the tables follows them.
+  /// False where the state then has not this hash, or a body stands nowhere: the world is at S(0) again, as
+  /// it is when `fill` throws.
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
   std::uint64_t tick() const { return tick_; }    ///< ticks done; 0 at the start
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
@@ -238,17 +238,17 @@ class World {
   /// Rows that are not sound.
   std::size_t ailing_count() const { return ailing_; }
 
+  /// A body, and where it stands or is to stand.
+  struct Placed {
+    Row row;    ///< who
+    Pose pose;  ///< world frame; the heading is wrapped
+  };
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
   /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
   /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call
   /// indexes all bodies anew: move many at once.
-  struct Placed {
-    Row row;    ///< who
-    Pose pose;  ///< world frame; the heading is wrapped
-  };
-  /// Puts them there, see Placed.
   void set_poses(std::span<const Placed> placed);
   /// Who was put elsewhere between the last step and the one before it, with all that was carried along, and
   /// where each stood when the last step began: for who counts ways. No state.

@@ -100,7 +100,7 @@ struct DeviceSpec {
 /// How bodies of a type move by themselves.
 struct DriveSpec {
   std::string kind = "diff";  ///< of Registry::drives
-  Record params;              ///< by the kind's field table; empty: its defaults
+  Record params;              ///< one for each field of the kind's table: FieldTable::defaults()
   double period_s = 0;        ///< 0: every tick
   Where where;                ///< for messages
 };
@@ -109,7 +109,7 @@ struct DriveSpec {
 struct ControllerSpec {
   std::string kind;        ///< of Registry::controllers, or a plug-in's
   std::uint32_t part = 0;  ///< index of the part it belongs to: it finds what that and those on it carry
-  Record params;           ///< by the kind's field table; empty: its defaults
+  Record params;           ///< one for each field of the kind's table: FieldTable::defaults()
   double period_s = 0;     ///< of one that reads no sensor and has no drive; 0: every tick
   Where where;             ///< for messages
 };

@@ -37,12 +37,12 @@ class FloorPlan {
   std::vector<std::uint8_t> blocked_;
 };
 
+inline constexpr int k_free_cost = 1;     ///< of find_way(): a step to a free cell
+inline constexpr int k_blocked_cost = 9;  ///< of find_way(): a step to a blocked one
 /// The cheapest way from one cell to the nearest of the goals, both included: to the next cell, east, north,
-/// west or south, costs k_free, into a blocked one k_blocked. A*, with the Manhattan distance as what is left
-/// at least. Of ways that cost the same the one that is found depends on the plan alone. Empty without goals.
-inline constexpr int k_free_cost = 1;
-inline constexpr int k_blocked_cost = 9;  ///< see k_free_cost
-/// See k_free_cost.
+/// west or south, costs k_free_cost, into a blocked one k_blocked_cost. A*, with the Manhattan distance as
+/// what is left at least. Of ways that cost the same the one that is found depends on the plan alone. Empty
+/// without goals.
 std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> goals);
 
 /// The ways from every cell to the nearest of some goals, all found beforehand: what a robot looks up while

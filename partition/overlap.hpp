@@ -12,7 +12,8 @@ struct PieceCircle {
   Vec2 centre;    ///< of the box about the piece's corners
   double radius;  ///< to the farthest of them
 };
-PieceCircle circle_about(const Ring& outline);  ///< see PieceCircle
+/// That of an outline of at least one corner.
+PieceCircle circle_about(const Ring& outline);
 
 /// A body as the overlap predicate sees it: convex prisms in the body's frame.
 struct ObstacleShape {

@@ -125,9 +125,8 @@ inline BeamSet all_beams(const Fan& fan) {
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< vertices
-  /// A piece: some edges side by side that one circle encloses, as many as kernels take at a time or fewer.
-  static constexpr std::size_t k_piece = 8;
-  /// See k_piece.
+  static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: as many as kernels take at a time
+  /// Some edges side by side that one circle encloses.
   struct Piece {
     std::uint32_t first;  ///< vertex with which its first edge begins
     BeamSet met_by;       ///< the beams that may meet one of its edges

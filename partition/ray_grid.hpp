@@ -65,9 +65,7 @@ class RayGrid {
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< of the cells of what never moves
 
-  /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
-  /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
-  /// `linked` says what else there is to know of bodies with moving parts, and of those that move as one.
+  /// What else there is to know of bodies with moving parts, and of those that move as one.
   struct Linked {
     std::span<const double> lifts;          ///< by how much each outline is raised, m; empty: none is
     std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty:
@@ -75,7 +73,8 @@ class RayGrid {
     std::span<const std::uint8_t> absent;   ///< of each body: it is not drawn where this is not 0; empty:
                                             ///< all are there
   };
-  /// See Linked.
+  /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
+  /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 

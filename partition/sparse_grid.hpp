@@ -19,7 +19,7 @@ struct Cell {
 /// How the plane is cut: square cells, and square tiles of 2^tile_bits cells an edge.
 struct GridGeometry {
   double cell_m = 1;       ///< edge of a cell
-  unsigned tile_bits = 3;  ///< see tile_m()
+  unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
 
   std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< of each tile
   double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }   ///< edge of a tile

@@ -59,13 +59,12 @@ class Surroundings {
   std::size_t bands() const { return radii_.size(); }
   /// Every circle that comes nearer than this to any point of the block lies in this band or one before, m.
   double radius(std::size_t band) const { return radii_[band]; }
-  /// The band's place in circles(): looked up, if need be. Padded to a multiple of k_circle_padding with
-  /// circles that nothing meets.
+  /// A band's place in circles(). Padded to a multiple of k_circle_padding with circles that nothing meets.
   struct Band {
     std::size_t begin;  ///< of its first circle
     std::size_t end;    ///< behind its last
   };
-  /// See Band.
+  /// Where a band below bands() lies: looked up, if need be.
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
