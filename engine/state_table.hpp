@@ -64,10 +64,10 @@ std::vector<StateField> sparse(std::vector<StateField> fields);
 
 /// Which of the hash log's columns a component adds to.
 enum class HashGroup : std::uint8_t {
-  pose,      ///< where bodies and joints are, who carries them
-  velocity,  ///< velocities, commands, stalls
-  sensor,    ///< what devices know
-  memory,    ///< of controllers
+  pose,      ///< where bodies and joints are, who carries whom, who lives
+  velocity,  ///< velocities, what is asked of drives and devices, stalls
+  sensor,    ///< readings, and the state of other devices
+  memory,    ///< of controllers; odometry; what keeps bodies from working
 };
 inline constexpr std::size_t k_hash_groups = 4;     ///< values of HashGroup
 std::string_view hash_group_name(HashGroup group);  ///< the column's name in a hash log

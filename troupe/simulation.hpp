@@ -375,10 +375,10 @@ class Simulation {
   /// The same by group: pose, velocity, sensor, memory.
   struct Hashes {
     std::uint64_t state = 0;     ///< the sum of the others, modulo 2^64
-    std::uint64_t pose = 0;      ///< poses, and what carries what
-    std::uint64_t velocity = 0;  ///< velocities, commands, stalls
+    std::uint64_t pose = 0;      ///< poses, who carries whom, who lives
+    std::uint64_t velocity = 0;  ///< velocities, what is asked of drives and devices, stalls
     std::uint64_t sensor = 0;    ///< readings, and the state of other devices
-    std::uint64_t memory = 0;    ///< memories of controllers
+    std::uint64_t memory = 0;    ///< of controllers; odometry; what keeps bodies from working
   };
   Hashes hashes() const;  ///< of the state that it is in
   /// First lines of a hash log: `# key: value` each, free to differ between runs that agree.
