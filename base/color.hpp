@@ -7,10 +7,10 @@ namespace troupe {
 
 /// Red, green, blue and opacity, each from 0 to 1.
 struct Color {
-  float r = 1;
-  float g = 0;
-  float b = 0;
-  float a = 1;
+  float r = 1;  ///< red
+  float g = 0;  ///< green
+  float b = 0;  ///< blue
+  float a = 1;  ///< opacity: 0 lets all through, 1 nothing
   friend bool operator==(const Color&, const Color&) = default;
 };
 

@@ -17,7 +17,9 @@ class SourceFiles {
  public:
   /// The number of a file; the same name gives the same number.
   std::uint32_t add(std::string_view name);
+  /// As it was added; the file must be one that add() gave.
   const std::string& name(std::uint32_t file) const { return names_[file]; }
+  /// How many files there are: their numbers are 0 to size() - 1.
   std::size_t size() const { return names_.size(); }
 
  private:
@@ -26,17 +28,23 @@ class SourceFiles {
 
 /// A place in an input file. Line 0: the file as a whole; an invalid file: a world built by a program.
 struct Where {
-  static constexpr std::uint32_t k_no_file = ~0u;
-  std::uint32_t file = k_no_file;
-  std::uint32_t line = 0;
+  static constexpr std::uint32_t k_no_file = ~0u;  ///< no file at all: made by a program
+  std::uint32_t file = k_no_file;                  ///< its number in SourceFiles
+  std::uint32_t line = 0;                          ///< from 1; 0 is the file as a whole
 };
 
-enum class Severity { note, warning, error };
+/// How grave a finding is.
+enum class Severity {
+  note,     ///< explains the finding before it
+  warning,  ///< is reported; the world runs
+  error,    ///< ends a load: InputError
+};
 
+/// One thing that was found in an input.
 struct Finding {
-  Severity severity;
-  Where where;
-  std::string message;
+  Severity severity;    ///< what Diagnostics counts: only errors stop a load
+  Where where;          ///< the place it is about
+  std::string message;  ///< one sentence, without the place and without a full stop
 };
 
 /// Bad input: the message lists the errors, a line each, as `maze.world:41: error: ...`; of more than 50 the
@@ -57,19 +65,22 @@ class Diagnostics {
   /// Of places in files that are known already: what a spec's places point into. May be null.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 
-  bool thorough() const { return thorough_; }
+  bool thorough() const { return thorough_; }  ///< whether it was made for a lint, see the constructor
+  /// What Where::file counts in; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
   /// Throws InputError, as throw_if_errors() does, at the k_most_errors-th: who goes on reading behind that
   /// many only takes time and memory.
   void error(Where where, std::string message);
-  static constexpr std::size_t k_most_errors = 1000;
+  static constexpr std::size_t k_most_errors = 1000;  ///< of one load, see error()
+  /// Listed by warnings() at each call; stops nothing.
   void warning(Where where, std::string message);
   /// A warning that is reported once for all places: calls with the same message after the first are only
   /// counted, and ` (and 99 more)` follows it in warnings(). Where thorough, once for each place.
   void warning_once(Where where, std::string message);
 
-  bool has_errors() const { return errors_ > 0; }
+  bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
+  /// All, in the order they were found; valid until the next is added.
   std::span<const Finding> findings() const { return findings_; }
   /// One finding as `file:line: severity: message`; without the line where it is 0, without both where there
   /// is no file.

@@ -13,38 +13,44 @@ inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y()
 
 /// A closed interval of heights, metres.
 struct ZInterval {
-  double min = 0;
-  double max = 0;
+  double min = 0;  ///< lower end
+  double max = 0;  ///< upper end; an interval with max < min holds nothing
 
-  bool contains(double z) const { return min <= z && z <= max; }
+  bool contains(double z) const { return min <= z && z <= max; }  ///< ends included
   /// Bodies that only touch do not overlap.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
-  ZInterval shifted(double dz) const { return {min + dz, max + dz}; }
+  ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
 };
 
 /// Axis-aligned box. Empty (min > max) until extended.
 struct Box {
+  /// The corner with the least x and y; metres, in the frame of what was put in.
   Vec2 min = Vec2::Constant(std::numeric_limits<double>::infinity());
-  Vec2 max = Vec2::Constant(-std::numeric_limits<double>::infinity());
+  Vec2 max = Vec2::Constant(-std::numeric_limits<double>::infinity());  ///< the opposite corner
 
+  /// True until extended; a box around one point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
-  Vec2 size() const { return max - min; }
-  Vec2 center() const { return 0.5 * (min + max); }
+  Vec2 size() const { return max - min; }            ///< lengths along x and y; of an empty box meaningless
+  Vec2 center() const { return 0.5 * (min + max); }  ///< of an empty box NaN
+  /// Grows the box to hold the point.
   void extend(const Vec2& p) {
     min = min.cwiseMin(p);
     max = max.cwiseMax(p);
   }
+  /// Grows the box to hold the other one; an empty one changes nothing.
   void extend(const Box& b) {
     min = min.cwiseMin(b.min);
     max = max.cwiseMax(b.max);
   }
+  /// Grown by the margin on all four sides; a negative one shrinks it, perhaps to an empty box.
   Box expanded(double margin) const {
     Box b;
     b.min = min.array() - margin;
     b.max = max.array() + margin;
     return b;
   }
+  /// The border is inside.
   bool contains(const Vec2& p) const {
     return min.x() <= p.x() && p.x() <= max.x() && min.y() <= p.y() && p.y() <= max.y();
   }
@@ -52,6 +58,7 @@ struct Box {
   bool touches(const Box& b) const {
     return min.x() <= b.max.x() && b.min.x() <= max.x() && min.y() <= b.max.y() && b.min.y() <= max.y();
   }
+  /// The square with this centre and half this side: the bounds of a circle.
   static Box around(const Vec2& center, double radius) {
     Box b;
     b.min = center.array() - radius;
@@ -66,8 +73,8 @@ using Ring = std::vector<Vec2>;
 /// A floor plan or a block: the even-odd region of its contours, extruded over a z interval.
 /// Edges of every contour are met by rays from both sides.
 struct Solid {
-  std::vector<Ring> contours;
-  ZInterval z;
+  std::vector<Ring> contours;  ///< outer and inner ones alike, in any order and direction
+  ZInterval z;                 ///< the heights it fills, in the frame of the contours
 
   friend bool operator==(const Solid&, const Solid&) = default;
 };
@@ -79,11 +86,13 @@ Solid placed(Solid solid, const Pose& pose_world_body);
 
 /// A convex polygon, counter-clockwise, extruded over a z interval.
 struct ConvexPrism {
-  Ring outline;
-  ZInterval z;
+  Ring outline;  ///< at least three corners, in the frame of the solid it was cut from
+  ZInterval z;   ///< that of the solid
 };
 
+/// Square metres; positive for a counter-clockwise ring, 0 for fewer than three vertices.
 double signed_area(const Ring& ring);
+/// The smallest box that holds every vertex; empty for a ring without vertices.
 Box bounds(const Ring& ring);
 /// True when each vertex turns left or goes straight on (to 1e-9 rad, since corners on one line rarely stay
 /// on it in floating point), and the ring winds once. False for a clockwise ring and for one without area.

@@ -13,6 +13,7 @@ namespace troupe {
 
 /// XXH3, 64 bits: the same value on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
+/// hash_bytes() of the characters, seed 0.
 std::uint64_t hash_text(std::string_view text);
 
 /// The sum, modulo 2^64, of the hashes of rows: for each id hash_bytes() of its four bytes followed by those
@@ -24,12 +25,13 @@ std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std
 /// The hash_bytes() of what comes piece by piece.
 class HashStream {
  public:
-  HashStream();
+  HashStream();  ///< of no bytes
   ~HashStream();
   HashStream(const HashStream&) = delete;
   HashStream& operator=(const HashStream&) = delete;
+  /// Appends to what was added before; where it is cut does not matter.
   void add(std::span<const std::byte> bytes);
-  std::uint64_t hash() const;
+  std::uint64_t hash() const;  ///< of all so far; may be asked for between pieces
 
  private:
   struct State;

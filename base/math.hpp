@@ -6,7 +6,7 @@
 
 namespace troupe {
 
-inline constexpr double k_pi = std::numbers::pi;
+inline constexpr double k_pi = std::numbers::pi;  ///< the double nearest to pi
 
 /// Sine, cosine and the rest, computed from IEEE + - x / only, so that every processor, compiler and
 /// optimisation level gives the same bits; libm's do not.
@@ -16,15 +16,18 @@ inline constexpr double k_pi = std::numbers::pi;
 /// edges   NaN gives NaN; sin, cos of +-inf give NaN; exp overflows to inf and underflows to 0;
 ///         log(+-0) = -inf, log(x < 0) = NaN; atan2 of zeros and infinities follows IEEE 754 9.2
 /// signs   sin and atan2 (in y) are odd bit for bit, zeros included, and cos is even
+///@{
 double sin(double radians);
 double cos(double radians);
 double atan2(double y, double x);
 double exp(double x);
 double log(double x);
+///@}
 
+/// What sincos() gives.
 struct SinCos {
-  double sin;
-  double cos;
+  double sin;  ///< in -1 to 1
+  double cos;  ///< in -1 to 1
 };
 /// Both at once: one argument reduction. The same bits as sin() and cos().
 SinCos sincos(double radians);
@@ -37,7 +40,9 @@ void sincos(std::span<const double> radians, std::span<SinCos> out);
 /// others lose the nearest multiple of 2 pi, to within 1 ulp of the result. NaN and +-inf give NaN.
 double wrap_angle(double radians);
 
+/// From degrees, as files and people write them; one rounding of the factor and one of the product.
 constexpr double radians(double degrees) { return degrees * (k_pi / 180.0); }
+/// To degrees.
 constexpr double degrees(double radians) { return radians * (180.0 / k_pi); }
 
 /// The square root is an IEEE basic operation and rounds the same everywhere.

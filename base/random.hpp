@@ -65,7 +65,8 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
 
 /// A 64-bit mixture of its arguments, for priorities: every bit depends on every input bit.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {  ///< of three
+/// The same of three.
+inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }
 

@@ -31,7 +31,11 @@ endfunction()
 #   LINK          what its headers need
 #   PRIVATE_LINK  what only its sources need; a static library's users link it all the same
 #   BUILD_LINK    what only its sources need and only to compile (header-only libraries): users need not have it
-# Every header of the folder is public: it is installed, and must compile by itself.
+# Every header of the folder must compile by itself. Those are public, and installed, that internal_headers.txt does not name.
+set(internal_list ${CMAKE_CURRENT_LIST_DIR}/internal_headers.txt)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
+file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
+
 function(troupe_add_library folder)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK;BUILD_LINK" ${ARGN})
   add_library(troupe_${folder} STATIC ${arg_SOURCES})
@@ -39,7 +43,14 @@ function(troupe_add_library folder)
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
   file(GLOB headers CONFIGURE_DEPENDS *.hpp)
-  target_sources(troupe_${folder} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${headers})
+  set(public_headers)
+  foreach(header ${headers})
+    cmake_path(GET header FILENAME name)
+    if(NOT ${folder} IN_LIST troupe_internal_headers AND NOT ${folder}/${name} IN_LIST troupe_internal_headers)
+      list(APPEND public_headers ${header})
+    endif()
+  endforeach()
+  target_sources(troupe_${folder} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${public_headers})
   troupe_verify_headers(${folder} "${headers}" "${arg_SOURCES}")
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})

@@ -15,9 +15,10 @@ namespace troupe::engine {
 
 /// A closed outline that rays may meet: vertices [first, first + count) of the type.
 struct RayOutline {
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
-  ZInterval z;  ///< body frame
+  std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
+  std::uint32_t count = 0;  ///< vertices, at least one
+  ZInterval z;              ///< body frame
+  /// Intensity that rangers read, Returns::ranger; below 0 of outlines that they pass.
   float ranger_return = 1;
   std::uint32_t part = 0;        ///< that it is of
   std::uint32_t solid = 0;       ///< of the type: contours of one number are one even-odd region
@@ -26,7 +27,7 @@ struct RayOutline {
 
 /// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
 struct BodyType {
-  std::string name;
+  std::string name;                           ///< TypeSpec::name
   partition::ObstacleShape obstacle;          ///< with every joint at rest
   std::vector<std::int32_t> obstacle_joints;  ///< of its pieces; empty where the type has no joints
   partition::ObstacleShape grip;              ///< what grippers feel; empty where they cannot take it
@@ -38,31 +39,34 @@ struct BodyType {
   double joint_reach = 0;              ///< by how much joints are known to widen it, m
   std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
 
+  /// A JointSpec made ready to run.
   struct Joint {
-    std::string name;
-    std::int32_t parent;
+    std::string name;       ///< of its component, `joint/<name>`
+    std::int32_t parent;    ///< index of the joint that it stands on, which comes before it; k_rigid: none
     Mount at_rest;          ///< in the body's frame, as is
     Mount to_body;          ///< its inverse
     std::size_t table = 0;  ///< where it is: index into World::tables()
   };
-  std::vector<Joint> joints;
+  std::vector<Joint> joints;  ///< in the order of TypeSpec::joints
 
+  /// A DriveSpec made ready to run.
   struct Drive {
-    const DriveKind* kind;
-    std::any data;
-    std::uint64_t period;  ///< ticks
-    Localization localization;
+    const DriveKind* kind;                                     ///< in the registry
+    std::any data;                                             ///< what the kind prepared
+    std::uint64_t period;                                      ///< ticks
+    Localization localization;                                 ///< how its robots know where they are
     std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
     std::optional<std::size_t> supply = std::nullopt;          ///< what it runs on: index into `devices`
     std::uint8_t pushes = 0;                                   ///< how many bodies it pushes at once
   };
-  std::optional<Drive> drive;
-  bool pushable = false;  ///< robots push it; it has no drive
+  std::optional<Drive> drive;  ///< none: bodies of the type do not move by themselves
+  bool pushable = false;       ///< robots push it; it has no drive
 
+  /// A DeviceSpec made ready to run.
   struct Device {
-    std::string name;
-    const DeviceKind* kind;
-    DeviceKind::Prepared prepared;
+    std::string name;                          ///< DeviceSpec::name
+    const DeviceKind* kind;                    ///< in the registry
+    DeviceKind::Prepared prepared;             ///< what the kind prepared from its parameters
     std::uint64_t period;                      ///< ticks
     bool active;                               ///< runs: always on, or a controller reads it
     std::uint32_t part;                        ///< that carries it
@@ -74,21 +78,22 @@ struct BodyType {
     std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
     std::uint32_t switch_bit = 0;              ///< in Command::off; 0: no controller switches it
   };
-  std::vector<Device> devices;
+  std::vector<Device> devices;  ///< in the order of TypeSpec::devices
   std::vector<std::size_t>
       joint_devices;     ///< those that move joints: the devices that stand on them come later
   bool carries = false;  ///< a device can pick up other bodies
 
+  /// A ControllerSpec made ready to run.
   struct Controller {
-    const ControllerKind* kind;
-    std::any data;
+    const ControllerKind* kind;        ///< in the registry
+    std::any data;                     ///< what the kind prepared from its parameters
     std::vector<std::size_t> devices;  ///< indices into `devices`; the first is the trigger
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
     std::optional<std::size_t> table;  ///< its memories: index into World::tables()
     std::optional<std::size_t> drive;  ///< that it commands: index into `devices`; none: the body's
   };
-  std::vector<Controller> controllers;
+  std::vector<Controller> controllers;  ///< in the order of TypeSpec::controllers
 
   /// What a body of this type takes: readings, memories and its outline.
   double row_bytes() const;

@@ -15,19 +15,19 @@ namespace troupe::engine {
 
 /// A motion that a body proposes for one tick. The rest means nothing where it does not move.
 struct Motion {
-  Pose to;            ///< where it would go, world frame
-  Rotation rotation;  ///< of `to`
-  double turn = 0;    ///< rad, from where it stands; not wrapped
-  bool moves = false;
+  Pose to;             ///< where it would go, world frame
+  Rotation rotation;   ///< of `to`
+  double turn = 0;     ///< rad, from where it stands; not wrapped
+  bool moves = false;  ///< false: it proposes to stay
 
-  Transform there() const { return {to.position(), rotation}; }
+  Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, height left out
 };
 
 /// A circle that no edge of a static obstacle meets, m, world frame.
 struct FreeCircle {
-  float x = 0;
-  float y = 0;
-  float radius = 0;
+  float x = 0;       ///< centre
+  float y = 0;       ///< centre
+  float radius = 0;  ///< 0: nothing is known yet
 };
 
 /// The most bodies that one may push at once.
@@ -36,13 +36,13 @@ inline constexpr std::size_t k_most_pushed = 16;
 /// Which rows can be pushed, and how many of them each row can push at once. One entry a row in both spans;
 /// empty where nothing in the world can be pushed.
 struct Pushables {
-  std::span<const std::uint8_t> is_pushable;
-  std::span<const std::uint8_t> limits;  ///< at most k_most_pushed
-  double radius = 0;                     ///< of the largest that can be pushed, m
-  double thinnest = 0;                   ///< of the parts of all that can be pushed, m
-  std::size_t most = 0;                  ///< the limits taken together
+  std::span<const std::uint8_t> is_pushable;  ///< 1: the row can be pushed
+  std::span<const std::uint8_t> limits;       ///< at most k_most_pushed
+  double radius = 0;                          ///< of the largest that can be pushed, m
+  double thinnest = 0;                        ///< of the parts of all that can be pushed, m
+  std::size_t most = 0;                       ///< the limits taken together
 
-  bool any() const { return !is_pushable.empty(); }
+  bool any() const { return !is_pushable.empty(); }  ///< whether anything in the world can be pushed
 };
 
 /// Who may move this tick, and what is pushed.
@@ -79,31 +79,38 @@ struct Pushables {
 /// memory  grows with the rows alone: settling allocates when there are more of them than ever before
 class Conflicts {
  public:
-  static constexpr int k_push_passes = 16;
+  static constexpr int k_push_passes = 16;  ///< see `pushed`, above
 
   /// One entry a row in each span.
   struct Crowd {
     std::span<const Pose> poses;            ///< where they stand
     std::span<const Transform> transforms;  ///< of the poses
-    std::span<const Motion> motions;
+    std::span<const Motion> motions;        ///< what each proposes
+    /// What of each blocks others, in its own frame; empty: nothing.
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< no two alike
     /// What is known of the static scene around each: kept by the caller from tick to tick while the scene is
     /// the same, and changed here. It is no state: starting again with empty circles gives the same outcomes.
     std::span<FreeCircle> free;
-    std::uint64_t seed = 1;
-    std::uint64_t tick = 0;
-    Box bounds;  ///< motions that end outside are refused
-    Pushables pushables = {};
+    std::uint64_t seed = 1;    ///< of the world, for priorities
+    std::uint64_t tick = 0;    ///< the one under way, for priorities
+    Box bounds;                ///< motions that end outside are refused
+    Pushables pushables = {};  ///< nobody pushes where it is empty
   };
 
   /// A row that was pushed, and where it is now; it has kept its height and heading.
   struct Push {
-    std::uint32_t row;
-    Vec2 position;
+    std::uint32_t row;  ///< of the body
+    Vec2 position;      ///< m, world frame
   };
 
-  enum class Outcome : std::uint8_t { stands, moved, refused, held };  ///< held: at the bounds of the world
+  /// What became of a row's motion.
+  enum class Outcome : std::uint8_t {
+    stands,   ///< it proposed none
+    moved,    ///< it is where it wanted to be
+    refused,  ///< something is in the way: it stays where it was
+    held,     ///< it would have left the world's bounds: it stays where it was
+  };
 
   /// The index holds every row at its pose; rows that are not in it propose no motion.
   void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
@@ -120,6 +127,8 @@ class Conflicts {
   double longest() const { return longest_; }
   /// All pushes of the last settling, in any order; of one row perhaps several, of which one is_last.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
+  /// Whether no later push moved the same row: its position is where the row ends. Only for elements of
+  /// pushes().
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:

@@ -174,20 +174,23 @@ std::vector<StateField> memory_fields() {
   return out;
 }
 
-/// A controller kind from a class C:
-///   struct Memory { ...; TROUPE_FIELDS(...) };                        (optional)
-///   static constexpr bool needs_drive = false;      (optional: else it drives)
-///   static constexpr bool switches = true;          (optional: it switches devices on and off)
-///   static C make(const Record& params);            (optional: else it is C{})
-///   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed, std::string&
-///   fault);                                         (optional: else it uses all, and claims none)
-///   static constexpr std::array k_uses{std::string_view("ranger")};
-///                                                   (optional, without choose: kinds of the devices it
-///                                                   uses, in this order)
-///   std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);    (optional: what it must
-///   know) static constexpr std::array<std::string_view, N> brings;   (optional: ControllerKind::brings) void
-///   operator()([Memory&,] const Percept&, Random&, Actions&) const;     for one robot, or else void
-///   operator()(const DecideBatch&) const;                               for many at once
+/// A controller kind from a class C, which has
+///
+///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
+///     void operator()(const DecideBatch&) const;                            // for many at once
+///
+/// and may have
+///
+///     struct Memory { ...; TROUPE_FIELDS(...) };  // what it remembers of each robot
+///     static constexpr bool needs_drive = false;  // else only what drives may have it
+///     static constexpr bool switches = true;      // it switches devices on and off
+///     static C make(const Record& params);        // else it is C{}
+///     std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed,
+///                                     std::string& fault);  // else it uses all, and claims none
+///     static constexpr std::array k_uses{std::string_view("ranger")};
+///                                                 // without choose: kinds of the devices it uses, in order
+///     std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);  // ControllerKind::look
+///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
   using Memory = typename detail::MemoryOf<C>::type;

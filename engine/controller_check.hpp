@@ -21,13 +21,14 @@ struct ControllerFinding {
     again,   ///< the same controller decided again
     afresh,  ///< a controller that was made afresh, of the same parameters, decided
   };
-  std::string
-      controller;     ///< kind and number within its body, as the memory's component is called: "wander/0"
-  std::string field;  ///< "memory turn_left_s" or "command x"
-  Repeat repeat = Repeat::again;
-  BodyId body;                ///< the lowest one met
-  StateValue first, second;   ///< of that body
-  std::size_t decisions = 1;  ///< that differ in this field
+  /// Kind and number within its body, as the memory's component is called: "wander/0".
+  std::string controller;
+  std::string field;              ///< "memory turn_left_s" or "command x"
+  Repeat repeat = Repeat::again;  ///< what found it
+  BodyId body;                    ///< the lowest one met
+  StateValue first;               ///< of that body: what was decided first
+  StateValue second;              ///< of that body: what was decided again
+  std::size_t decisions = 1;      ///< that differ in this field
 };
 /// `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11) when decided again, not
 /// 0x0000000a (10); 12 decisions differ`.
@@ -51,7 +52,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 /// Not thread-safe beside the world's own workers: repeat() between steps only. One a world at a time.
 class ControllerCheck {
  public:
-  using Finding = ControllerFinding;
+  using Finding = ControllerFinding;  ///< as controllers' tests call it
 
   /// The registry is the world's own, or one of the same kinds. Both must outlive it.
   ControllerCheck(World& world, const Registry& registry);

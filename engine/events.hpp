@@ -11,31 +11,33 @@ namespace troupe::engine {
 
 /// What may happen to a robot, and what it may do to others.
 enum class EventType : std::uint8_t {
-  stall_ends,
-  held_ends,
-  stall_begins,
-  held_begins,
-  release,
-  grip,
-  birth,
-  death,
-  fails,
-  recovers
+  stall_ends,    ///< its motions are no longer refused
+  held_ends,     ///< it no longer wants to leave the world
+  stall_begins,  ///< something stands in its way
+  held_begins,   ///< it would have left the world
+  release,       ///< it has let go of another body
+  grip,          ///< it has taken hold of another body
+  birth,         ///< its life begins
+  death,         ///< its life is over
+  fails,         ///< all of it has stopped
+  recovers,      ///< it works again
 };
 
+/// What tables and recordings call an event.
 struct EventKind {
-  EventType type;
-  std::string_view name;
-  std::string_view text;
+  EventType type;         ///< its place in event_kinds()
+  std::string_view name;  ///< "stall_begins"
+  std::string_view text;  ///< one line for people
 };
 /// All of them, in the order in which one robot's events of one tick are told: the order of EventType.
 std::span<const EventKind> event_kinds();
-std::string_view event_name(EventType type);
+std::string_view event_name(EventType type);  ///< its name
 
+/// Something that happened in a tick.
 struct Event {
-  EventType type;
-  BodyId body;
-  BodyId other;  ///< what it let go of, or took hold of; not valid of the rest
+  EventType type;  ///< what
+  BodyId body;     ///< to whom, or who did it
+  BodyId other;    ///< what it let go of, or took hold of; not valid of the rest
 };
 
 /// Finds what happened in a tick from two states that follow one another: it remembers nothing that is not in

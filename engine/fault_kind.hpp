@@ -25,9 +25,9 @@ inline constexpr std::size_t k_most_fallible = 32;
 /// A way to fail. It says what the fault does; who fails and when is the world's business, and no robot that
 /// is sound pays for it.
 struct FaultKind {
-  std::string_view name;
-  std::string_view text;
-  FieldTable params;
+  std::string_view name;  ///< as files say it; unique in the registry
+  std::string_view text;  ///< one sentence for `troupe describe`
+  FieldTable params;      ///< its parameters
   /// For bodies of this type, once, when the world is built. Why such a body cannot fail so stands in
   /// `fault`.
   Ailment (*prepare)(const Record& params, const BodyType& type, std::string& fault) = nullptr;

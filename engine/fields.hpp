@@ -20,9 +20,12 @@ using Record = std::vector<Value>;
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                std::vector<Record>>
-      v;
+      v;  ///< nothing at all: not given
 
+  /// Not given.
   Value() = default;
+  /// Of what fields hold, each kept as what it is: 1 is an integer and 1.0 a number.
+  ///@{
   Value(bool x) : v(x) {}
   Value(int x) : v(std::int64_t{x}) {}
   Value(std::int64_t x) : v(x) {}
@@ -31,38 +34,45 @@ struct Value {
   Value(std::string x) : v(std::move(x)) {}
   Value(std::vector<double> x) : v(std::move(x)) {}
   Value(std::vector<Record> x) : v(std::move(x)) {}
+  ///@}
 
+  /// False: no value stands there.
   bool given() const { return !std::holds_alternative<std::monostate>(v); }
+  /// What it holds. Throws std::bad_variant_access where it is something else: a field table's reader has
+  /// seen to it.
+  ///@{
   bool boolean() const { return std::get<bool>(v); }
   std::int64_t integer() const { return std::get<std::int64_t>(v); }
   double number() const { return std::get<double>(v); }
   const std::string& text() const { return std::get<std::string>(v); }
   const std::vector<double>& numbers() const { return std::get<std::vector<double>>(v); }
   const std::vector<Record>& records() const { return std::get<std::vector<Record>>(v); }
+  ///@}
   friend bool operator==(const Value&, const Value&) = default;
 };
 
 /// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or
 /// `fov_deg`, `range` (m) is `range_m`, `range_cm` or `range_mm`; fields without a dimension stand bare.
 enum class Unit {
-  none,
-  meters,
-  radians,
-  seconds,
-  meters_per_second,
-  radians_per_second,
-  meters_per_second_squared,
-  radians_per_second_squared,
-  per_second,
-  kilograms,
-  joules,
-  watts
+  none,                        ///< a bare number, or no number
+  meters,                      ///< m
+  radians,                     ///< rad
+  seconds,                     ///< s
+  meters_per_second,           ///< m/s
+  radians_per_second,          ///< rad/s
+  meters_per_second_squared,   ///< m/s^2
+  radians_per_second_squared,  ///< rad/s^2
+  per_second,                  ///< 1/s
+  kilograms,                   ///< kg
+  joules,                      ///< J
+  watts,                       ///< W
 };
 
+/// What a parameter is.
 enum class FieldType {
-  boolean,
-  integer,
-  number,
+  boolean,  ///< true or false
+  integer,  ///< whole, 64 bits
+  number,   ///< a double, of the field's unit
   text,     ///< one of `choices` where there are any
   numbers,  ///< `columns` numbers of one unit; columns 0: any count
   colors,   ///< any count of colours, which files may name (stored as numbers: red, green, blue, ...)
@@ -75,24 +85,24 @@ struct FieldTable;
 /// One parameter of a kind: from this parsing, validation, error texts, `troupe describe` and the reference
 /// page are made.
 struct Field {
-  std::string_view name;
-  FieldType type = FieldType::number;
-  Unit unit = Unit::none;
+  std::string_view name;               ///< lower case with underscores; in files its unit stands behind it
+  FieldType type = FieldType::number;  ///< what it is
+  Unit unit = Unit::none;              ///< of number and numbers
   /// Not given: the field is required.
   Value fallback;
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  std::string_view text;
-  std::size_t columns = 0;
-  std::vector<std::string_view> choices;
-  const FieldTable* record = nullptr;
+  double min = -std::numeric_limits<double>::infinity();  ///< of numbers, in SI; of lists, each
+  double max = std::numeric_limits<double>::infinity();   ///< as `min`; included
+  std::string_view text;                  ///< one sentence for `troupe describe`, errors and the schema
+  std::size_t columns = 0;                ///< of `numbers`
+  std::vector<std::string_view> choices;  ///< of `text`; empty: any text
+  const FieldTable* record = nullptr;     ///< of `record` and `records`; must outlive the field
   /// The lower limit itself is refused (sizes, periods).
   bool above_min = false;
 };
 
 /// The parameters of one kind. Field names are unique.
 struct FieldTable {
-  std::vector<Field> fields;
+  std::vector<Field> fields;  ///< in the order of the records' values
 
   /// Position of a field, or -1.
   int find(std::string_view name) const;
@@ -102,11 +112,11 @@ struct FieldTable {
 
 /// Key suffixes of a unit with the factor to SI, the SI one first: {"_rad", 1}, {"_deg", pi/180}.
 struct UnitSuffix {
-  std::string_view suffix;
+  std::string_view suffix;  ///< as keys end: "_deg"; of no unit empty
   std::string_view symbol;  ///< for people: "rad", "deg", "m/s"
-  double to_si;
+  double to_si;             ///< factor from this unit to SI
 };
-std::span<const UnitSuffix> unit_suffixes(Unit unit);
+std::span<const UnitSuffix> unit_suffixes(Unit unit);  ///< never empty; static storage
 
 /// The value of a field, by its name; the table must have it.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {

@@ -37,20 +37,20 @@ struct WorldSpec;
 
 /// A model kind: what a Stage world file may create. Part of the registry so that loaders share the defaults.
 struct ModelKind {
-  std::string_view name;
-  std::string_view text;
-  Eigen::Vector3d size{0.4, 0.4, 1.0};
-  Color color{1, 0, 0, 1};
-  bool has_default_body = true;
+  std::string_view name;                ///< as Stage's files say it: "position"
+  std::string_view text;                ///< one sentence for `troupe describe`
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< metres, x, y, z, where the file gives none
+  Color color{1, 0, 0, 1};              ///< where the file gives none
+  bool has_default_body = true;         ///< else one without blocks of its own has no body
   std::string_view device;  ///< kind of the device that each model of this kind is; empty: it is none
-  FieldTable params;
+  FieldTable params;        ///< of that device, or of the model itself
 };
 
 /// Rows of one type whose device senses or acts in a tick, and where all that concerns them lies.
 struct DeviceBatch {
-  const World& world;    ///< the last committed state
-  const std::any& data;  ///< what the kind prepared
-  std::span<const Row> rows;
+  const World& world;          ///< the last committed state
+  const std::any& data;        ///< what the kind prepared
+  std::span<const Row> rows;   ///< of the batch; all of one type
   StateTable& state;           ///< the device's rows, by slot; of `rows` it may write its own
   const StateTable* commands;  ///< what controllers asked of it, by slot; null where the kind takes none
   Effects& effects;            ///< what it does to others goes here
@@ -59,8 +59,8 @@ struct DeviceBatch {
   std::uint32_t stream = 0;    ///< of its random numbers
   double period_s = 0;         ///< since it last ran
 
-  BodyId body(std::size_t i) const;
-  std::size_t slot(std::size_t i) const;
+  BodyId body(std::size_t i) const;       ///< whose row it is
+  std::size_t slot(std::size_t i) const;  ///< of the row in `state` and `commands`
   /// Its random numbers in this tick.
   Random random(std::size_t i) const;
   /// Where the body's frame is in the world as seen from the device: that of the joint it stands on.
@@ -72,7 +72,11 @@ struct DeviceBatch {
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// In `settled`: whether it was asked to move, and whether it did.
   bool asked_joint(std::size_t i, std::size_t n) const;
+  /// In `settled`: whether it moved.
   bool moved_joint(std::size_t i, std::size_t n) const;
+  /// Has an effect applied once all have moved: DeviceKind::apply. Throws std::length_error where a row emits
+  /// more than `Prepared::most_effects` of them. sequence: orders those of one row in a tick; verb, payload:
+  /// matters of the kind; target: may be not valid
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -91,9 +95,9 @@ struct DeviceBatch {
 /// What a body carries that has a state of its own: sensors, which look at the world, and other devices
 /// (grippers, lights, power packs), which take commands and act on it.
 struct DeviceKind {
-  std::string_view name;
-  std::string_view text;
-  FieldTable params;
+  std::string_view name;  ///< as files say it: "ranger"
+  std::string_view text;  ///< one sentence for `troupe describe`
+  FieldTable params;      ///< its parameters
   /// Names of the joints that it moves; a single one needs none.
   std::vector<std::string_view> joints;
   /// Whether it can pick up other bodies.
@@ -102,15 +106,16 @@ struct DeviceKind {
   /// Its commands are a Command (command_fields), and its state begins with the pose that it believes to
   /// have.
   bool drives = false;
-  /// The body that it brings along, in its own frame, its joints at rest. Null: none.
+  /// A solid that a device brings along, where it is with its joints at rest.
   struct Fixture {
-    Solid solid;
+    Solid solid;              ///< in the device's own frame
     std::int32_t joint = -1;  ///< of its own, that the solid moves with
   };
+  /// What it brings along. Null: nothing.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// Parameters -> what `sense` needs; also says what state a row has.
   struct Prepared {
-    std::any data;
+    std::any data;                     ///< what `sense` and the others are given as `data`
     std::vector<StateField> percepts;  ///< element fields of the sensor's state table
     std::size_t percept_bytes = 0;     ///< of a struct that the percepts are (memory_fields); 0: of none
     std::vector<StateField> commands;  ///< what controllers may ask of it: fields of a struct (memory_fields)
@@ -126,8 +131,9 @@ struct DeviceKind {
     std::vector<double> bearings;
     /// First reading of each transducer, with the heading of the transducer itself.
     std::vector<std::size_t> transducers;
-    std::vector<double> transducer_headings;
+    std::vector<double> transducer_headings;  ///< heading of each in the sensor's frame, rad
   };
+  /// Pure. Throws nothing of its own: parameters are within the bounds of their table.
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
   /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
   /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
@@ -170,21 +176,22 @@ enum class ControlMode : std::uint8_t {
   acceleration,  ///< m/s^2 and rad/s^2; for a `car` turn is the steering angle, rad
   position,      ///< a goal in the frame of the estimate, m and rad
 };
-inline constexpr std::size_t k_control_modes = 3;
+inline constexpr std::size_t k_control_modes = 3;  ///< values of ControlMode
 
 /// What a controller asks of its drive, in the body's frame (a goal: in the estimate's): forward, left,
 /// counter-clockwise. To assign `{x, y, turn}` commands a speed; to change one number keeps the mode.
 struct Command {
-  double x = 0;
-  double y = 0;
-  double turn = 0;
-  ControlMode mode = ControlMode::velocity;
+  double x = 0;                              ///< forward
+  double y = 0;                              ///< left
+  double turn = 0;                           ///< counter-clockwise
+  ControlMode mode = ControlMode::velocity;  ///< what the numbers are
   std::uint32_t off = 0;  ///< devices that its controller has switched off: BodyType::Device::switch_bit
 };
 
 /// Its members, for tables.
 std::vector<StateField> command_fields();
 
+/// How a body moves by its drive.
 struct Velocity {
   double x = 0;     ///< m/s, body frame, forward
   double y = 0;     ///< m/s, body frame, left
@@ -193,16 +200,18 @@ struct Velocity {
 
 /// Drives of robots of one type that are due in a tick; sizes are equal.
 struct DriveBatch {
-  std::span<const Command> commands;
-  std::span<Velocity> velocities;   ///< in: of the last tick, where `estimates` are given; out: of this one
-  std::span<const Pose> estimates;  ///< empty where all commands are speeds
-  double elapsed_s = 0;             ///< since they were due before
+  std::span<const Command> commands;  ///< one a robot
+  std::span<Velocity> velocities;     ///< in: of the last tick, where `estimates` are given; out: of this one
+  std::span<const Pose> estimates;    ///< empty where all commands are speeds
+  double elapsed_s = 0;               ///< since they were due before
 };
 
+/// A way to move: from commands to velocities.
 struct DriveKind {
-  std::string_view name;
-  std::string_view text;
-  FieldTable params;
+  std::string_view name;  ///< as files say it: "diff"
+  std::string_view text;  ///< one sentence for `troupe describe`
+  FieldTable params;      ///< its parameters
+  /// Parameters -> what the others are given as `data`.
   std::any (*prepare)(const Record& params);
   /// What is wrong with the parameters taken together; empty when nothing is.
   std::string (*fault)(const Record& params);
@@ -219,6 +228,7 @@ inline constexpr std::size_t k_most_devices_read = 16;
 class Readings {
  public:
   Readings() = default;
+  /// A row of a device's table; both live as long as the decision.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
   /// A field, by its place among the kind's percepts; one value a column.
   template <class T>
@@ -240,8 +250,8 @@ class Readings {
 struct Percept {
   std::uint64_t tick = 0;  ///< the tick being decided; 1 is the first
   double time_s = 0;       ///< world time at its end
-  double tick_s = 0;
-  std::uint32_t body = 0;
+  double tick_s = 0;       ///< length of a tick, s
+  std::uint32_t body = 0;  ///< id of its own body
   /// The sensors and other devices it asked for in `prepare`, in that order.
   std::span<const Readings> devices;
   /// Where it believes to be: engine/localization.hpp.
@@ -253,7 +263,7 @@ struct Percept {
 
 /// What it may do: slots of its own body, already holding the last values.
 struct Actions {
-  Command& command;
+  Command& command;  ///< of its drive, holding what was asked last
   /// What it asks of the devices it chose, in the order of Percept::devices; null for those that take no
   /// commands.
   std::span<std::byte* const> devices;
@@ -266,6 +276,7 @@ struct Actions {
   void switch_device(std::size_t chosen, bool on) const {
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }
+  /// As its last command has it.
   bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
   /// m/s and rad/s, from the next tick on, until replaced; for a car `turn` is the steering angle.
@@ -289,50 +300,60 @@ struct Actions {
 
 /// Robots of one type whose controller decides in a tick: where all that concerns robot i of the batch lies.
 struct DecideBatch {
-  std::uint64_t tick = 0;
-  double time_s = 0;
-  double tick_s = 0;
-  std::uint64_t seed = 0;
-  std::uint32_t stream = 0;     ///< of the controller's random numbers
-  std::span<const Row> rows;    ///< of the batch
-  std::span<const BodyId> ids;  ///< a row each, as are:
-  std::span<const std::uint32_t> slots;
-  std::span<Command> commands;
-  Estimates estimates;
+  std::uint64_t tick = 0;                ///< the tick being decided
+  double time_s = 0;                     ///< world time at its end
+  double tick_s = 0;                     ///< length of a tick
+  std::uint64_t seed = 0;                ///< the world's
+  std::uint32_t stream = 0;              ///< of the controller's random numbers
+  std::span<const Row> rows;             ///< of the batch
+  std::span<const BodyId> ids;           ///< a row each, as are:
+  std::span<const std::uint32_t> slots;  ///< of each row: where it lies in the tables of its type
+  std::span<Command> commands;           ///< of each row: what is asked of its body's drive
+  Estimates estimates;                   ///< where they believe to be
 
   /// A row of a table each slot.
   struct Rows {
-    std::byte* first = nullptr;
-    std::size_t row_bytes = 0;
+    std::byte* first = nullptr;  ///< slot 0; null: there is no such table
+    std::size_t row_bytes = 0;   ///< from one slot to the next
 
+    /// Null where there is no table.
     std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
   };
   std::array<const StateTable*, k_most_devices_read> percepts;  ///< of the sensors it chose, and
   std::array<Rows, k_most_devices_read> device_commands;        ///< what may be asked of them
   std::array<std::uint32_t, k_most_devices_read> switches{};    ///< and their bits in Command::off
-  std::size_t devices = 0;
-  Rows memories;
+  std::size_t devices = 0;                                      ///< how many it chose
+  Rows memories;  ///< of the kind's struct; none where it has no memory
   /// Of the drive that the controller's part has for itself; none: it commands the body's, as above.
   Rows drive_commands = {};
+  /// Of that drive: begins with the pose that it believes to have.
   const StateTable* drive_state = nullptr;
 
-  std::size_t size() const { return rows.size(); }
-  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }
+  std::size_t size() const { return rows.size(); }  ///< robots in the batch; i, below, is one of them
+  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
+  /// Its place in the tables of its type.
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
+  /// What robot i asks of its drive: that of the controller's part, or else the body's.
   Command& command(std::size_t i) const {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
+  /// Where robot i believes to be: as that drive has it, or else the body.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);
   }
+  /// The random numbers of robot i in this tick, at draw 0.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
+  /// Of robot i; null where it has none.
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
+  /// Of a device of robot i, by its place among those that the controller chose.
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
+  /// Of a ranger of robot i, likewise: m, a number a beam.
   std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
     return percepts[sensor]->cell<float>(slot(i), 0);
   }
+  /// What is asked of a device of robot i, likewise; null where its kind takes no commands.
   std::byte* device_command(std::size_t sensor, std::size_t i) const {
     return device_commands[sensor].of(slot(i));
   }
@@ -340,26 +361,28 @@ struct DecideBatch {
 
 /// A sensor of a type, as a controller that looks for its inputs sees it.
 struct DeviceInfo {
-  std::string_view name;
-  std::string_view kind;
-  const DeviceKind::Prepared& prepared;
+  std::string_view name;                 ///< DeviceSpec::name
+  std::string_view kind;                 ///< DeviceKind::name
+  const DeviceKind::Prepared& prepared;  ///< what its kind made of its parameters
 };
 
+/// A way to decide: from percepts and memory to commands.
 struct ControllerKind {
-  std::string_view name;
-  std::string_view text;
-  FieldTable params;
+  std::string_view name;    ///< as files say it: "wander"
+  std::string_view text;    ///< one sentence for `troupe describe`
+  FieldTable params;        ///< its parameters
   bool needs_drive = true;  ///< else also bodies that cannot move may have it
   bool switches = false;    ///< it switches its devices: Actions::switch_device
   /// Fields of the per-robot memory; the struct's bytes are owned by the engine.
   std::vector<StateField> memory;
-  std::size_t memory_bytes = 0;
+  std::size_t memory_bytes = 0;  ///< of that struct; 0: it has no memory
   /// Starts a memory: sets every field, whatever the bytes held (`troupe check --controllers` tries two
   /// fills).
   void (*start)(std::byte* memory);
 
+  /// What `prepare` makes of the parameters.
   struct Prepared {
-    std::any data;
+    std::any data;  ///< what `decide` is given
     /// Indices of the devices it uses; the first is its trigger. None: it runs with its drive.
     std::vector<std::size_t> devices;
   };
@@ -383,42 +406,45 @@ struct ControllerKind {
 
 /// Everything a world can be made of. Passed in, never global; assembled in troupe/registry.cpp.
 struct Registry {
-  std::vector<ModelKind> models;
-  std::vector<DeviceKind> devices;
-  std::vector<DriveKind> drives;
-  std::vector<ControllerKind> controllers;
-  std::vector<MeasureKind> measures;
-  std::vector<FaultKind> faults;
+  std::vector<ModelKind> models;            ///< what Stage's files may create
+  std::vector<DeviceKind> devices;          ///< sensors and other devices
+  std::vector<DriveKind> drives;            ///< ways to move
+  std::vector<ControllerKind> controllers;  ///< ways to decide
+  std::vector<MeasureKind> measures;        ///< what can be measured
+  std::vector<FaultKind> faults;            ///< how robots may fail
 
   /// A controller with its parameters already chosen, under a name of its own (Stage's expand_swarm).
   struct Preset {
-    std::string_view name;
-    std::string_view kind;
-    std::string_view text;
-    std::vector<std::pair<std::string_view, Value>> params;
+    std::string_view name;                                   ///< as files say it
+    std::string_view kind;                                   ///< of the controller
+    std::string_view text;                                   ///< one sentence for `troupe describe`
+    std::vector<std::pair<std::string_view, Value>> params;  ///< those that are not the defaults
   };
-  std::vector<Preset> presets;
+  std::vector<Preset> presets;  ///< apart from the controllers' names
 
   /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
   /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
   /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
   std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
 
+  /// The kind of this name; null where there is none. Valid as long as the lists are not changed.
+  ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
+  ///@}
   /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.
   const ControllerKind* controller(std::string_view name, std::string& fault) const;
   /// Names of the controllers and presets that stand in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
-  const Preset* preset(std::string_view name) const;
-  const MeasureKind* measure(std::string_view name) const;
-  const FaultKind* fault(std::string_view name) const;
+  const Preset* preset(std::string_view name) const;        ///< null where there is none
+  const MeasureKind* measure(std::string_view name) const;  ///< null where there is none
+  const FaultKind* fault(std::string_view name) const;      ///< null where there is none
 
   /// The devices that only look, and those that do more.
   std::vector<DeviceKind> sensors() const;
-  std::vector<DeviceKind> other_devices() const;
+  std::vector<DeviceKind> other_devices() const;  ///< those that sensors() leaves out
 };
 
 }  // namespace troupe::engine

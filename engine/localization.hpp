@@ -19,15 +19,19 @@ namespace troupe::engine {
 ///       refused; a teleport is no motion) times 1 + error, laid along the estimated heading. In the frame of
 ///       the origin, which is the robot's own first pose unless it is given.
 struct Localization {
-  enum class Kind : std::uint8_t { gps, odom };
+  /// How they know it.
+  enum class Kind : std::uint8_t {
+    gps,   ///< truly
+    odom,  ///< by what their wheels counted
+  };
   /// Relative errors: of the way forward and to the left, and of the turn.
   struct Error {
-    double x = 0;
-    double y = 0;
-    double turn = 0;
+    double x = 0;     ///< of the way forward
+    double y = 0;     ///< of the way to the left
+    double turn = 0;  ///< of the turn
   };
 
-  Kind kind = Kind::gps;
+  Kind kind = Kind::gps;       ///< see above
   std::optional<Pose> origin;  ///< world frame
   std::optional<Error> error;  ///< not given: drawn for each robot
   /// Lays a tick's motion along the heading after its turn, as Stage does, not along the one before it, as
@@ -58,12 +62,13 @@ struct Estimates {
   std::span<const Pose> poses;           ///< a row each
   std::span<const Odometry> odometries;  ///< a slot each, where they have odometry
 
+  /// That of one robot, m and rad; all 0 where nobody knows.
   Pose of(Row row, std::size_t slot) const;
 };
 
-/// The parameters that say it, for the tables of drives, and how they are read; a table without them means
-/// gps.
+/// The parameters that say it, for the tables of drives.
 std::vector<Field> localization_fields();
+/// What they say; a table without them means gps.
 Localization read_localization(const FieldTable& table, const Record& params);
 /// What is wrong with them taken together; empty when nothing is.
 std::string localization_fault(const FieldTable& table, const Record& params);

@@ -30,11 +30,13 @@ class MeasureSet {
   void see();
   /// A number a column, of the state that was seen last; NaN where there is none.
   std::vector<double> values();
+  /// One number of values(), without the others.
   double value(std::size_t column) { return measures_[column]->value(world_); }
 
   /// What is remembered of earlier ticks, for a checkpoint; and back, into a set of the same specs and a
   /// world in the saved state. False, and nothing changed, for what no such set has saved.
   std::vector<std::byte> memory() const;
+  /// Sets what memory() gave, see there.
   bool remember(std::span<const std::byte> memory);
 
  private:

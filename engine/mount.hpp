@@ -6,14 +6,17 @@ namespace troupe::engine {
 
 /// A frame within another, its rotation worked out: what a Pose says, for chains of frames.
 struct Mount {
-  Transform transform;
-  double z = 0;        ///< m
-  double heading = 0;  ///< rad; not wrapped
+  Transform transform;  ///< in the plane, m
+  double z = 0;         ///< m
+  double heading = 0;   ///< rad; not wrapped
 
-  Mount() = default;
-  Mount(const Transform& at, double height, double turned) : transform(at), z(height), heading(turned) {}
+  Mount() = default;  ///< at rest: the frame itself
+  Mount(const Transform& at, double height, double turned)
+      : transform(at), z(height), heading(turned) {}  ///< m and rad; the transform is turned by as much
+  /// Of a frame given by its pose.
   explicit Mount(const Pose& pose) : Mount(Transform(pose), pose.z, pose.heading) {}
 
+  /// As a pose, the heading wrapped into [-pi, pi]; never -0, so that equal places have equal bits.
   Pose pose() const {
     return {transform.position.x() + 0.0, transform.position.y() + 0.0, z + 0.0, wrap_angle(heading) + 0.0};
   }

@@ -16,9 +16,9 @@ namespace troupe::engine {
 /// A body's name in eight bytes: a word of a Names table and the number that stands behind it. "r17" is word
 /// "r", number 17. Of one table, equal texts are equal names, and unequal ones differ.
 struct Name {
-  static constexpr std::uint32_t k_no_number = ~0u;
-  std::uint32_t word = 0;
-  std::uint32_t number = k_no_number;
+  static constexpr std::uint32_t k_no_number = ~0u;  ///< there is no number behind the word
+  std::uint32_t word = 0;                            ///< index into Names::words(); 0 is the empty text
+  std::uint32_t number = k_no_number;                ///< written without leading zeros
   friend bool operator==(Name, Name) = default;
 };
 
@@ -32,6 +32,7 @@ class Names {
   /// where no table has such words: the first must be empty, and each stand there once.
   explicit Names(std::vector<std::string> words);
 
+  /// In the order in which they came; the first is empty.
   std::span<const std::string> words() const { return words_; }
 
   /// The name of a text, which is kept.
@@ -40,7 +41,7 @@ class Names {
   Name add(std::string_view text, std::uint32_t number);
   /// The name of a text; nothing where no name with its word was added.
   std::optional<Name> find(std::string_view text) const;
-  std::string text(Name name) const;
+  std::string text(Name name) const;  ///< as add() was given it
 
  private:
   std::uint32_t intern(std::string_view word);
@@ -49,15 +50,16 @@ class Names {
   std::map<std::string, std::uint32_t, std::less<>> positions_;  // of the words
 };
 
+/// Who has a name.
 struct NamedBody {
-  Name name;
-  BodyId body;
+  Name name;    ///< of one table, the world's
+  BodyId body;  ///< not valid: nobody
 };
 
 /// Bodies by their names: a hash table with open addressing.
 class NameMap {
  public:
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return size_; }  ///< names that bodies have
   /// Makes room for so many names.
   void reserve(std::size_t names);
   /// The body that has the name: `body` where nobody had it before.

@@ -29,7 +29,7 @@ class Crowd {
   /// Adds body number size(). The shape is referred to and must outlive the crowd. A shape without pieces is
   /// counted and never met.
   void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
-  std::size_t size() const { return bodies_.size(); }
+  std::size_t size() const { return bodies_.size(); }  ///< bodies that were added
 
   /// True when no body of the crowd overlaps a later one of this shape at this pose.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
@@ -62,6 +62,7 @@ class Crowd {
 
 /// How the bodies of a population are placed.
 struct PlacementRule {
+  /// The rules that there are.
   enum class Kind : std::uint8_t {
     grid,  ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
     // Of the rest a body has up to `trials` draws:
@@ -70,7 +71,7 @@ struct PlacementRule {
     poisson_disc,  ///< anywhere, no nearer than `distance_m` to any other of the population
     free_floor,    ///< anywhere on the floor that a disc as wide as the body can reach
   };
-  Kind kind = Kind::grid;
+  Kind kind = Kind::grid;         ///< the one to follow
   Box region;                     ///< of the bodies' origins, m
   Ring polygon;                   ///< in which they lie besides, m; empty: any
   Box spill;                      ///< grid: filled, cell by cell as well, once the region's cells are used up

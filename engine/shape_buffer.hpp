@@ -13,11 +13,12 @@ namespace troupe::engine {
 /// is room for.
 class ShapeBuffer {
  public:
+  /// As finish() left it; valid until begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
   /// Makes room for so many pieces of up to so many corners.
   void reserve(std::size_t pieces, std::size_t corners);
-  void begin();
+  void begin();  ///< drops all pieces and keeps their memory
   /// Adds a piece of another body; `mount` places that body's frame in the shape's.
   void add(const ConvexPrism& piece, const Mount& mount);
   /// thinnest: the smallest width of any piece, m; moving a piece changes no width.

@@ -11,14 +11,14 @@ namespace troupe::engine {
 /// A part of an outline in the world's frame, metres: edges from each vertex to the next, and from the last
 /// to the first where it is closed. Of whatever body, also of those that rangers pass through.
 struct OutlineChain {
-  std::span<const Vec2> vertices;
-  bool closed = false;
-  ZInterval z;  ///< world frame
-  BodyId body;
-  std::uint32_t part = 0;   ///< of the body's type
-  std::uint32_t solid = 0;  ///< contours of one body and number are one even-odd region
+  std::span<const Vec2> vertices;  ///< in order; what they point into lives until the next step
+  bool closed = false;             ///< a whole ring; else a stretch of one
+  ZInterval z;                     ///< world frame
+  BodyId body;                     ///< whose it is
+  std::uint32_t part = 0;          ///< of the body's type
+  std::uint32_t solid = 0;         ///< contours of one body and number are one even-odd region
   std::uint32_t piece = 0;  ///< tells chains of one solid and sight (by rangers or not) from one another
-  float ranger_return = 1;
+  float ranger_return = 1;  ///< intensity that rangers read; below 0: they pass it
 };
 
 /// visit(edge from, edge to) for each edge of the chain.
@@ -91,7 +91,8 @@ struct Sighting {
   BodyId body;             ///< not valid: it met nothing
   std::uint32_t part = 0;  ///< of the body's type
 
-  bool met() const { return body.valid(); }
+  bool met() const { return body.valid(); }  ///< false: nothing within the ray's length
+  /// What it met, as its type says it; only where it met something.
   const PartSpec& part_spec(const World& world) const {
     return world.spec().types[world.spec().bodies[body.index()].type.index()].parts[part];
   }
@@ -111,8 +112,9 @@ Sighting first_met(const World& world, const SightRay& ray);
 
 /// Where a vertex lies as seen along a ray: m, left of it negative, and onwards.
 struct SeenVertex {
-  Vec2 to;
-  double side;
+  Vec2 to;      ///< from the ray's origin, world frame
+  double side;  ///< across the ray; times the length of its direction
+  /// Of a ray by its origin and unit direction, world frame.
   SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
       : to(vertex - origin), side(cross(to, direction)) {}
 };
@@ -130,6 +132,7 @@ inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const Se
   const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
   return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
 }
+/// The same, of an edge by its ends in the world's frame.
 inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }

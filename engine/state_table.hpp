@@ -12,10 +12,20 @@
 
 namespace troupe::engine {
 
-enum class Element : std::uint8_t { f64, f32, i64, i32, u64, u32, u8 };
-std::size_t element_size(Element element);
-std::string_view element_name(Element element);
+/// What state is made of; element_name() as NumPy calls it. A bool is a u8 of 0 or 1.
+enum class Element : std::uint8_t {
+  f64,  ///< double
+  f32,  ///< float
+  i64,  ///< std::int64_t
+  i32,  ///< std::int32_t
+  u64,  ///< std::uint64_t
+  u32,  ///< std::uint32_t
+  u8,   ///< std::uint8_t, bool
+};
+std::size_t element_size(Element element);       ///< bytes: 8, 4 or 1
+std::string_view element_name(Element element);  ///< "float64", "int32", "uint8", ...
 
+/// The element that holds a T; any type without one does not compile.
 template <class T>
 constexpr Element element_of() {
   if constexpr (std::is_same_v<T, double>)
@@ -39,12 +49,12 @@ constexpr Element element_of() {
 
 /// One array of the state: name, element type, columns a row, unit and meaning.
 struct StateField {
-  std::string name;
-  Element element = Element::f64;
-  std::uint32_t columns = 1;
-  std::string unit;
-  std::string text;
-  std::uint32_t offset = 0;  ///< within a row, bytes; set by the table unless `packed` by a struct
+  std::string name;                ///< of the component, unique there
+  Element element = Element::f64;  ///< of each column
+  std::uint32_t columns = 1;       ///< numbers a row
+  std::string unit;                ///< "m", "rad/s"; empty: none
+  std::string text;                ///< what it is, one line for `troupe describe` and recordings
+  std::uint32_t offset = 0;        ///< within a row, bytes; set by the table unless `packed` by a struct
   /// Optional state: where it is zero, byte for byte, the hash is that of an entity without it. So a world
   /// that does not use it keeps the hashes it had before there was such a field.
   bool sparse = false;
@@ -53,9 +63,14 @@ struct StateField {
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
 /// Which of the hash log's columns a component adds to.
-enum class HashGroup : std::uint8_t { pose, velocity, sensor, memory };
-inline constexpr std::size_t k_hash_groups = 4;
-std::string_view hash_group_name(HashGroup group);
+enum class HashGroup : std::uint8_t {
+  pose,      ///< where bodies and joints are, who carries whom, who lives
+  velocity,  ///< velocities, what is asked of drives and devices, stalls
+  sensor,    ///< readings, and the state of other devices
+  memory,    ///< of controllers; odometry; what keeps bodies from working
+};
+inline constexpr std::size_t k_hash_groups = 4;     ///< values of HashGroup
+std::string_view hash_group_name(HashGroup group);  ///< the column's name in a hash log
 
 /// The state of one component: a row an entity. From its description come allocation, hash and everything
 /// that reads state without knowing it, so that a new array cannot be forgotten by the determinism tests.
@@ -64,24 +79,30 @@ std::string_view hash_group_name(HashGroup group);
 /// `rows` keeps each row contiguous (sensor readings, controller memories).
 class StateTable {
  public:
-  enum class Layout : std::uint8_t { columns, rows };
+  /// How rows lie in memory.
+  enum class Layout : std::uint8_t {
+    columns,  ///< a field of all rows, then the next field
+    rows,     ///< a row with all of its fields, then the next row
+  };
 
-  StateTable() = default;
+  StateTable() = default;  ///< of no rows
   /// With Layout::rows and row_bytes > 0 the fields' offsets are those of a struct of that size.
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
+  /// Its name, unique in a world: "pose", "ranger/0".
   const std::string& component() const { return component_; }
-  HashGroup group() const { return group_; }
-  std::span<const StateField> fields() const { return fields_; }
-  std::size_t rows() const { return ids_.size(); }
-  std::span<const BodyId> ids() const { return ids_; }
+  HashGroup group() const { return group_; }                      ///< the hash log's column that it adds to
+  std::span<const StateField> fields() const { return fields_; }  ///< in declared order
+  std::size_t rows() const { return ids_.size(); }                ///< how many there are, there or not
+  std::span<const BodyId> ids() const { return ids_; }            ///< of the rows' entities, beside them
 
   /// One field of every row; Layout::columns only.
   template <class T>
   std::span<T> column(std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
+  /// To read.
   template <class T>
   std::span<const T> column(std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
@@ -92,6 +113,7 @@ class StateTable {
     return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]),
             fields_[field].columns};
   }
+  /// To read.
   template <class T>
   std::span<const T> cell(std::size_t row, std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field] + row * strides_[field]),
@@ -101,7 +123,9 @@ class StateTable {
   std::size_t stride(std::size_t field) const { return strides_[field]; }
   /// The bytes of a row; Layout::rows only.
   std::size_t row_bytes() const { return row_bytes_; }
+  /// Its first byte; Layout::rows only.
   std::byte* row(std::size_t row) { return data_.data() + row * row_bytes_; }
+  /// Its first byte; Layout::rows only.
   const std::byte* row(std::size_t row) const { return data_.data() + row * row_bytes_; }
 
   /// A row that is a struct (memory_fields); Layout::rows only.
@@ -109,6 +133,7 @@ class StateTable {
   T& as(std::size_t r) {
     return *reinterpret_cast<T*>(row(r));
   }
+  /// To read.
   template <class T>
   const T& as(std::size_t r) const {
     return *reinterpret_cast<const T*>(row(r));
@@ -119,10 +144,10 @@ class StateTable {
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// The sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
-  std::size_t bytes() const { return data_.size(); }
+  std::size_t bytes() const { return data_.size(); }  ///< of all rows, padding included
   /// Every byte 0 again, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
-  void clear_row(std::size_t row);
+  void clear_row(std::size_t row);  ///< every byte of one row 0 again, either layout
 
  private:
   /// What the fields that are not sparse add.

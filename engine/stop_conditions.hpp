@@ -31,8 +31,11 @@ class StopConditions {
 
   /// Under which a checkpoint keeps what the measures remember: other conditions have another name.
   std::string memory_name() const;
+  /// What the measures remember, for a checkpoint; and back: MeasureSet::remember().
+  ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }
+  ///@}
 
  private:
   struct Condition {

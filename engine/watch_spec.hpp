@@ -6,8 +6,8 @@
 
 namespace troupe::engine {
 
-inline constexpr double k_most_rate = 1e9;
-inline constexpr std::int64_t k_most_clock_ticks = 1000000000;
+inline constexpr double k_most_rate = 1e9;                      ///< of WatchSpec::rate
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< of WatchSpec::clock_ticks
 
 /// How a world asks to be watched while it runs. Nothing of it changes a result.
 struct WatchSpec {
@@ -20,8 +20,8 @@ struct WatchSpec {
 
 /// The same as a block of parameters, for files: `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
-Record watch_record(const WatchSpec& watch);
-WatchSpec watch_spec(const Record& record);
+Record watch_record(const WatchSpec& watch);  ///< by watch_fields()
+WatchSpec watch_spec(const Record& record);   ///< of a record by watch_fields()
 
 /// The window through which a world asks to be seen, Stage's `window`: where its cameras stand, and what is
 /// drawn.

@@ -45,13 +45,18 @@ class StepError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The hash of a state (docs/determinism.md) and what it is the sum of, modulo 2^64.
 struct Hashes {
-  std::uint64_t state = 0;
-  std::array<std::uint64_t, k_hash_groups> groups{};
+  std::uint64_t state = 0;                            ///< of all tables
+  std::array<std::uint64_t, k_hash_groups> groups{};  ///< by HashGroup
 };
 
 /// Whether a body is in the world.
-enum class Presence : std::uint8_t { there, unborn, dead };
+enum class Presence : std::uint8_t {
+  there,   ///< it is
+  unborn,  ///< it waits in a reserve
+  dead,    ///< its life is over; it does not come back
+};
 
 /// A world that runs: constants made from a WorldSpec, the state tables, and the tick.
 ///
@@ -67,6 +72,9 @@ class World {
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
+  /// From S(k) to S(k+1). Throws StepError where a value is no number, std::length_error where a device emits
+  /// more effects than it declared, and whatever a kind throws; then only reset() leads on. Allocates nothing
+  /// once warm.
   void step();
   /// Back to S(0): every table, the tick, the counters and whatever is derived from them, as the constructor
   /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
@@ -74,17 +82,19 @@ class World {
   void reset();
   /// What a run has counted up to a tick, beside its state.
   struct Counters {
-    std::uint64_t beams = 0;
-    std::uint64_t conflict_rounds = 0;
+    std::uint64_t beams = 0;            ///< rays cast by all sensors
+    std::uint64_t conflict_rounds = 0;  ///< rounds of settling, see Conflicts::rounds()
   };
-  Counters counters() const { return {beams_, conflict_rounds_}; }
-  /// The state of a later tick, as somebody kept it: `fill` finds every byte of the tables 0 and sets every
-  /// field of every row; what is derived from them follows. False where the state then has not this hash, or
-  /// a body stands nowhere: the world is at S(0) again, as it is when `fill` throws.
+  Counters counters() const { return {beams_, conflict_rounds_}; }  ///< of this run so far
+  /// Finds every byte of the tables 0, and sets every field of every row.
   using Fill = std::function<void(std::span<StateTable>)>;
+  /// Goes to the state of a later tick, as somebody kept it; what is derived from the tables follows them.
+  /// False where the state then has not this hash, or a body stands nowhere: the world is at S(0) again, as
+  /// it is when `fill` throws.
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
-  std::uint64_t tick() const { return tick_; }
-  double tick_s() const { return spec_.tick_s; }
+  std::uint64_t tick() const { return tick_; }    ///< ticks done; 0 at the start
+  double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
+  /// World time: tick() * tick_s().
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
   /// Called as each phase begins, and with no phase as the tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
@@ -93,27 +103,33 @@ class World {
   /// For checks of controllers; set between steps.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
+  /// Replaces the callback; an empty one has every batch decide as ever.
   void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
   // ---- what it is made of
-  const WorldSpec& spec() const { return spec_; }
-  std::span<const BodyType> types() const { return types_; }
-  const partition::StaticScene& scene() const { return scene_; }
+  const WorldSpec& spec() const { return spec_; }                 ///< what it was built from
+  std::span<const BodyType> types() const { return types_; }      ///< by TypeId
+  const partition::StaticScene& scene() const { return scene_; }  ///< what never moves
+  /// Where the rows are now; of the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
+  /// What of the static scene fiducial finders find.
   const FixedTargets& fixed_targets() const { return fixed_targets_; }
   /// What the grid engine's rays walk through; null where the world asks for the exact engine.
   const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
+  /// The sparse grid's cells and tiles; no result depends on them.
   const partition::GridGeometry& geometry() const { return geometry_; }
+  /// The workers that the step runs on, for who measures between steps.
   partition::Parallel& parallel() { return parallel_; }
   /// Rows: the bodies that can move, sense or decide, by where they stand at tick 0.
   std::size_t rows() const { return row_bodies_.size(); }
   /// Robots: the rows that have a drive. How many there are at tick 0, and now.
   std::size_t robots_at_start() const { return robots_at_start_; }
+  /// How many of them are there now.
   std::size_t robots() const { return robots_; }
-  BodyId body(Row row) const { return row_bodies_[row.index()]; }
+  BodyId body(Row row) const { return row_bodies_[row.index()]; }  ///< whose row it is
   /// Not valid for bodies that never change.
   Row row(BodyId body) const { return body_rows_[body.index()]; }
-  const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }
+  const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }  ///< of the row's body
   /// Position of a row among those of its type: its row in the type's tables.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
   /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. The first
@@ -121,19 +137,24 @@ class World {
   BodyId find(std::string_view name) const;
 
   // ---- the state
+  /// One a component; BodyType names them by their index here.
   std::span<const StateTable> tables() const { return tables_; }
+  /// World frame, a row each; of the dead where they died.
   std::span<const Pose> poses() const { return as<Pose>(k_pose); }
-  Pose pose(BodyId body) const;
+  Pose pose(BodyId body) const;  ///< of any body, also one that never moves, world frame
   /// That of the row's pose, its sine and cosine worked out once a tick: the same bits as Transform(pose).
   const Transform& transform(Row row) const { return transforms_[row.index()]; }
+  /// Body frame, a row each: what the drive gives, also where the motion was refused.
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
+  /// Of the body's own drive, a row each.
   std::span<const Command> commands() const { return as<Command>(k_command); }
   /// Whether its last motion was refused or would have left the world; and whether the latter.
   bool stalled(Row row) const;
+  /// Whether its last motion would have left the world's bounds.
   bool held(Row row) const;
   /// Where a robot believes to be: engine/localization.hpp.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
-  Estimates estimates(const BodyType& type) const;
+  Estimates estimates(const BodyType& type) const;  ///< of all robots of a type
   /// From now on a robot with odometry believes to be there. Throws std::logic_error for one without.
   void set_estimate(Row row, const Pose& pose);
   /// Commands a robot from outside, between steps.
@@ -170,6 +191,7 @@ class World {
   /// Whether bodies may come and go here: the world has reserves, something in it ends lives, or its spec
   /// says that it is mortal. Only then has it the component `life`.
   bool has_lives() const { return life_table_.has_value(); }
+  /// Of the row's body; without lives always there.
   Presence presence(Row row) const {
     return life_table_ ? static_cast<Presence>(tables_[*life_table_].as<Life>(row.index()).presence)
                        : Presence::there;
@@ -216,16 +238,17 @@ class World {
   /// Rows that are not sound.
   std::size_t ailing_count() const { return ailing_; }
 
+  /// A body, and where it stands or is to stand.
+  struct Placed {
+    Row row;    ///< who
+    Pose pose;  ///< world frame; the heading is wrapped
+  };
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
   /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
   /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
   /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
   /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call
   /// indexes all bodies anew: move many at once.
-  struct Placed {
-    Row row;
-    Pose pose;  ///< world frame; the heading is wrapped
-  };
   void set_poses(std::span<const Placed> placed);
   /// Who was put elsewhere between the last step and the one before it, with all that was carried along, and
   /// where each stood when the last step began: for who counts ways. No state.
@@ -252,6 +275,7 @@ class World {
   bool is_on(Row row, const BodyType::Device& device) const {
     return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
   }
+  /// Whether it runs when it is due: somebody wants it, it is on, works, and has something to run on.
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
   }
@@ -265,19 +289,22 @@ class World {
   }
   /// What one table adds to the hash of the state: the sum over its rows.
   std::uint64_t hash(const StateTable& table);
-  Hashes hashes();
+  Hashes hashes();  ///< of the state as it is; runs on the workers
 
   // ---- counters
-  std::uint64_t beams_cast() const { return beams_; }
+  std::uint64_t beams_cast() const { return beams_; }  ///< by all sensors since tick 0
   /// Robots whose last motion was refused or would have left the world, and those of the latter.
   std::size_t stalled_count() const { return stalled_; }
+  /// Those of them whose motion would have left the world.
   std::size_t held_count() const { return held_; }
+  /// Since tick 0, see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
+  /// Of the robots that are there, from origin() in a straight line, m; 0 where there is none.
   double mean_displacement() const;
 
   // ---- for viewers
-  FrameScene frame_scene() const;
-  Frame frame() const;
+  FrameScene frame_scene() const;  ///< what pictures need once: engine/frame.hpp
+  Frame frame() const;             ///< what pictures need of this tick
 
  private:
   enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall };

@@ -7,9 +7,13 @@ namespace troupe::models {
 
 /// What controllers ask of an actuator; it stays so until they ask otherwise.
 struct ActuatorCommand {
-  enum Mode : std::uint8_t { velocity, position };
-  std::uint8_t mode = velocity;
-  double goal = 0;  ///< m/s or rad/s; in position mode m or rad
+  /// What `goal` is.
+  enum Mode : std::uint8_t {
+    velocity,  ///< `goal` is a speed
+    position,  ///< `goal` is a place
+  };
+  std::uint8_t mode = velocity;  ///< a Mode
+  double goal = 0;               ///< m/s or rad/s; in position mode m or rad
   TROUPE_FIELDS(mode, goal)
 };
 

@@ -11,8 +11,7 @@ namespace troupe::models {
 /// meets     another whose radio it hears from no farther than `meet` and within 60 degrees ahead; a wall
 ///           says nothing, and is turned away from
 /// waits     `max_wait` S^2 / (S^2 + `half`), s, with S the brightness of the ground below it from 0 to 1,
-/// read
-///           when it stops; then it turns by 90 to 180 degrees, and walks on
+///           read when it stops; then it turns by 90 to 180 degrees, and walks on
 /// shows     with an LED, where it has one: blue while it walks, amber while it waits
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:

@@ -8,7 +8,10 @@ namespace troupe::models {
 
 /// What a robot with the controller `collective_perception` holds to be the more frequent colour of the
 /// floor, and says by radio, one byte.
-enum class FloorOpinion : std::uint8_t { black, white };
+enum class FloorOpinion : std::uint8_t {
+  black,  ///< 0
+  white,  ///< 1
+};
 
 /// A collective decision on a coloured floor: is more of it black or white?
 ///
@@ -19,8 +22,7 @@ enum class FloorOpinion : std::uint8_t { black, white };
 ///           what it heard in the last 3 s of that time: of `majority` the more frequent one, its own
 ///           included; of `voter` that of a message taken at random
 /// walks     straight on, for times of mean 10 s, then turns on the spot by up to 180 degrees; turns away
-/// from
-///           what its scanner sees ahead
+///           from what its scanner sees ahead
 /// shows     its opinion with an LED, where it has one: black or white; grey while it explores
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Valentini, Brambilla, Hamann, Dorigo: Collective perception of environmental features in a robot

@@ -27,6 +27,7 @@ class DeviceChoice {
     }
     return false;
   }
+  /// Claims the first of this kind that nobody has; false where there is none.
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }

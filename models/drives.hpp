@@ -17,8 +17,10 @@ namespace troupe::models {
 ///         diff  turns to the goal, drives while it is within pi/16 ahead, then turns to the goal's heading
 ///         omni  straight to the goal, turning on the way
 ///         car   in a curve, turning twice as fast; swings about its rear axle towards what lies behind it
+///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();
 engine::DriveKind car_drive();
+///@}
 
 }  // namespace troupe::models

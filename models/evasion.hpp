@@ -12,12 +12,12 @@ namespace troupe::models {
 /// How a robot that has somewhere to go gets past others: speeds in m/s and rad/s, distances in m. Its memory
 /// has avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad).
 struct Evasion {
-  double avoid_speed = 0.05;
-  double avoid_turn = 0.5;
-  double min_front = 0.7;  ///< a reading below it ahead: it turns away
-  double stop = 0.5;       ///< below it: on the spot
-  double back_speed = 0.1;
-  std::uint32_t stuck = 5;  ///< updates: more than it takes from a command to what comes of it
+  double avoid_speed = 0.05;  ///< forward, while it turns away
+  double avoid_turn = 0.5;    ///< to either side
+  double min_front = 0.7;     ///< a reading below it ahead: it turns away
+  double stop = 0.5;          ///< below it: on the spot
+  double back_speed = 0.1;    ///< while it backs out
+  std::uint32_t stuck = 5;    ///< updates: more than it takes from a command to what comes of it
 
   /// As `wander`, with a narrower window ahead and for half as long: many meet where they all go. True where
   /// it takes the command.

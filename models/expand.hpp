@@ -11,7 +11,9 @@ namespace troupe::models {
 engine::ControllerKind expand_controller();
 
 /// Stage's two examples, with exactly their numbers.
+///@{
 engine::Registry::Preset expand_pioneer_preset();
 engine::Registry::Preset expand_swarm_preset();
+///@}
 
 }  // namespace troupe::models

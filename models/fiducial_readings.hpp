@@ -16,6 +16,7 @@ namespace troupe::models {
 class FiducialReadings {
  public:
   FiducialReadings() = default;
+  /// Of the device `finder` of a type, which must be a fiducial finder.
   explicit FiducialReadings(const engine::DeviceKind::Prepared& finder)
       : count_(field(finder, "count")),
         id_(field(finder, "id")),

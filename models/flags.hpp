@@ -13,25 +13,27 @@ struct Flag {
   float size = 0;           ///< m
   friend bool operator==(const Flag&, const Flag&) = default;
 };
-inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};
+inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< what Stage's examples hand about
 
 /// What controllers ask of a holder of flags: carried out once, in the next tick, whenever `request` is
 /// another number than before (flag_request() makes it one).
 struct FlagCommand {
+  /// What is to be done with flags.
   enum Verb : std::uint8_t {
-    nothing,
-    push,  ///< a new flag, to the front
-    pop,   ///< the first one vanishes
-    take,  ///< the first one of `target`, to its own front
-    give,  ///< its own first one, to the front of `target`
+    nothing,  ///< leave them as they are
+    push,     ///< a new flag, to the front
+    pop,      ///< the first one vanishes
+    take,     ///< the first one of `target`, to its own front
+    give,     ///< its own first one, to the front of `target`
   };
-  std::uint32_t request = 0;
-  std::uint32_t target = 0;  ///< BodyId
-  std::uint32_t color = 0;   ///< of a flag that is pushed, 0xRRGGBBAA
-  float size = 0;            ///< of a flag that is pushed, m
-  std::uint8_t verb = nothing;
+  std::uint32_t request = 0;    ///< see ask()
+  std::uint32_t target = 0;     ///< BodyId
+  std::uint32_t color = 0;      ///< of a flag that is pushed, 0xRRGGBBAA
+  float size = 0;               ///< of a flag that is pushed, m
+  std::uint8_t verb = nothing;  ///< a Verb
   TROUPE_FIELDS(request, target, color, size, verb)
 
+  /// Has it done in the next tick. flag: of `push`; of_whom: of `take` and `give`, a BodyId.
   void ask(Verb what, std::uint32_t of_whom = 0, const Flag& flag = {}) {
     ++request;
     verb = what;

@@ -23,7 +23,9 @@ namespace troupe::models {
 ///          and is charged; leaves at 95 %, backwards. With a fiducial finder it steers by what that sees;
 ///          without a pack, or where there are no chargers, it never does
 /// needs    a drive, a scanner, flags
+///@{
 engine::ControllerKind fasr_controller();
 engine::ControllerKind fasr2_controller();
+///@}
 
 }  // namespace troupe::models

@@ -20,9 +20,9 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///           confirmed for `patience` decisions is forgotten, so that lost messages do not matter and lost
 ///           robots do
 /// shows     with an LED, where it has one: red near the beacon, blue from twelve hops on; grey while it
-/// roams roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears
-/// nobody who
-///           is settled, for a while, then anywhere
+///           roams
+/// roams     drives straight on, turning from what its scanner sees ahead; backwards while it hears nobody
+///           who is settled, for a while, then anywhere
 /// needs     a radio; to roam, a drive and a scanner of more than 8 beams
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local
 ///           information on an ad hoc sensor network, IPSN 2003. Settling in touch: Payton et al., Pheromone

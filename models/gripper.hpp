@@ -8,17 +8,36 @@ namespace troupe::models {
 /// What controllers ask of a gripper; it stays in force until they ask otherwise. What an order has begun
 /// goes on to its end whatever comes next: paddles and lift move at the same time.
 struct GripperCommand {
-  enum Order : std::uint8_t { nothing, open, close, up, down };
-  std::uint8_t order = nothing;
+  /// What it is to do.
+  enum Order : std::uint8_t {
+    nothing,  ///< begin nothing new
+    open,     ///< the paddles, and let go
+    close,    ///< the paddles, and grip what they touch
+    up,       ///< lift the paddles
+    down,     ///< lower them
+  };
+  std::uint8_t order = nothing;  ///< an Order
   TROUPE_FIELDS(order)
 };
 
 /// What a gripper does, and feels.
 struct GripperState {
-  enum Paddles : std::uint8_t { is_open, closing, closed, opening };
-  enum Lift : std::uint8_t { is_down, rising, is_up, sinking };
-  std::uint8_t paddles = is_open;
-  std::uint8_t lift = is_down;
+  /// What the paddles do.
+  enum Paddles : std::uint8_t {
+    is_open,  ///< at rest, apart
+    closing,  ///< on their way
+    closed,   ///< at rest, together or on what they hold
+    opening,  ///< on their way
+  };
+  /// What the lift does.
+  enum Lift : std::uint8_t {
+    is_down,  ///< at rest
+    rising,   ///< on its way
+    is_up,    ///< at rest
+    sinking,  ///< on its way
+  };
+  std::uint8_t paddles = is_open;  ///< one of Paddles
+  std::uint8_t lift = is_down;     ///< one of Lift
   std::uint8_t stalled = 0;        ///< 1: something was in the way of its paddles
   std::uint8_t taken = 0;          ///< 1: somebody else has what it closed on
   std::uint8_t beam_inner = 0;     ///< 1: something that can be gripped breaks the beam near the base
@@ -29,7 +48,7 @@ struct GripperState {
   double paddle_position = 0;      ///< 0 open to 1 closed
   double lift_position = 0;        ///< 0 down to 1 up
   double asked_paddle = 0;         ///< where they were to be after this tick
-  double asked_lift = 0;
+  double asked_lift = 0;           ///< 0 down to 1 up, beside asked_paddle
   TROUPE_FIELDS(paddles, lift, stalled, taken, beam_inner, beam_outer, contact_left, contact_right, held,
                 paddle_position, lift_position, asked_paddle, asked_lift)
 };

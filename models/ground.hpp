@@ -25,15 +25,17 @@ engine::DeviceKind ground_kind();
 
 /// What controllers ask of a brush; it paints in every tick until they ask otherwise.
 struct BrushCommand {
-  std::uint8_t paints = 0;
-  float red = 0;  ///< each from 0 to 1
-  float green = 0;
-  float blue = 0;
+  std::uint8_t paints = 0;  ///< 1: in each tick
+  float red = 0;            ///< each from 0 to 1
+  float green = 0;          ///< 0 to 1
+  float blue = 0;           ///< 0 to 1
   TROUPE_FIELDS(paints, red, green, blue)
 
+  /// With this colour, each part 0 to 1.
   void paint(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
+/// What a brush has done.
 struct BrushState {
   std::uint64_t painted = 0;  ///< zones that it has given a colour that they did not have
   TROUPE_FIELDS(painted)

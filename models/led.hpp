@@ -13,10 +13,11 @@ namespace troupe::models {
 struct LedCommand {
   std::uint8_t shows = 0;  ///< 1: the colour that follows
   float red = 0;           ///< each from 0 to 1; what lies beyond is the nearest of these
-  float green = 0;
-  float blue = 0;
+  float green = 0;         ///< likewise
+  float blue = 0;          ///< likewise
   TROUPE_FIELDS(shows, red, green, blue)
 
+  /// This colour from the next tick on, each part 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 

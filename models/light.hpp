@@ -7,8 +7,13 @@ namespace troupe::models {
 
 /// What controllers ask of a light; it stays so until they ask otherwise.
 struct LightCommand {
-  enum Switch : std::uint8_t { as_world_says, on, off };
-  std::uint8_t state = as_world_says;
+  /// What overrides the blinking.
+  enum Switch : std::uint8_t {
+    as_world_says,  ///< as its parameters have it
+    on,             ///< it shines, and does not blink
+    off,            ///< it is dark
+  };
+  std::uint8_t state = as_world_says;  ///< a Switch
   TROUPE_FIELDS(state)
 };
 
@@ -29,9 +34,10 @@ engine::DeviceKind blinkenlight_kind();
 /// Where a light of one of these kinds is, frame of its body or of its joint, and how brightly it shines
 /// while it is lit: what a light sensor reads that faces it from 1 m. data: what the kind prepared.
 struct LightSource {
-  Pose pose_body_light;
-  double intensity = 1;
+  Pose pose_body_light;  ///< its heading means nothing: lights shine all round
+  double intensity = 1;  ///< what a sensor that faces it reads at 1 m
 };
+/// Data: of a kind for which is_light() holds, else std::bad_any_cast is thrown.
 const LightSource& light_source(const std::any& data);
 
 /// Whether a device is one of these kinds.

@@ -5,15 +5,15 @@
 /// Measures that look at each robot by itself. Their definitions stand in the kinds (`troupe describe`).
 namespace troupe::models {
 
-engine::MeasureKind stalls_measure();
-engine::MeasureKind held_measure();
-engine::MeasureKind alive_measure();
-engine::MeasureKind displacement_measure();
-engine::MeasureKind path_length_measure();
-engine::MeasureKind mean_speed_measure();
-engine::MeasureKind order_measure();
-engine::MeasureKind spread_measure();
-engine::MeasureKind share_within_measure();
-engine::MeasureKind state_mean_measure();
+engine::MeasureKind stalls_measure();        ///< `stalls`: robots whose last motion was refused
+engine::MeasureKind held_measure();          ///< `held`: those that would have left the world
+engine::MeasureKind alive_measure();         ///< `alive`: robots that are in the world
+engine::MeasureKind displacement_measure();  ///< `displacement`, m: from where they started, in the mean
+engine::MeasureKind path_length_measure();   ///< `path_length`, m: of their ways, in the mean
+engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: in the last tick
+engine::MeasureKind order_measure();         ///< `order`: how far headings agree, 0 to 1
+engine::MeasureKind spread_measure();        ///< `spread`, m: from their centre, in the mean
+engine::MeasureKind share_within_measure();  ///< `share_within`: share of them in a circle
+engine::MeasureKind state_mean_measure();    ///< `state_mean`: a number of their state, in the mean
 
 }  // namespace troupe::models

@@ -5,7 +5,7 @@
 /// Measures of how near robots are to one another. Their definitions stand in the kinds (`troupe describe`).
 namespace troupe::models {
 
-engine::MeasureKind mean_nearest_distance_measure();
-engine::MeasureKind neighbours_measure();
+engine::MeasureKind mean_nearest_distance_measure();  ///< `mean_nearest_distance`, m
+engine::MeasureKind neighbours_measure();             ///< `neighbours`: within a radius, in the mean
 
 }  // namespace troupe::models

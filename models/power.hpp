@@ -9,8 +9,8 @@ namespace troupe::models {
 
 /// What a power pack holds, J, and what has gone through it since tick 0.
 struct PowerPackState {
-  double stored = 0;
-  double capacity = 0;
+  double stored = 0;          ///< what is left
+  double capacity = 0;        ///< the most it can store
   double dissipated = 0;      ///< by all that runs on it
   double received = 0;        ///< from others, by contact
   double given = 0;           ///< to others, by contact
@@ -18,6 +18,7 @@ struct PowerPackState {
   std::uint8_t charging = 0;  ///< 1: it was given something in the last tick
   TROUPE_FIELDS(stored, capacity, dissipated, received, given, infinite, charging)
 
+  /// Has nothing left; never where it is infinite.
   bool is_empty() const { return infinite == 0 && stored <= 0; }
   /// Of its capacity, 0 to 1; 1 where it is infinite.
   double proportion_remaining() const {

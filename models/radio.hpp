@@ -33,7 +33,12 @@ enum RadioCommandField : std::size_t {
   k_radio_bytes,  ///< u8: length of the message
   k_radio_said,   ///< u8 [payload]: the message; 0 behind its last byte
 };
-enum class RadioMode : std::uint8_t { as_world_says, says, silent };
+/// What a radio is asked to do.
+enum class RadioMode : std::uint8_t {
+  as_world_says,  ///< what its parameters have it say, if anything
+  says,           ///< the message that it was asked to say
+  silent,         ///< it says nothing, and hears all the same
+};
 
 /// Bytes of the longest message of a radio, for controllers that choose among devices.
 inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
@@ -52,13 +57,14 @@ class RadioPort {
   /// decision.
   RadioPort(const engine::Readings& heard, std::byte* asked) : heard_(heard), asked_(asked) {}
 
+  /// A message that was heard in this tick.
   struct Message {
-    std::uint32_t sender = 0;  ///< id of the body that said it
-    float range = 0;           ///< m
-    float bearing = 0;         ///< rad, frame of the radio
-    float strength = 0;        ///< dBm
-    float quality = 0;         ///< from 0 at the limit of the link to 1
-    std::span<const std::uint8_t> payload;
+    std::uint32_t sender = 0;               ///< id of the body that said it
+    float range = 0;                        ///< m
+    float bearing = 0;                      ///< rad, frame of the radio
+    float strength = 0;                     ///< dBm
+    float quality = 0;                      ///< from 0 at the limit of the link to 1
+    std::span<const std::uint8_t> payload;  ///< its bytes; valid during the decision
 
     /// The numbers that the payload is made of, one behind another. False, and nothing is read, where it has
     /// another length.
@@ -72,7 +78,9 @@ class RadioPort {
     }
   };
 
+  /// Messages heard in this tick.
   std::size_t count() const { return heard_.field<std::uint32_t>(k_radio_count)[0]; }
+  /// The i-th of them, by the sender's id; i below count().
   Message operator[](std::size_t i) const {
     const std::size_t length = heard_.field<std::uint8_t>(k_radio_length)[i];
     return {heard_.field<std::uint32_t>(k_radio_sender)[i],
@@ -108,6 +116,7 @@ class RadioPort {
     ((std::memcpy(to, &values, sizeof(T)), to += sizeof(T)), ...);
     return say_bytes(bytes);
   }
+  /// From the next tick on, until it is asked otherwise; it hears all the same.
   void be_silent() const {
     std::memset(asked_, 0, k_radio_said + capacity());
     asked_[k_radio_mode] = static_cast<std::byte>(RadioMode::silent);

@@ -11,10 +11,9 @@ namespace troupe::models {
 struct ScanAhead {
   bool obstruction = false;  ///< a reading below `min_front` within the window
   bool stop = false;         ///< a reading below `stop_distance` within the window
-  /// The nearest reading of the left half of the scan, and of the right one with the middle, m; infinite
-  /// where there is none.
+  /// The nearest reading of the left half of the scan, m; infinite where there is none.
   float left = std::numeric_limits<float>::infinity();
-  float right = std::numeric_limits<float>::infinity();
+  float right = std::numeric_limits<float>::infinity();  ///< of the right one with the middle
 };
 
 /// scan    readings from right to left, m

@@ -9,10 +9,10 @@ namespace troupe::models {
 
 /// What controllers ask of a spawner: a birth more each time that `request` grows by 1.
 struct SpawnerCommand {
-  std::uint32_t request = 0;
+  std::uint32_t request = 0;  ///< births asked for so far
   TROUPE_FIELDS(request)
 
-  void ask() { ++request; }
+  void ask() { ++request; }  ///< for one more
 };
 
 /// What a spawner has done.

@@ -7,12 +7,12 @@ namespace troupe::models {
 
 /// Where a part that drives on its body is, and how it moves.
 struct WheelsState {
-  double x = 0;  ///< m, world frame, as is what follows: where it was when it last set out
-  double y = 0;
-  double z = 0;
-  double heading = 0;  ///< rad
-  double forward = 0;  ///< m/s, its own frame, of this tick
-  double left = 0;
+  double x = 0;              ///< m, world frame, as is what follows: where it was when it last set out
+  double y = 0;              ///< m
+  double z = 0;              ///< m
+  double heading = 0;        ///< rad
+  double forward = 0;        ///< m/s, its own frame, of this tick
+  double left = 0;           ///< m/s
   double turn = 0;           ///< rad/s
   std::uint8_t stalled = 0;  ///< 1: something was in the way
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)

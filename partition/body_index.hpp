@@ -14,9 +14,10 @@ namespace troupe::partition {
 /// about the body's origin that encloses it. Floats, so that four entries fill a cache line and kernels can
 /// load them as they are: whoever needs the place itself finds it by the row.
 struct BodyCircle {
-  float x, y;
-  float radius;
-  std::uint32_t row;
+  float x;            ///< of its centre, east
+  float y;            ///< of its centre, north
+  float radius;       ///< negative: nothing is there; queries give no such circle
+  std::uint32_t row;  ///< whose it is, or which piece
 };
 
 /// Rounding moves a coordinate c by at most 2^-24 |c| (2^-150 below the normal numbers), and the centre by no
@@ -43,7 +44,7 @@ inline constexpr double k_not_there = -1;
 class BodyIndex {
  public:
   BodyIndex() = default;
-  explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}
+  explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< of no bodies
 
   /// Makes room for bodies all over this ground, within reason: rebuild() allocates where there are more rows
   /// than ever before, and where bodies enter ground that no room was made for.
@@ -98,8 +99,10 @@ class BodyIndex {
   /// A number for the cell that holds the row's origin: rows that follow one another in order() share the
   /// cell where it is equal. Until the next rebuild.
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
+  /// That it knows: those with bodies in them, and some that had lately.
   std::size_t tiles() const { return directory_.size(); }
-  const GridGeometry& geometry() const { return geometry_; }
+  const GridGeometry& geometry() const { return geometry_; }  ///< how the plane is cut
+  /// The largest radius of the bodies that lie in one cell alone, m.
   double largest_small_radius() const { return small_radius_; }
   /// Whether some bodies lie in several cells, and so may come more than once in runs.
   bool has_wide() const { return has_wide_; }

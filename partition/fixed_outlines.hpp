@@ -11,9 +11,9 @@ namespace troupe::partition {
 
 /// One edge of a fixed solid, world frame, metres.
 struct FixedEdge {
-  Vec2 a;
-  Vec2 b;
-  std::uint32_t solid;
+  Vec2 a;               ///< from
+  Vec2 b;               ///< to
+  std::uint32_t solid;  ///< index into StaticScene::solids()
 };
 
 /// The outlines of what never moves, for rangers: cut into short chains of a few edges, each with a circle
@@ -27,6 +27,7 @@ class FixedOutlines {
   /// a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
+  /// How the plane is cut for the pieces' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
   /// visit(span of circles) for the runs of cells from low to high; a circle's row is the number of its
@@ -45,6 +46,7 @@ class FixedOutlines {
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }
+  /// Of a piece: index into StaticScene::solids().
   std::uint32_t solid(std::uint32_t piece) const { return pieces_[piece].solid; }
   static constexpr std::uint32_t k_most_edges = 8;  ///< of a piece
   /// No circle reaches farther than this beyond the cell of its centre, m.

@@ -9,21 +9,22 @@ namespace troupe::partition {
 
 /// A circle that encloses a piece, m, frame of its shape.
 struct PieceCircle {
-  Vec2 centre;
-  double radius;
+  Vec2 centre;    ///< of the box about the piece's corners
+  double radius;  ///< to the farthest of them
 };
+/// That of an outline of at least one corner.
 PieceCircle circle_about(const Ring& outline);
 
 /// A body as the overlap predicate sees it: convex prisms in the body's frame.
 struct ObstacleShape {
-  std::vector<ConvexPrism> pieces;
+  std::vector<ConvexPrism> pieces;   ///< in any order; together they are the body
   std::vector<PieceCircle> circles;  ///< of the pieces
   std::size_t vertices = 0;          ///< of all pieces
   double radius = 0;                 ///< of the circle about the body's origin that encloses every piece, m
   double thinnest = 0;               ///< smallest width of any piece, m
   ZInterval z;                       ///< of all pieces
 
-  bool empty() const { return pieces.empty(); }
+  bool empty() const { return pieces.empty(); }  ///< whether it blocks nobody
 };
 
 /// What bounds are widened by, m, so that no cull leaves out what the predicate would find: well above the

@@ -15,10 +15,13 @@ class Parallel {
   /// threads 0: one for each core.
   explicit Parallel(unsigned threads);
   ~Parallel();
+  /// The moved-from one can only be destroyed or assigned to.
+  ///@{
   Parallel(Parallel&&) noexcept;
   Parallel& operator=(Parallel&&) noexcept;
+  ///@}
 
-  unsigned threads() const { return threads_; }
+  unsigned threads() const { return threads_; }  ///< at least 1
 
   /// Called on its worker as a task begins (true) and ends (false), with the task's index in its loop; on
   /// several workers at once, so it must be thread-safe. For profiles: without one no task pays for it. Set

@@ -10,8 +10,10 @@ namespace troupe::partition {
 /// A ring that stands somewhere, its vertices worked out as they are asked for.
 class PlacedRing {
  public:
+  /// Both must outlive it.
   PlacedRing(const Ring& ring, const Transform& transform) : ring_(ring), transform_(transform) {}
-  std::size_t size() const { return ring_.size(); }
+  std::size_t size() const { return ring_.size(); }  ///< vertices
+  /// The i-th, where the ring stands.
   Vec2 operator[](std::size_t i) const { return transform_ * ring_[i]; }
 
  private:
@@ -24,6 +26,7 @@ bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
 /// True when the segment enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
+/// The same of a ring whose vertices are worked out on the way.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
 /// A shape at a place. The vertices of shapes of up to 128, nearly all, are worked out once, on the stack;
@@ -32,15 +35,16 @@ class PlacedShape {
  public:
   /// The shape must outlive this. z: height of its frame, m.
   PlacedShape(const ObstacleShape& shape, const Transform& transform_world_body, double z);
+  /// The shape must outlive this.
   PlacedShape(const ObstacleShape& shape, const Pose& pose_world_body)
       : PlacedShape(shape, Transform(pose_world_body), pose_world_body.z) {}
   PlacedShape(const PlacedShape&) = delete;
   PlacedShape& operator=(const PlacedShape&) = delete;
 
-  const ObstacleShape& shape() const { return shape_; }
-  const Transform& transform() const { return transform_; }
-  const Vec2& position() const { return transform_.position; }
-  double z() const { return z_; }
+  const ObstacleShape& shape() const { return shape_; }         ///< what stands there
+  const Transform& transform() const { return transform_; }     ///< of its frame in the world
+  const Vec2& position() const { return transform_.position; }  ///< of its frame's origin, m, world frame
+  double z() const { return z_; }                               ///< height of its frame, m
 
   /// visit(piece, its polygon in the world's frame: a span of vertices or a PlacedRing) -> stop?, for each
   /// piece until one stops; says whether one did.

@@ -55,24 +55,28 @@ inline constexpr std::size_t k_most_beams = 32;
 /// runs along the unit vector (dx, dy), both in the world's orientation, relative to the reference point.
 /// Each array has padded_beams(count) entries, of which those beyond count repeat the last.
 struct Fan {
-  const float* dx = nullptr;
-  const float* dy = nullptr;
-  const float* ox = nullptr;
-  const float* oy = nullptr;
-  std::size_t count = 0;
+  const float* dx = nullptr;   ///< direction
+  const float* dy = nullptr;   ///< direction
+  const float* ox = nullptr;   ///< origin, m
+  const float* oy = nullptr;   ///< origin, m
+  std::size_t count = 0;       ///< beams
   bool common_origin = false;  ///< all origins are 0
   bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
   const Scan* scan = nullptr;  ///< what is known of the beams where they are a scan
 
-  std::size_t padded() const { return padded_beams(count); }
+  std::size_t padded() const { return padded_beams(count); }  ///< room that each array has
 };
 
 /// An edge relative to the reference point.
 struct RayEdge {
-  float ax, ay, bx, by;
-  float ex, ey;  ///< b - a, rounded once
-  float area;    ///< a x b, rounded once; exactly 0 where the edge's line meets the reference point
-  float ranger_return;
+  float ax;             ///< from
+  float ay;             ///< from
+  float bx;             ///< to
+  float by;             ///< to
+  float ex;             ///< b - a, rounded once
+  float ey;             ///< b - a, rounded once
+  float area;           ///< a x b, rounded once; exactly 0 where the edge's line meets the reference point
+  float ranger_return;  ///< intensity that a beam reads
 };
 
 /// The share of its distance by which an edge may be met short of its nearest point: at most 2^-14 by
@@ -110,6 +114,7 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
 
 /// Some beams of a fan, a bit for each. Of a scan it says nothing: its beams are found by their angles.
 using BeamSet = std::uint32_t;
+/// Every beam of the fan; of a scan all bits.
 inline BeamSet all_beams(const Fan& fan) {
   return fan.scan != nullptr ? ~0u : ~0u >> (k_most_beams - fan.count);
 }
@@ -120,20 +125,21 @@ inline BeamSet all_beams(const Fan& fan) {
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< vertices
-  /// A piece: some edges side by side that one circle encloses, as many as kernels take at a time or fewer.
-  static constexpr std::size_t k_piece = 8;
+  static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: as many as kernels take at a time
+  /// Some edges side by side that one circle encloses.
   struct Piece {
-    std::uint32_t first;
-    BeamSet met_by;  ///< the beams that may meet one of its edges
+    std::uint32_t first;  ///< vertex with which its first edge begins
+    BeamSet met_by;       ///< the beams that may meet one of its edges
   };
 
-  EdgeBlock() { open_.fill(k_gap); }
+  EdgeBlock() { open_.fill(k_gap); }  ///< of no vertices
+  /// No vertices are left.
   void clear() {
     std::fill_n(open_.begin(), vertices_, k_gap);
     vertices_ = pieces_count_ = 0;
   }
-  bool empty() const { return vertices_ == 0; }
-  std::size_t vertices() const { return vertices_; }
+  bool empty() const { return vertices_ == 0; }       ///< whether there are none
+  std::size_t vertices() const { return vertices_; }  ///< of all chains together
   /// How many edges a chain may have.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
@@ -159,7 +165,9 @@ class EdgeBlock {
   const double* xy() const { return xy_.data(); }           ///< x and y of each, aligned to 64 bytes
   const float* open() const { return open_.data(); }        ///< of each edge: 0; NaN where there is none
   const float* returns() const { return returns_.data(); }  ///< of each edge
+  /// In the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
+  /// Edge j as kernels see it; must be one, see open().
   RayEdge relative(std::size_t j, const Vec2& reference) const {
     const double* e = &xy_[2 * j];
     return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, returns_[j]);
@@ -199,19 +207,21 @@ void ranges_of(const Fan& fan, const float* inverse, const float* range_max, flo
 
 /// What beams may meet: circles that were not culled.
 struct MetCircles : CircleArrays {
-  std::vector<BeamSet> beams;
+  std::vector<BeamSet> beams;  ///< of each circle: those that may meet it
 
+  /// Makes room for so many circles.
   void make_room(std::size_t size) {
     CircleArrays::make_room(size);
     beams.resize(row.size());
   }
 };
 
+/// What CircleArrays are padded to for may_meet(), in circles.
+inline constexpr std::size_t k_circle_padding = 16;
 /// Culls circles: leaves in `met` the rows and the beams of those of [begin, end) that some beam may meet
 /// before its limit and whose nearest point lies from `low` to `high` away from the reference, and returns
 /// their number. Margins are far above rounding: it leaves out none that counts.
 /// begin, end  multiples of k_circle_padding; circles with negative infinite radius are never met
-inline constexpr std::size_t k_circle_padding = 16;
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 

@@ -34,24 +34,27 @@ namespace troupe::partition {
 struct MovingOutline {
   std::uint32_t body = 0;   ///< its own rays pass it
   std::uint32_t first = 0;  ///< vertices [first, first + count) of those that RayGrid::redraw() is given
-  std::uint32_t count = 0;
-  ZInterval z;  ///< body frame
-  float ranger_return = 1;
+  std::uint32_t count = 0;  ///< vertices, at least one
+  ZInterval z;              ///< body frame
+  float ranger_return = 1;  ///< intensity that a ray reads; below 0: it is not drawn
 };
 
+/// A ray to be cast.
 struct GridRay {
-  Vec2 origin;     ///< world frame, m
-  Vec2 direction;  ///< a unit vector
-  double z = 0;    ///< height, m
-  float range_max = 0;
+  Vec2 origin;               ///< world frame, m
+  Vec2 direction;            ///< a unit vector
+  double z = 0;              ///< height, m
+  float range_max = 0;       ///< m; above 0
   std::uint32_t body = ~0u;  ///< whose ray it is: its own outlines are passed
 };
 
+/// What a ray met.
 struct GridHit {
   float range;              ///< m; exactly range_max where nothing is met
   float ranger_return = 0;  ///< of what was met, the largest of those in one cell
 };
 
+/// The cells of one world; the text above tells how they are drawn and walked.
 class RayGrid {
  public:
   /// Draws what never moves. `outlines` are those of bodies that may, body after body, `vertices` as redraw()
@@ -60,11 +63,9 @@ class RayGrid {
   /// not be counted.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
-  static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;
+  static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< of the cells of what never moves
 
-  /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
-  /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
-  /// `linked` says what else there is to know of bodies with moving parts, and of those that move as one.
+  /// What else there is to know of bodies with moving parts, and of those that move as one.
   struct Linked {
     std::span<const double> lifts;          ///< by how much each outline is raised, m; empty: none is
     std::span<const std::uint32_t> groups;  ///< of each body: a body's rays pass all of its group; empty:
@@ -72,13 +73,15 @@ class RayGrid {
     std::span<const std::uint8_t> absent;   ///< of each body: it is not drawn where this is not 0; empty:
                                             ///< all are there
   };
+  /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
+  /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
   /// The first surface along a ray. From any number of threads between redraws.
   GridHit cast(const GridRay& ray) const;
 
-  double resolution_m() const { return cells_.cell_m; }
+  double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell
   /// True when something is drawn in the cell of this point.
   bool is_drawn(const Vec2& point) const;
   /// Regions that are known: those with something fixed in them, and some that bodies are in or were in

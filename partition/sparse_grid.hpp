@@ -11,25 +11,27 @@ namespace troupe::partition {
 
 /// A cell of the plane, counted from the origin.
 struct Cell {
-  std::int32_t x = 0;
-  std::int32_t y = 0;
+  std::int32_t x = 0;  ///< column; rises with x of the world
+  std::int32_t y = 0;  ///< row; rises with y of the world
   friend bool operator==(Cell, Cell) = default;
 };
 
 /// How the plane is cut: square cells, and square tiles of 2^tile_bits cells an edge.
 struct GridGeometry {
-  double cell_m = 1;
-  unsigned tile_bits = 3;
+  double cell_m = 1;       ///< edge of a cell
+  unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
 
-  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }
-  double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }
+  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< of each tile
+  double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }   ///< edge of a tile
 
   /// The cell of a point. Points beyond +-2^30 cells count as lying in the outermost one.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
+  /// That holds the cell; tiles are counted as cells are.
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
   /// Blocks of cells: bodies of one block are worked on one after another, and what they look up serves all.
   unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
-  Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }
+  Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< that holds the cell
+  /// World frame, m.
   Box box_of_block(Cell block) const {
     const double edge = cell_m * static_cast<double>(1u << block_bits());
     Box box;
@@ -57,9 +59,10 @@ struct GridGeometry {
 /// Finds the slot of a tile: open addressing over tile coordinates. Empty tiles cost nothing.
 class TileDirectory {
  public:
-  static constexpr std::uint32_t k_none = ~0u;
+  static constexpr std::uint32_t k_none = ~0u;  ///< no slot
 
-  TileDirectory() : keys_(16), slots_(16, k_none) {}
+  TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< of no tiles
+  /// No tiles are left; their slots are given anew.
   void clear() {
     std::ranges::fill(slots_, k_none);
     tiles_.clear();
@@ -69,9 +72,10 @@ class TileDirectory {
     while (tiles * 2 > keys_.size()) grow();
     tiles_.reserve(tiles);
   }
-  std::size_t size() const { return tiles_.size(); }
-  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }
+  std::size_t size() const { return tiles_.size(); }            ///< tiles; slots are 0 to size() - 1
+  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< that has the slot
 
+  /// The slot of a tile; k_none where it has none.
   std::uint32_t find(Cell tile) const {
     for (std::size_t i = start(tile);; i = (i + 1) & (keys_.size() - 1)) {
       if (slots_[i] == k_none) return k_none;
@@ -79,6 +83,7 @@ class TileDirectory {
     }
   }
 
+  /// The slot of a tile, the next free one where it had none.
   std::uint32_t insert(Cell tile) {
     if ((tiles_.size() + 1) * 2 > keys_.size()) grow();
     std::size_t i = start(tile);

@@ -16,11 +16,11 @@ namespace troupe::partition {
 
 /// A solid that never moves, already in the world's frame.
 struct FixedSolid {
-  Solid solid;
-  BodyId body;
-  bool obstacle = true;
-  float ranger_return = 1;
-  std::uint32_t part = 0;  ///< of the body
+  Solid solid;              ///< world frame
+  BodyId body;              ///< whose it is
+  bool obstacle = true;     ///< blocks motions
+  float ranger_return = 1;  ///< intensity that rangers read; below 0: they pass it
+  std::uint32_t part = 0;   ///< of the body
 };
 
 /// Edges by the cells they cross. An edge lies whole in each of its cells: clipping would change bits, and
@@ -28,6 +28,7 @@ struct FixedSolid {
 class EdgeGrid {
  public:
   EdgeGrid() = default;
+  /// How the cells are cut changes no answer.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// visit(span of edges) for each run of cells that touches the box; an edge may come more than once.
@@ -57,15 +58,15 @@ class StaticScene {
   /// cell_m never changes an answer.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
-  std::span<const FixedSolid> solids() const { return solids_; }
-  const Box& bounds() const { return bounds_; }
-  std::size_t edge_count() const { return edge_count_; }
+  std::span<const FixedSolid> solids() const { return solids_; }  ///< in the order in which they were given
+  const Box& bounds() const { return bounds_; }                   ///< of all of them; empty without any
+  std::size_t edge_count() const { return edge_count_; }          ///< edges of all solids, whoever meets them
 
   /// What rangers see.
   const FixedOutlines& outlines() const { return outlines_; }
   /// What rangers do not see, and other sensors do.
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
-  bool has_obstacles() const { return has_obstacles_; }
+  bool has_obstacles() const { return has_obstacles_; }  ///< whether any of them blocks motions
 
   /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
   /// A shape wholly inside a solid crosses no edge: see blocked().

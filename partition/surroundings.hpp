@@ -13,9 +13,12 @@ namespace troupe::partition {
 
 /// Circles, each number an array, in metres and the world's frame. The arrays only ever grow.
 struct CircleArrays {
-  std::vector<float> x, y, radius;
-  std::vector<std::uint32_t> row;
+  std::vector<float> x;            ///< of the centres
+  std::vector<float> y;            ///< of the centres
+  std::vector<float> radius;       ///< negative infinite: nothing meets it
+  std::vector<std::uint32_t> row;  ///< of a body, or a piece of the static scene
 
+  /// Makes room for so many circles, what lies in it kept.
   void make_room(std::size_t size) {
     if (size <= x.size()) return;
     const std::size_t room = 2 * size;
@@ -24,6 +27,7 @@ struct CircleArrays {
     radius.resize(room);
     row.resize(room);
   }
+  /// Sets the i-th; there must be room.
   void set(std::size_t i, const BodyCircle& circle) {
     x[i] = circle.x;
     y[i] = circle.y;
@@ -55,20 +59,23 @@ class Surroundings {
   std::size_t bands() const { return radii_.size(); }
   /// Every circle that comes nearer than this to any point of the block lies in this band or one before, m.
   double radius(std::size_t band) const { return radii_[band]; }
-  /// The band's place in circles(): looked up, if need be. Padded to a multiple of k_circle_padding with
-  /// circles that nothing meets.
+  /// A band's place in circles(). Padded to a multiple of k_circle_padding with circles that nothing meets.
   struct Band {
-    std::size_t begin, end;
+    std::size_t begin;  ///< of its first circle
+    std::size_t end;    ///< behind its last
   };
+  /// Where a band below bands() lies: looked up, if need be.
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
   }
+  /// Those of all bands looked up so far; grows when the next is.
   const CircleArrays& circles() const { return circles_; }
   /// What to look at first in the first band, m: a distance within which some k_at_hand circles lie in the
   /// mean, but no more than radius(0). Infinite where there are so few that one look is best.
   double at_hand() const { return at_hand_; }
-  static constexpr double k_at_hand = 20;
+  static constexpr double k_at_hand = 20;  ///< see at_hand()
+  /// Where no more circles than these are near, one look is best: at_hand() is infinite.
   static constexpr double k_few = 48;
 
  private:

@@ -20,9 +20,8 @@ enum BlobField : std::size_t {
 
 /// A blob finder: which stretches of one colour a camera of few columns would see.
 /// sees    a ray a column at equal angles from -fov/2 to +fov/2 about its heading and pan (one column:
-/// straight
-///         ahead), as long as `range`, ends at the first body of another robot or of the scene, whatever the
-///         heights. Neighbouring columns of one colour are one blob.
+///         straight ahead), as long as `range`, ends at the first body of another robot or of the scene,
+///         whatever the heights. Neighbouring columns of one colour are one blob.
 /// rows    as if all bodies were 0.6 m tall, seen from the middle of their height
 /// source  Stage's blobfinder model, which skips a column after each blob, and whose colours may be compared
 ///         to 1e-5; here no column is lost, and what has no blob_return hides but is no blob

@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-/// What is odd about a world that can be loaded all the same: everything its loading warns of, at each place,
-/// and
+/// What is odd about a world that can be loaded all the same: everything that its loading warns of, at each
+/// place, and
 ///   - bodies that overlap at the start, robots that stand in walls;
 ///   - sensors that can never meet anything, floor plans that stop nobody;
 ///   - definitions that nothing uses, properties that change nothing.

@@ -92,6 +92,7 @@ inline constexpr Library library{k_interface, k_version, k_build, layout(), cont
 #pragma GCC visibility pop
 }  // namespace troupe
 
+/// What the program that loads a plug-in asks it for: k_symbol.
 extern "C" __attribute__((used, visibility("default"))) inline const troupe::plugin::Library*
 troupe_plugin() {
   return &troupe::plugin::library;

@@ -22,8 +22,8 @@ class Plugins {
  public:
   /// A library in use.
   struct Library {
-    std::string name;  ///< of the file, without .so
-    std::filesystem::path file;
+    std::string name;            ///< of the file, without .so
+    std::filesystem::path file;  ///< where it was found
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 

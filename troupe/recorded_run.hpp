@@ -19,8 +19,8 @@ class RecordedRun : public PictureSource {
   /// kept.
   explicit RecordedRun(const std::filesystem::path& recording);
   ~RecordedRun() override;
-  RecordedRun(RecordedRun&&) noexcept;
-  RecordedRun& operator=(RecordedRun&&) noexcept;
+  RecordedRun(RecordedRun&&) noexcept;             ///< the one moved from is of no use
+  RecordedRun& operator=(RecordedRun&&) noexcept;  ///< as that
 
   /// Goes to the last frame that is not later than this. Throws InputError for a time before the first frame
   /// or after the last one, s.
@@ -29,7 +29,7 @@ class RecordedRun : public PictureSource {
   std::span<const double> times_s() const;
   /// The frame it stands at.
   std::size_t frame_index() const;
-  void go_to_frame(std::size_t frame);
+  void go_to_frame(std::size_t frame);  ///< the last one where there are not so many
   /// The first frame that is not earlier than so long before where it stands, s.
   std::size_t first_within(double history_s) const;
 

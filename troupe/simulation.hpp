@@ -57,7 +57,7 @@ struct ResumeOptions {
   unsigned threads = 0;
   double tile_size_m = 0;  ///< as there
   /// JSON pointer into the checkpoint's /world -> value ("/types/1/drive/params/velocity_max_x_mps" ->
-  /// "0.5"), for what keeps the shape of the state (worldio/spec_json.hpp lists it): the run goes on as
+  /// "0.5"), for what keeps the shape of the state (docs/checkpoints.md lists it): the run goes on as
   /// another one from here.
   std::vector<std::pair<std::string, std::string>> set;
   /// Takes a checkpoint of another version of Troupe, which may go on with other bits than the version that
@@ -330,8 +330,8 @@ class Simulation {
   /// range_max  m; what is as far or farther is not met
   /// without    a model that it passes, with all that this carries: who looks from within a robot
   /// meets      what rangers meet (ranger_return >= 0), where the closed z interval holds the height, from
-  /// both
-  ///            sides; computed in doubles, so that it may differ from a reading in the last bits of a float
+  ///            both sides; computed in doubles, so that it may differ from a reading in the last bits of a
+  ///            float
   /// ties       two surfaces at one distance: the lower (id, part)
   /// errors     std::invalid_argument for what is not finite, and a range below 0 or beyond 300 km
   /// cost       a walk along the ray. Changes nothing: several threads may cast at once, between two steps
@@ -375,10 +375,10 @@ class Simulation {
   /// The same by group: pose, velocity, sensor, memory.
   struct Hashes {
     std::uint64_t state = 0;     ///< the sum of the others, modulo 2^64
-    std::uint64_t pose = 0;      ///< poses, and what carries what
-    std::uint64_t velocity = 0;  ///< velocities, commands, stalls
+    std::uint64_t pose = 0;      ///< poses, who carries whom, who lives
+    std::uint64_t velocity = 0;  ///< velocities, what is asked of drives and devices, stalls
     std::uint64_t sensor = 0;    ///< readings, and the state of other devices
-    std::uint64_t memory = 0;    ///< memories of controllers
+    std::uint64_t memory = 0;    ///< of controllers; odometry; what keeps bodies from working
   };
   Hashes hashes() const;  ///< of the state that it is in
   /// First lines of a hash log: `# key: value` each, free to differ between runs that agree.

@@ -27,13 +27,11 @@ namespace troupe {
 ///     }
 ///
 /// order     of rising ids, the world file's, in whatever order their data lie: robot i is the same one in
-/// every
-///           run, on any number of threads
+///           every run, on any number of threads
 /// members   those who are there, those still to be born, and the dead; they never change. Who is not there
 ///           has readings of 0, and a pose of no number before its birth
 /// sizes     what is given, or to be filled, has one element for each robot, ranges one for each beam of
-/// each;
-///           else std::invalid_argument
+///           each; else std::invalid_argument
 /// where     of commands: one byte for each robot, 0 leaves it out; empty: all. Who is not there is left out
 /// valid     while its simulation lives, also after a reset
 ///

@@ -21,6 +21,8 @@ class Settings;
 /// A value in the description of a world: a number, a text, true or false, a list, or named values.
 class Setting {
  public:
+  /// From what C++ says it with.
+  ///@{
   Setting(bool value);
   Setting(double value);  ///< throws std::invalid_argument where it is not finite
   Setting(std::int64_t value);
@@ -32,8 +34,11 @@ class Setting {
   Setting(const char* text);
   Setting(std::string_view text);
   Setting(const std::string& text);
+  ///@}
   Setting(const Pose& pose);  ///< m and rad; what is 0 is left out
+  /// Named values, as an object of the file.
   Setting(const Settings& values);
+  /// As many values, as a list of the file.
   Setting(const std::vector<Setting>& list);
   Setting(std::initializer_list<Setting> list);  ///< `{0.3, 0.3, 0.2}`
 
@@ -50,17 +55,16 @@ class Settings {
  public:
   /// A key and its value.
   struct Entry {
-    std::string_view key;
-    Setting value;
+    std::string_view key;  ///< as the file has it, with its unit: "range_max_m"
+    Setting value;         ///< in that unit
   };
   Settings() = default;
   Settings(std::initializer_list<Entry> entries);  ///< as if each were set()
   /// Gives a key a value, in place of the one that it had.
   Settings& set(std::string_view key, const Setting& value);
   Settings& set(const Settings& values);  ///< each of these
-  const std::vector<std::pair<std::string, Setting>>& entries() const {
-    return entries_;
-  }  ///< in their order
+  /// In their order.
+  const std::vector<std::pair<std::string, Setting>>& entries() const { return entries_; }
 
  private:
   std::vector<std::pair<std::string, Setting>> entries_;
@@ -71,11 +75,12 @@ class Settings {
 ///     troupe::WorldBuilder world;
 ///     world.set("seed", 7);
 ///     world.wall({-3, 2}, {3, 2});
+///     const troupe::Settings beams{{"range_max_m", 2}, {"fov_deg", 90}, {"samples", 9}};
 ///     world.type("bot")
 ///         .size(0.3, 0.3, 0.2)
 ///         .drive("diff", {{"velocity_max_x_mps", 0.5}})
-///         .sensor("ir", "ranger", {{"transducers", {troupe::Settings{{"range_max_m", 2}, {"fov_deg", 90},
-///         {"samples", 9}}}}}) .controller("wander");
+///         .sensor("ir", "ranger", {{"transducers", {beams}}})
+///         .controller("wander");
 ///     for (int i = 0; i < 10; ++i) world.add("r" + std::to_string(i), "bot", {.x = 0.5 * i});
 ///     troupe::Simulation simulation(world);
 ///

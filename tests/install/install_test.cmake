@@ -34,7 +34,7 @@ foreach(file ${package})
   endforeach()
 endforeach()
 
-# The headers bring Eigen and the standard library, nothing else.
+# The headers bring Eigen and the standard library, nothing else, and no header that is not installed.
 file(GLOB_RECURSE headers ${SCRATCH}/prefix/include/*)
 foreach(file ${headers})
   file(STRINGS ${file} foreign REGEX "^[ \t]*#[ \t]*include[ \t]*<[^>]*[/.]")
@@ -42,6 +42,13 @@ foreach(file ${headers})
   if(foreign)
     message(FATAL_ERROR "${file}: ${foreign}")
   endif()
+  file(STRINGS ${file} own REGEX "^#include \"")
+  foreach(line ${own})
+    string(REGEX REPLACE "^#include \"([^\"]*)\".*" "\\1" name "${line}")
+    if(NOT EXISTS ${SCRATCH}/prefix/include/troupe/${name})
+      message(FATAL_ERROR "${file} includes ${name}, which is not installed")
+    endif()
+  endforeach()
 endforeach()
 
 run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${SCRATCH}/consumer -G ${GENERATOR}
