@@ -143,6 +143,7 @@ class Listener {
   void find_speakers(const Box& listeners);
   void consider(const BodyCircle& circle, const Sender& sender);
   const Speaker& speaker(std::uint64_t key) const { return speakers_[static_cast<std::uint32_t>(key)]; }
+  void fetch_readings(std::size_t slot) const;
   void listen(std::size_t i);
   void find_links();
   double height(const Speaker& speaker) const;
@@ -218,6 +219,7 @@ void Listener::begin(const DeviceBatch& batch) {
   has_walls_ = false;
   // A crowd of that size grows them at once.
   const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
+  mounts_.reserve(room);
   speakers_.reserve(room);
   order_.reserve(room);
   reaches_.reserve(room);
@@ -248,7 +250,10 @@ std::uint64_t Listener::listen(const DeviceBatch& batch) {
       listeners = more;
     }
     find_speakers(listeners);
-    for (; first < last; ++first) listen(first);
+    for (; first < last; ++first) {
+      if (first + 1 < mounts_.size()) fetch_readings(batch.slot(first + 1));
+      listen(first);
+    }
   }
   return lines_;
 }
@@ -307,6 +312,14 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
                        .radio = sender.radio,
                        .device = sender.device,
                        .message = command + k_radio_said});
+}
+
+/// Readings take a kilobyte a radio: they come from memory while another one listens.
+void Listener::fetch_readings(std::size_t slot) const {
+  constexpr std::size_t k_line = 64;  // bytes
+  const std::byte* row = batch_->state.row(slot);
+  const std::size_t bytes = std::min<std::size_t>(batch_->state.row_bytes(), 1024);
+  for (std::size_t at = 0; at < bytes; at += k_line) __builtin_prefetch(row + at, 1);
 }
 
 void Listener::listen(std::size_t i) {
