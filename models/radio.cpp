@@ -11,7 +11,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace troupe::models {
@@ -32,6 +32,8 @@ using partition::BodyCircle;
 constexpr double k_slack = 1e-9;     // m, of culls: far above the rounding of doubles within a world
 constexpr double k_together_m = 12;  // links up to this long share what may hide them
 constexpr double k_stride_m = 4;     // of longer ones: what may hide them is looked up piece by piece
+// Listeners on ground of so many times their reach look for speakers together.
+constexpr double k_group_reaches = 2.25;
 
 enum class Law : std::uint8_t { disc, friis, itu_indoor, log_distance };
 enum class Walls : std::uint8_t { block, weaken, pass };
@@ -68,32 +70,27 @@ struct Sender {
   bool always_runs;
   Vec2 position;  // body frame, or that of its joint
   double limit;   // of links to the listener, m
-  double budget;  // dB
 };
 
-/// Someone who says something, as far as the listener is concerned.
+/// A radio that says something, and that some of the listeners may hear.
+struct Speaker {
+  BodyCircle circle;
+  BodyId body;
+  std::uint32_t length = 0;   // of what it says, bytes
+  Vec2 place = Vec2::Zero();  // m, world frame
+  double limit = 0;           // of links to the listeners, m
+  const Radio* radio = nullptr;
+  const BodyType::Device* device = nullptr;
+  const std::uint8_t* message = nullptr;
+
+  Row row() const { return Row(circle.row); }
+};
+
+/// From a speaker to the listener.
 struct Link {
   double range = 0;
-  Row row;
-  BodyId body;
-  std::uint32_t sender = 0;  // of those of the row's type
-  const Radio* radio = nullptr;
-  const std::uint8_t* command = nullptr;
-  Vec2 there = Vec2::Zero();  // m, world frame
-  double loss = 0;            // dB
-  double budget = 0;          // the loss that makes it too weak
-  double limit = 0;           // m
-
-  std::size_t length() const { return command[k_radio_bytes]; }
-  /// Orders links as readings are ordered.
-  std::uint64_t place() const { return (std::uint64_t{body.value} << 32) | sender; }
-};
-
-/// What links are sorted by, which are large.
-struct Key {
-  double range;
-  std::uint64_t place;
-  std::uint32_t link;
+  double loss = 0;  // dB
+  const Speaker* speaker = nullptr;
 };
 
 /// A straight line between two radios, always from the one of the lower id, so that both have one answer.
@@ -128,50 +125,44 @@ struct Crossing {
   auto operator<=>(const Crossing&) const = default;
 };
 
-/// Listens for one radio after another. A thread keeps one, so that a warm step allocates nothing.
+/// Listens for one radio after another. Those that stand near one another look together for who says
+/// something, and put that in the order of readings once, so that nothing is sorted for each. A thread keeps
+/// one, so that a warm step allocates nothing.
 class Listener {
  public:
   Listener() {
     for (Known& known : known_) known.senders.reserve(4);
   }
 
-  void begin(const DeviceBatch& batch) {
-    batch_ = &batch;
-    world_ = &batch.world;
-    radio_ = std::any_cast<Radio>(&batch.data);
-    kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
-    for (Known& known : known_) known.type = nullptr;
-    position_ = radio_->pose_body_radio.position();
-    turn_ = Rotation(radio_->pose_body_radio.heading);
-    // A crowd of that size grows them at once.
-    const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
-    links_.reserve(room);
-    keys_.reserve(room);
-    ways_.reserve(room);
-    if (circles_.size() < room) circles_.resize(room);
-    walls_.reserve(1024);
-    crossings_.reserve(64);
-  }
-
-  void listen(std::size_t i);
-  std::uint64_t lines() const { return lines_; }
+  /// Listens for all rows of the batch; returns the lines that it looked along.
+  std::uint64_t listen(const DeviceBatch& batch);
 
  private:
+  void begin(const DeviceBatch& batch);
   std::span<const Sender> senders(const BodyType& type);
-  void find_links(Row own);
-  void consider(Row row, const Sender& sender, std::uint32_t index);
-  double height(const Link& link);
+  void find_speakers(const Box& listeners);
+  void consider(const BodyCircle& circle, const Sender& sender);
+  const Speaker& speaker(std::uint64_t key) const { return speakers_[static_cast<std::uint32_t>(key)]; }
+  void fetch_readings(std::size_t slot) const;
+  void listen(std::size_t i);
+  void find_links();
+  double height(const Speaker& speaker) const;
   void weaken_links();
+  void find_walls();
+  void find_blockers();
   bool arrives(Link& link);
-  Line line_to(const Link& link);
+  /// The loss that makes it too weak, dB.
+  double budget_of(const Speaker& speaker) const { return speaker.radio->power - radio_->sensitivity; }
+  Line line_to(const Speaker& speaker) const;
   /// How many walls are on the way; -1: something that nothing passes.
-  int hindrances(const Link& link);
+  int hindrances(const Speaker& speaker);
   template <class Visit>
   bool any_wall(const Line& line, Visit&& visit) const;
-  bool is_behind_a_body(const Line& line, const Link& link) const;
+  bool is_behind_a_body(const Line& line, const Speaker& speaker) const;
   bool hides(const Line& line, Row row) const;
-  bool is_dropped(const Link& link) const;
+  bool is_dropped(const Speaker& speaker) const;
   void keep_nearest();
+  double quality(const Link& link) const;
   void write(std::size_t slot);
 
   const DeviceBatch* batch_ = nullptr;
@@ -182,27 +173,90 @@ class Listener {
     const BodyType* type = nullptr;
     std::vector<Sender> senders;
   };
-  std::array<Known, 8> known_;    // types that were met last, each at its place
-  Vec2 position_ = Vec2::Zero();  // of the radio, body frame, or that of its joint
-  Rotation turn_;                 // the same
+  std::array<Known, 8> known_;         // types that were met last, each at its place
+  std::vector<engine::Mount> mounts_;  // of the batch
+  Vec2 position_ = Vec2::Zero();       // of the radio, body frame, or that of its joint
+  Rotation turn_;                      // the same
 
+  // What listeners near one another share.
+  std::vector<BodyCircle> bodies_;    // near any of them, where bodies may hide something
+  std::vector<Speaker> speakers_;     // as they were found
+  std::vector<std::uint64_t> order_;  // theirs in the readings: body, and place in speakers_
+  struct Reach {                      // in that order: the listener must stand within this circle
+    double x, y, radius2;
+  };
+  std::vector<Reach> reaches_;
+
+  // Of one listener.
   Row own_;
   BodyId id_;
   Vec2 here_ = Vec2::Zero();
   double z_ = 0;
   Rotation to_own_frame_;
-  std::vector<Link> links_;
-  std::vector<Key> keys_;             // of those that are heard
-  std::vector<Vec2> ways_;            // to them, in the frame of the listener
-  std::vector<BodyCircle> circles_;   // room for those of bodies near the listener
-  std::span<const BodyCircle> near_;  // they
-  std::vector<BodyCircle> walls_;     // of pieces of outlines near it
+  std::vector<std::uint32_t> in_reach_;                    // of reaches_
+  std::vector<Link> links_;                                // in the order of readings
+  std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and place of links
+  std::vector<Vec2> ways_;                                 // to speakers, in the frame of the listener
+  std::vector<BodyCircle> blockers_;                       // of bodies_, those near it
+  std::vector<BodyCircle> walls_;                          // of pieces of outlines near it
   std::vector<Crossing> crossings_;
-  bool together_ = false;  // walls_ holds what may hide any of its links
+  bool has_walls_ = false;  // that may hide some of its links
+  bool together_ = false;   // walls_ holds them
   std::uint32_t lost_ = 0;
   std::uint32_t dropped_ = 0;
   std::uint64_t lines_ = 0;
 };
+
+void Listener::begin(const DeviceBatch& batch) {
+  batch_ = &batch;
+  world_ = &batch.world;
+  radio_ = std::any_cast<Radio>(&batch.data);
+  kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
+  for (Known& known : known_) known.type = nullptr;
+  position_ = radio_->pose_body_radio.position();
+  turn_ = Rotation(radio_->pose_body_radio.heading);
+  lines_ = 0;
+  has_walls_ = false;
+  // A crowd of that size grows them at once.
+  const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
+  mounts_.reserve(room);
+  speakers_.reserve(room);
+  order_.reserve(room);
+  reaches_.reserve(room);
+  in_reach_.reserve(room);
+  links_.reserve(room);
+  nearest_.reserve(room);
+  ways_.reserve(room);
+  if (radio_->bodies_block) {
+    bodies_.reserve(room);
+    blockers_.reserve(room);
+  }
+  walls_.reserve(1024);
+  crossings_.reserve(64);
+}
+
+std::uint64_t Listener::listen(const DeviceBatch& batch) {
+  begin(batch);
+  mounts_.clear();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) mounts_.push_back(batch.mount(i));
+  const auto place = [&](std::size_t i) { return Vec2(mounts_[i].transform * position_); };
+  for (std::size_t first = 0; first < mounts_.size();) {
+    Box listeners = Box::around(place(first), 0);
+    std::size_t last = first + 1;
+    for (; last < mounts_.size(); ++last) {
+      Box more = listeners;
+      more.extend(place(last));
+      if (more.size().maxCoeff() > k_group_reaches * radio_->hears) break;
+      listeners = more;
+    }
+    find_speakers(listeners);
+    for (; first < last; ++first) {
+      if (first + 1 < mounts_.size()) fetch_readings(batch.slot(first + 1));
+      listen(first);
+    }
+  }
+  return lines_;
+}
 
 std::span<const Sender> Listener::senders(const BodyType& type) {
   const auto number = static_cast<std::size_t>(&type - world_->types().data());
@@ -216,141 +270,186 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
     if (radio.channel != radio_->channel) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
     known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
-                             radio.pose_body_radio.position(), std::min(radio_->hears, radio.range),
-                             radio.power - radio_->sensitivity});
+                             radio.pose_body_radio.position(), std::min(radio_->hears, radio.range)});
   }
   return known.senders;
+}
+
+/// Everybody who says something that some of the listeners in the box may hear.
+void Listener::find_speakers(const Box& listeners) {
+  bodies_.clear();
+  speakers_.clear();
+  world_->index().for_each_near(listeners.expanded(radio_->hears), [&](const BodyCircle& circle) {
+    if (radio_->bodies_block) bodies_.push_back(circle);
+    for (const Sender& sender : senders(world_->type(Row(circle.row)))) consider(circle, sender);
+  });
+  order_.clear();
+  for (std::size_t i = 0; i < speakers_.size(); ++i)
+    order_.push_back((std::uint64_t{speakers_[i].body.value} << 32) | i);
+  std::ranges::sort(order_);
+  reaches_.clear();
+  for (const std::uint64_t key : order_) {
+    const BodyCircle& circle = speaker(key).circle;
+    const double reach = radio_->hears + circle.radius;
+    reaches_.push_back({circle.x, circle.y, reach * reach});
+  }
+}
+
+void Listener::consider(const BodyCircle& circle, const Sender& sender) {
+  const Row row(circle.row);
+  const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(world_->slot(row)));
+  const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
+  const bool says = mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->beacon);
+  if (!says || !(sender.always_runs || world_->runs(row, *sender.device))) return;
+  const std::int32_t joint = sender.device->joint;
+  speakers_.push_back({.circle = circle,
+                       .body = world_->body(row),
+                       .length = command[k_radio_bytes],
+                       .place = joint == engine::k_rigid
+                                    ? Vec2(world_->transform(row) * sender.position)
+                                    : Vec2(world_->mount(row, joint).transform * sender.position),
+                       .limit = sender.limit,
+                       .radio = sender.radio,
+                       .device = sender.device,
+                       .message = command + k_radio_said});
+}
+
+/// Readings take a kilobyte a radio: they come from memory while another one listens.
+void Listener::fetch_readings(std::size_t slot) const {
+  constexpr std::size_t k_line = 64;  // bytes
+  const std::byte* row = batch_->state.row(slot);
+  const std::size_t bytes = std::min<std::size_t>(batch_->state.row_bytes(), 1024);
+  for (std::size_t at = 0; at < bytes; at += k_line) __builtin_prefetch(row + at, 1);
 }
 
 void Listener::listen(std::size_t i) {
   own_ = batch_->rows[i];
   id_ = batch_->body(i);
-  const engine::Mount mount = batch_->mount(i);
+  const engine::Mount& mount = mounts_[i];
   here_ = mount.transform * position_;
   z_ = mount.z + radio_->pose_body_radio.z;
   // The inverse of both rotations, one after the other.
   const Rotation& body = mount.transform.rotation;
   to_own_frame_.cos = body.cos * turn_.cos - body.sin * turn_.sin;
   to_own_frame_.sin = -(body.sin * turn_.cos + body.cos * turn_.sin);
-  links_.clear();
   lost_ = 0;
   dropped_ = 0;
-  find_links(own_);
+  find_links();
   weaken_links();
   keep_nearest();
   write(batch_->slot(i));
 }
 
-/// Everybody who says something and is near enough.
-void Listener::find_links(Row own) {
-  // Whether a circle is in reach is a guess for the processor: it is counted, not branched on.
+/// Those of the speakers that are near enough. Whether one is is a guess for the processor: it is counted,
+/// not branched on.
+void Listener::find_links() {
+  in_reach_.resize(reaches_.size());
   std::size_t near = 0;
-  world_->index().for_each_near(Box::around(here_, radio_->hears), [&](const BodyCircle& circle) {
-    const double reach = radio_->hears + circle.radius;
-    if (near == circles_.size()) circles_.resize(2 * near);
-    circles_[near] = circle;
-    near += (Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach;
-  });
-  near_ = {circles_.data(), near};
-  for (const BodyCircle& circle : near_) {
-    const Row row(circle.row);
-    if (world_->same_tree(row, own)) continue;
-    const std::span<const Sender> all = senders(world_->type(row));
-    for (std::uint32_t s = 0; s < all.size(); ++s) consider(row, all[s], s);
+  for (std::uint32_t i = 0; i < reaches_.size(); ++i) {
+    const Reach& reach = reaches_[i];
+    in_reach_[near] = i;
+    near += (Vec2(reach.x, reach.y) - here_).squaredNorm() <= reach.radius2;
   }
-}
-
-void Listener::consider(Row row, const Sender& sender, std::uint32_t index) {
-  const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(world_->slot(row)));
-  const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
-  const bool says = mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->beacon);
-  if (!says || !(sender.always_runs || world_->runs(row, *sender.device))) return;
-  const Vec2 there = sender.device->joint == engine::k_rigid
-                         ? Vec2(world_->transform(row) * sender.position)
-                         : Vec2(world_->mount(row, sender.device->joint).transform * sender.position);
-  const double range = (there - here_).norm();
-  if (range > sender.limit) return;
-  links_.push_back({.range = range,
-                    .row = row,
-                    .body = world_->body(row),
-                    .sender = index,
-                    .radio = sender.radio,
-                    .command = command,
-                    .there = there,
-                    .loss = radio_->loss(range),
-                    .budget = sender.budget,
-                    .limit = sender.limit});
+  links_.resize(near);
+  std::size_t linked = 0;
+  for (const std::uint32_t i : std::span(in_reach_).first(near)) {
+    const Speaker& other = speaker(order_[i]);
+    const double range = (other.place - here_).norm();
+    links_[linked] = {.range = range, .loss = 0, .speaker = &other};
+    linked += range <= other.limit && !world_->same_tree(other.row(), own_);
+  }
+  links_.resize(linked);
 }
 
 /// Leaves those that arrive.
 void Listener::weaken_links() {
-  double farthest = 0;
-  for (const Link& link : links_) farthest = std::max(farthest, link.range);
-  together_ = radio_->walls != Walls::pass && farthest <= k_together_m;
-  walls_.clear();
-  if (together_ && !links_.empty() && world_->scene().edge_count() > 0) {
-    const partition::FixedOutlines& outlines = world_->scene().outlines();
-    const Box box = Box::around(here_, farthest).expanded(outlines.largest_radius() + k_slack);
-    outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
-                          [&](std::span<const BodyCircle> circles) {
-                            for (const BodyCircle& circle : circles) {
-                              const double reach = farthest + circle.radius + k_slack;
-                              if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach)
-                                walls_.push_back(circle);
-                            }
-                          });
-  }
+  if (radio_->walls != Walls::pass) find_walls();
+  if (radio_->bodies_block) find_blockers();
   if (radio_->walls != Walls::pass || radio_->bodies_block) lines_ += links_.size();
-  const bool all_pass = radio_->walls == Walls::pass || (together_ && walls_.empty());
-  if (all_pass && !radio_->bodies_block && !radio_->has_law && radio_->drop_rate == 0 &&
-      std::ranges::all_of(links_, [&](const Link& link) { return link.length() <= radio_->payload; }))
+  if (!has_walls_ && !radio_->bodies_block && !radio_->has_law && radio_->drop_rate == 0 &&
+      std::ranges::all_of(links_, [&](const Link& link) { return link.speaker->length <= radio_->payload; }))
     return;
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
+/// What never moves and may hide any of the links: far ones are looked at one by one.
+void Listener::find_walls() {
+  has_walls_ = false;
+  if (links_.empty() || world_->scene().edge_count() == 0) return;
+  double farthest = 0;
+  for (const Link& link : links_) farthest = std::max(farthest, link.range);
+  together_ = farthest <= k_together_m;
+  has_walls_ = !together_;
+  if (!together_) return;
+  walls_.clear();
+  const partition::FixedOutlines& outlines = world_->scene().outlines();
+  const Box box = Box::around(here_, farthest).expanded(outlines.largest_radius() + k_slack);
+  outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
+                        [&](std::span<const BodyCircle> circles) {
+                          for (const BodyCircle& circle : circles) {
+                            const double reach = farthest + circle.radius + k_slack;
+                            if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach)
+                              walls_.push_back(circle);
+                          }
+                        });
+  has_walls_ = !walls_.empty();
+}
+
+/// The same of bodies.
+void Listener::find_blockers() {
+  blockers_.clear();
+  if (links_.empty() || radio_->hears > k_together_m) return;
+  for (const BodyCircle& circle : bodies_) {
+    const double reach = radio_->hears + circle.radius;
+    if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach) blockers_.push_back(circle);
+  }
+}
+
 bool Listener::arrives(Link& link) {
-  if (link.loss > link.budget) return false;
+  const Speaker& speaker = *link.speaker;
+  const double budget = budget_of(speaker);
+  link.loss = radio_->loss(link.range);
+  if (link.loss > budget) return false;
   if (radio_->walls != Walls::pass || radio_->bodies_block) {
-    const int walls = hindrances(link);
+    const int walls = hindrances(speaker);
     if (walls < 0) return false;
     link.loss += walls * radio_->wall_loss;
-    if (link.loss > link.budget) return false;
+    if (link.loss > budget) return false;
   }
-  if (is_dropped(link)) {
+  if (is_dropped(speaker)) {
     ++dropped_;
     return false;
   }
-  if (link.length() > radio_->payload) {
+  if (speaker.length > radio_->payload) {
     ++lost_;
     return false;
   }
   return true;
 }
 
-bool Listener::is_dropped(const Link& link) const {
+bool Listener::is_dropped(const Speaker& speaker) const {
   if (radio_->drop_rate == 0) return false;
   const std::uint64_t seed = world_->spec().seed;
   const std::array<std::uint32_t, 4> words =
-      philox4x32({link.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(world_->tick())},
+      philox4x32({speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(world_->tick())},
                  {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
   return words[0] * 0x1p-32 < radio_->drop_rate;
 }
 
-/// Of the radio at its other end, m, world frame.
-double Listener::height(const Link& link) {
-  const Sender& sender = senders(world_->type(link.row))[link.sender];
-  const double base = sender.device->joint == engine::k_rigid
-                          ? world_->poses()[link.row.index()].z
-                          : world_->mount(link.row, sender.device->joint).z;
-  return base + link.radio->pose_body_radio.z;
+/// m, world frame.
+double Listener::height(const Speaker& speaker) const {
+  const std::int32_t joint = speaker.device->joint;
+  const double base = joint == engine::k_rigid ? world_->poses()[speaker.row().index()].z
+                                               : world_->mount(speaker.row(), joint).z;
+  return base + speaker.radio->pose_body_radio.z;
 }
 
-Line Listener::line_to(const Link& link) {
-  const double z = height(link);
-  Line line{.from = here_, .way = link.there - here_, .z_from = z_, .z_way = z - z_};
-  if (link.body < id_) {
-    line.from = link.there;
-    line.way = here_ - link.there;
+Line Listener::line_to(const Speaker& speaker) const {
+  const double z = height(speaker);
+  Line line{.from = here_, .way = speaker.place - here_, .z_from = z_, .z_way = z - z_};
+  if (speaker.body < id_) {
+    line.from = speaker.place;
+    line.way = here_ - speaker.place;
     line.z_from = z;
     line.z_way = z_ - z;
   }
@@ -387,7 +486,6 @@ bool Listener::any_wall(const Line& line, Visit&& visit) const {
   if (together_)
     return std::ranges::any_of(
         walls_, [&](const BodyCircle& circle) { return line.passes_near(circle) && visit(circle); });
-  if (world_->scene().edge_count() == 0) return false;
   const partition::FixedOutlines& outlines = world_->scene().outlines();
   const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
   bool stop = false;
@@ -402,12 +500,12 @@ bool Listener::any_wall(const Line& line, Visit&& visit) const {
   return stop;
 }
 
-int Listener::hindrances(const Link& link) {
-  if (!radio_->bodies_block && together_ && walls_.empty()) return 0;
-  const Line line = line_to(link);
+int Listener::hindrances(const Speaker& speaker) {
+  if (!has_walls_ && !radio_->bodies_block) return 0;
+  const Line line = line_to(speaker);
   if (line.length2 == 0) return 0;
-  if (radio_->bodies_block && is_behind_a_body(line, link)) return -1;
-  if (radio_->walls == Walls::pass) return 0;
+  if (radio_->bodies_block && is_behind_a_body(line, speaker)) return -1;
+  if (!has_walls_) return 0;
   const partition::StaticScene& scene = world_->scene();
   const auto crossed = [&](const BodyCircle& circle, auto&& visit) {
     const std::uint32_t solid = scene.outlines().solid(circle.row);
@@ -439,13 +537,13 @@ int Listener::hindrances(const Link& link) {
 }
 
 /// Whether the line crosses a body other than the two that talk, with all that is of their trees.
-bool Listener::is_behind_a_body(const Line& line, const Link& link) const {
+bool Listener::is_behind_a_body(const Line& line, const Speaker& speaker) const {
   const auto is_hidden_by = [&](const BodyCircle& circle) {
     const Row row(circle.row);
-    return line.passes_near(circle) && !world_->same_tree(row, link.row) && !world_->same_tree(row, own_) &&
-           hides(line, row);
+    return line.passes_near(circle) && !world_->same_tree(row, speaker.row()) &&
+           !world_->same_tree(row, own_) && hides(line, row);
   };
-  if (radio_->hears <= k_together_m) return std::ranges::any_of(near_, is_hidden_by);
+  if (radio_->hears <= k_together_m) return std::ranges::any_of(blockers_, is_hidden_by);
   const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
   bool is_hidden = false;
   for (double i = 0; i < strides && !is_hidden; ++i)
@@ -465,17 +563,18 @@ bool Listener::hides(const Line& line, Row row) const {
   });
 }
 
+/// Of equal ranges those of the lower senders, as they stand in links_.
 void Listener::keep_nearest() {
-  keys_.clear();
-  for (std::uint32_t i = 0; i < links_.size(); ++i) keys_.push_back({links_[i].range, links_[i].place(), i});
-  if (keys_.size() > radio_->most_heard) {
-    const auto kept = keys_.begin() + static_cast<std::ptrdiff_t>(radio_->most_heard);
-    std::ranges::nth_element(keys_, kept, {},
-                             [](const Key& key) { return std::tuple(key.range, key.place); });
-    lost_ += static_cast<std::uint32_t>(keys_.end() - kept);
-    keys_.erase(kept, keys_.end());
-  }
-  std::ranges::sort(keys_, {}, &Key::place);
+  if (links_.size() <= radio_->most_heard) return;
+  nearest_.clear();
+  for (std::uint32_t i = 0; i < links_.size(); ++i) nearest_.emplace_back(links_[i].range, i);
+  const auto end = nearest_.begin() + static_cast<std::ptrdiff_t>(radio_->most_heard);
+  std::ranges::nth_element(nearest_, end);
+  std::size_t kept = 0;
+  for (std::uint32_t i = 0; i < links_.size(); ++i)
+    if (std::pair(links_[i].range, i) < *end) links_[kept++] = links_[i];
+  lost_ += static_cast<std::uint32_t>(links_.size() - kept);
+  links_.resize(kept);
 }
 
 /// Angles of directions, rad, to 3e-9: readings are floats. With one division and no branch an angle, so that
@@ -509,11 +608,19 @@ void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
   }
 }
 
+double Listener::quality(const Link& link) const {
+  const double budget = budget_of(*link.speaker);
+  if (!(budget > 0)) return 0;
+  const double of_loss = link.loss > 0 ? 1 - link.loss / budget : 1;
+  const double of_range = radio_->has_law ? 1 : 1 - link.range / link.speaker->limit;
+  return std::max(std::min(of_loss, of_range), 0.0);
+}
+
 void Listener::write(std::size_t slot) {
   engine::StateTable& state = batch_->state;
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_radio_count)[0];
   const std::size_t before = count;
-  const std::size_t now = keys_.size();
+  const std::size_t now = links_.size();
   count = static_cast<std::uint32_t>(now);
   state.cell<std::uint32_t>(slot, k_radio_lost)[0] = lost_;
   state.cell<std::uint32_t>(slot, k_radio_dropped)[0] = dropped_;
@@ -528,19 +635,20 @@ void Listener::write(std::size_t slot) {
   std::ranges::fill(payloads.first(std::max(before, now) * radio_->payload), 0);
   ways_.resize(now);
   for (std::size_t i = 0; i < now; ++i) {
-    const Link& link = links_[keys_[i].link];
-    double quality = link.budget > 0 ? 1 - link.loss / link.budget : 0;
-    if (!radio_->has_law) quality = std::min(quality, 1 - link.range / link.limit);
-    senders[i] = link.body.value;
+    const Link& link = links_[i];
+    const Speaker& speaker = *link.speaker;
+    senders[i] = speaker.body.value;
     ranges[i] = static_cast<float>(link.range);
-    strengths[i] = static_cast<float>(link.radio->power - link.loss + 0.0);
-    qualities[i] = static_cast<float>(std::max(quality, 0.0));
-    lengths[i] = static_cast<std::uint8_t>(link.length());
-    ways_[i] = to_own_frame_ * (link.there - here_);
-    if (link.length() > 0)
-      std::memcpy(&payloads[i * radio_->payload], link.command + k_radio_said, link.length());
+    strengths[i] = static_cast<float>(speaker.radio->power - link.loss + 0.0);
+    qualities[i] = static_cast<float>(quality(link));
+    ways_[i] = to_own_frame_ * (speaker.place - here_);
   }
   to_bearings(ways_, bearings);
+  for (std::size_t i = 0; i < now; ++i) {
+    const Speaker& speaker = *links_[i].speaker;
+    lengths[i] = static_cast<std::uint8_t>(speaker.length);
+    if (speaker.length > 0) std::memcpy(&payloads[i * radio_->payload], speaker.message, speaker.length);
+  }
   if (before <= now) return;
   const auto clear = [&](auto entries) { std::ranges::fill(entries.subspan(now, before - now), 0); };
   clear(senders);
@@ -553,10 +661,7 @@ void Listener::write(std::size_t slot) {
 
 std::uint64_t sense(const DeviceBatch& batch) {
   thread_local const auto listener = std::make_unique<Listener>();
-  const std::uint64_t before = listener->lines();
-  listener->begin(batch);
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) listener->listen(i);
-  return listener->lines() - before;
+  return listener->listen(batch);
 }
 
 const FieldTable& radio_fields() {
