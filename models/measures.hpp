@@ -8,6 +8,7 @@ namespace troupe::models {
 engine::MeasureKind stalls_measure();
 engine::MeasureKind held_measure();
 engine::MeasureKind alive_measure();
+engine::MeasureKind deaths_measure();
 engine::MeasureKind displacement_measure();
 engine::MeasureKind path_length_measure();
 engine::MeasureKind mean_speed_measure();
