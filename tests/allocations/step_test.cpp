@@ -56,11 +56,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Scene{"perception", "perception.json", 100, 200}, Scene{"blobs", "blobs.world", 10, 20},
                       Scene{"beeclust", "beeclust.json", 100, 200}, Scene{"chain", "chain.json", 100, 200},
                       Scene{"brazilNut", "brazil_nut.json", 100, 200},
+                      Scene{"segregation", "segregation.json", 100, 200},
                       Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
                       Scene{"noise", "noise.world", 10, 50},
                       // Births and deaths fall into what is counted.
                       Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300},
-                      Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170},
+                      Scene{"harvest", "harvest.json", 400, 300}, Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170},
                       Scene{"clustering", "clustering.json", 400, 400}),
     [](const auto& scene) { return scene.param.name; });
 
