@@ -3,6 +3,7 @@
 #include "base/math.hpp"
 #include "engine/controller.hpp"
 #include "models/device_choice.hpp"
+#include "models/evasion.hpp"
 #include "models/ground.hpp"
 #include "models/radio.hpp"
 #include "models/scan_ahead.hpp"
@@ -22,6 +23,7 @@ constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_least_turn = k_pi / 2;  // rad
 constexpr float k_black = 0.25f;           // of brightness: darker is black
 constexpr float k_white = 0.75f;
+constexpr Evasion k_evasion{};
 
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
 enum Does : std::uint8_t { k_walks, k_enters, k_stands };
@@ -36,17 +38,17 @@ const FieldTable& informed_aggregation_fields() {
       {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
       {.name = "enter",
        .unit = Unit::seconds,
-       .fallback = 10.0,
+       .fallback = 8.0,
        .min = 0,
        .max = 1e6,
        .text = "for how long it goes on, at most, on a site before it stops there"},
       {.name = "leave",
        .unit = Unit::per_second,
-       .fallback = 0.2,
+       .fallback = 0.04,
        .min = 0,
        .text = "rate at which one that stands alone leaves"},
       {.name = "others",
-       .fallback = 0.2,
+       .fallback = 0.25,
        .min = 0,
        .max = 1000,
        .text = "for each other that it hears on its site it leaves exp(-this) times as often"},
@@ -63,11 +65,17 @@ struct InformedAggregation {
   struct Memory {
     std::uint32_t enter_updates = 0;
     std::uint32_t turn_updates = 0;
+    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
+    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
+    double x = 0;                      ///< m: its estimate at the last update
+    double y = 0;
+    double heading = 0;       ///< rad
     float turn = 0;           ///< rad/s
     std::uint8_t does = 0;    ///< walk, enter or stand
     std::uint8_t site = 0;    ///< black or white, while it enters or stands
     std::uint8_t leaves = 0;  ///< 1: it comes from a site, and stops on none before it has left that
-    TROUPE_FIELDS(enter_updates, turn_updates, turn, does, site, leaves)
+    TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
+                  leaves)
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2;
 
@@ -141,6 +149,7 @@ struct InformedAggregation {
   }
 
   void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
+    if (k_evasion.escapes(memory, percept.estimate, random, command)) return;
     if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else {

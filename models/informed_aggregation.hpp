@@ -14,6 +14,7 @@ namespace troupe::models {
 ///           many it hears that stand on the same colour; then it stops nowhere before it has been on a floor
 ///           that is neither black nor white
 /// sees      black below a quarter of full brightness, white above three quarters
+/// stuck     between others, it backs out
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
 ///           robots, TPNC 2018. That the more stand near the longer a robot stays is from cockroaches:

@@ -287,19 +287,19 @@ Settings informed(const char* for_black, const char* for_white, const char* unin
   return {{"/populations/0/count", for_black},
           {"/populations/1/count", for_white},
           {"/populations/2/count", uninformed},
-          {"/measures", R"([{"kind": "share_within", "center_m": [-0.75, 0], "radius_m": 0.5, "name": "black"},
-                            {"kind": "share_within", "center_m": [0.75, 0], "radius_m": 0.5, "name": "white"}])"}};
+          {"/measures", R"([{"kind": "share_within", "center_m": [-0.75, 0], "radius_m": 0.6, "name": "black"},
+                            {"kind": "share_within", "center_m": [0.75, 0], "radius_m": 0.6, "name": "white"}])"}};
 }
 
-/// The world's measures at the end, as means over 300 s.
+/// The world's measures at the end, as means over 600 s.
 std::vector<double> gathered(std::uint64_t seed, const Settings& settings) {
   Simulation simulation = scene("segregation.json", seed, settings);
   Measures measures(simulation);
-  return means_between(simulation, measures, 1500, 1800);
+  return means_between(simulation, measures, 3000, 3600);
 }
 
 TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 180,000 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
   for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
     const std::vector<double> shares = gathered(seed, {});
     EXPECT_GT(shares[0], 0.9) << "seed " << seed << ", who is for black";
@@ -308,7 +308,7 @@ TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
 }
 
 TEST(SegregationScene, WithNobodyInformedTheSwarmGathersOnASiteAtRandom) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 180,000 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
   std::size_t on_black = 0;
   for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
     const std::vector<double> shares = gathered(seed, informed("0", "0", "40"));
@@ -320,7 +320,7 @@ TEST(SegregationScene, WithNobodyInformedTheSwarmGathersOnASiteAtRandom) {
 }
 
 TEST(SegregationScene, AFewWhoAreInformedDecideWhereTheSwarmGathers) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes 720,000 ticks";
   std::vector<double> few;
   for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
     EXPECT_GT(gathered(seed, informed("12", "0", "28"))[0], 0.9) << "seed " << seed;
@@ -355,7 +355,7 @@ class SegregationByHand : public test::ScratchTest {
 };
 
 TEST_F(SegregationByHand, WhoStandsAloneLeavesAtItsRate) {
-  Simulation simulation = crowd("400", "0", "", 0.1);
+  Simulation simulation = crowd("400", "0", R"(, "leave_per_s": 0.2)", 0.1);
   simulation.run_for(0.5);
   EXPECT_GT(standing(simulation), 360u) << "they began on black ground";
   simulation.run_for(5.3);
@@ -365,7 +365,7 @@ TEST_F(SegregationByHand, WhoStandsAloneLeavesAtItsRate) {
 }
 
 TEST_F(SegregationByHand, WhoHearsOthersStaysLonger) {
-  Simulation simulation = crowd("400", "1", R"(, "others": 1)", 1.1);
+  Simulation simulation = crowd("400", "1", R"(, "leave_per_s": 0.2, "others": 1)", 1.1);
   simulation.run_for(5.8);
   // Until they hear one another, after a tick or two, 8 leave in a tick. Then of 324 with four neighbours
   // 0.2 e^-4 = 0.0037 per second leave, of 72 at the border 0.01, of those whom others left behind some more:
@@ -420,7 +420,8 @@ TEST(HarvestScene, NoPuckIsLost) {
   for (std::size_t r = 0; r < world.rows(); ++r)
     there += world.is_there(Row(r)) && world.spec().name(world.body(Row(r))).starts_with("puck");
   EXPECT_EQ(static_cast<double>(there), 60 - measures.value("delivered"));
-  if (!test::k_slow_build) EXPECT_GT(measures.value("delivered"), 5);
+  if (test::k_slow_build) return;
+  EXPECT_GT(measures.value("delivered"), 5);
 }
 
 }  // namespace
