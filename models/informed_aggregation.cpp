@@ -133,8 +133,8 @@ struct InformedAggregation {
 
   void find_site(Memory& memory, Ground ground, const engine::Percept& percept, Random& random) const {
     if (ground == k_plain) memory.leaves = 0;
-    const bool may_stop =
-        memory.leaves == 0 && (ground == k_is_black ? stops_on_black : ground == k_is_white && stops_on_white);
+    const bool may_stop = memory.leaves == 0 &&
+                          (ground == k_is_black ? stops_on_black : ground == k_is_white && stops_on_white);
     if (!may_stop) {
       memory.does = k_walks;
     } else if (memory.does == k_walks || memory.site != ground) {

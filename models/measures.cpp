@@ -327,8 +327,8 @@ class Deaths : public Measure {
     throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));
   }
   double value(World& world) override {
-    return static_cast<double>(std::ranges::count_if(
-        rows_, [&](Row row) { return world.presence(row) == engine::Presence::dead; }));
+    return static_cast<double>(
+        std::ranges::count_if(rows_, [&](Row row) { return world.presence(row) == engine::Presence::dead; }));
   }
 
  private:

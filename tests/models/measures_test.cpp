@@ -460,9 +460,10 @@ TEST(Measures, DeathsAreOfTheBodiesOfAType) {
   const MeasureSpec wrong = spec("deaths", "", {{"type", "pucks"}});
   const MeasureSet set(world, test::registry(), {&wrong, 1}, diagnostics);
   ASSERT_EQ(diagnostics.findings().size(), 1u);
-  EXPECT_THAT(diagnostics.text(diagnostics.findings()[0]),
-              HasSubstr("deaths: unknown type of bodies that may die \"pucks\"; known: bot, puck (did you mean "
-                        "\"puck\"?)"));
+  EXPECT_THAT(
+      diagnostics.text(diagnostics.findings()[0]),
+      HasSubstr("deaths: unknown type of bodies that may die \"pucks\"; known: bot, puck (did you mean "
+                "\"puck\"?)"));
 }
 
 TEST(Measures, RankErrorsAreThePairsThatStandTheWrongWayRound) {

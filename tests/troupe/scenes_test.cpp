@@ -284,10 +284,11 @@ TEST(BrazilNutScene, ErrorsFallSteeplyWithTheRatioOfSizes) {
 
 /// So many robots of each kind; measures of all of them: on black, on white.
 Settings informed(const char* for_black, const char* for_white, const char* uninformed) {
-  return {{"/populations/0/count", for_black},
-          {"/populations/1/count", for_white},
-          {"/populations/2/count", uninformed},
-          {"/measures", R"([{"kind": "share_within", "center_m": [-0.75, 0], "radius_m": 0.6, "name": "black"},
+  return {
+      {"/populations/0/count", for_black},
+      {"/populations/1/count", for_white},
+      {"/populations/2/count", uninformed},
+      {"/measures", R"([{"kind": "share_within", "center_m": [-0.75, 0], "radius_m": 0.6, "name": "black"},
                             {"kind": "share_within", "center_m": [0.75, 0], "radius_m": 0.6, "name": "white"}])"}};
 }
 
@@ -333,8 +334,7 @@ class SegregationByHand : public test::ScratchTest {
  protected:
   /// `count` robots, a metre from one another on ground of some grey, that never leave it.
   Simulation crowd(const char* count, const char* grey, const char* controller, double range_m) {
-    const std::string text =
-        fmt::format(R"({{"troupe": 1, "types": {{
+    const std::string text = fmt::format(R"({{"troupe": 1, "types": {{
       "robot": {{"size_m": [0.06, 0.06, 0.06], "drive": {{"kind": "diff"}},
         "sensors": [{{"name": "eye", "kind": "ground", "floor": [{0}, {0}, {0}]}},
                     {{"name": "radio", "kind": "radio", "range_m": {1}, "payload": 1}},
@@ -342,7 +342,7 @@ class SegregationByHand : public test::ScratchTest {
         "controller": {{"kind": "informed_aggregation", "enter_s": 0, "speed_mps": 0{2}}}}}}},
       "populations": [{{"name": "r", "type": "robot", "count": {3},
                        "place": {{"rule": "grid", "region_m": [[0, 0], [19.5, 19.5]], "pitch_m": 1}}}}]}})",
-                    grey, range_m, controller, count);
+                                         grey, range_m, controller, count);
     return Simulation(write("crowd.json", text), {.threads = 1});
   }
   static std::size_t standing(const Simulation& simulation) {
@@ -375,8 +375,8 @@ TEST_F(SegregationByHand, WhoHearsOthersStaysLonger) {
 }
 
 TEST_F(SegregationByHand, NobodyStopsOnGroundOfNoOrOfTheWrongColour) {
-  for (const auto& [grey, controller] :
-       {std::pair("0.5", ""), std::pair("0", R"(, "informed": "white")"), std::pair("1", R"(, "informed": "black")")}) {
+  for (const auto& [grey, controller] : {std::pair("0.5", ""), std::pair("0", R"(, "informed": "white")"),
+                                         std::pair("1", R"(, "informed": "black")")}) {
     Simulation simulation = crowd("9", grey, controller, 0.1);
     simulation.run_for(2);
     EXPECT_EQ(standing(simulation), 0u) << grey << controller;
