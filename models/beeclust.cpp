@@ -72,12 +72,7 @@ struct Beeclust {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    if (!choice.take_kind("ground"))
-      fault = "needs a ground sensor";
-    else if (!choice.take_kind("radio"))
-      fault = "needs a radio";
-    else if (samples = choice.take_scanner(k_least_samples); samples == 0)
-      fault = "needs a scanner: a ranger whose first transducer has more than 8 samples";
+    samples = choice.take_ground_radio_scanner(k_least_samples, fault);
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -41,6 +42,25 @@ class DeviceChoice {
       return samples >= least_samples;
     });
     return has_one ? samples : 0;
+  }
+  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order: how many samples that
+  /// has. Where one of them is missing 0, and `fault` says which.
+  std::size_t take_ground_radio_scanner(std::size_t least_samples, std::string& fault) {
+    if (!take_kind("ground")) {
+      fault = "needs a ground sensor";
+      return 0;
+    }
+    if (!take_kind("radio")) {
+      fault = "needs a radio";
+      return 0;
+    }
+    const std::size_t samples = take_scanner(least_samples);
+    if (samples == 0) {
+      fault = "needs a scanner: a ranger whose first transducer has more than ";
+      fault += std::to_string(least_samples - 1);
+      fault += " samples";
+    }
+    return samples;
   }
   /// Indices of what was taken, in this order.
   const std::vector<std::size_t>& chosen() const { return chosen_; }

@@ -304,6 +304,37 @@ class Alive : public OfRobots {
   double value(World& world) override { return static_cast<double>(engine::count_there(world, robots())); }
 };
 
+const FieldTable& deaths_fields() {
+  static const FieldTable table{{
+      {.name = "type", .type = FieldType::text, .text = "of the bodies that are counted, robots or not"},
+  }};
+  return table;
+}
+
+class Deaths : public Measure {
+ public:
+  Deaths(const World& world, const Record& params, const std::vector<Row>&) {
+    const std::string& type = params[0].text();
+    std::vector<std::string_view> known;
+    for (std::size_t r = 0; r < world.rows(); ++r) {
+      const std::string& name = world.type(Row(r)).name;
+      known.push_back(name);
+      if (name == type) rows_.push_back(Row(r));
+    }
+    if (!rows_.empty()) return;
+    std::ranges::sort(known);
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));
+  }
+  double value(World& world) override {
+    return static_cast<double>(
+        std::ranges::count_if(rows_, [&](Row row) { return world.presence(row) == engine::Presence::dead; }));
+  }
+
+ private:
+  std::vector<Row> rows_;
+};
+
 }  // namespace
 
 engine::MeasureKind stalls_measure() {
@@ -317,6 +348,14 @@ engine::MeasureKind alive_measure() {
   return engine::make_measure_kind<Alive>(
       "alive", Unit::none, "robots that are in the world",
       "The number of robots that have been born and have not died. All other measures are of these alone.");
+}
+
+engine::MeasureKind deaths_measure() {
+  return engine::make_measure_kind<Deaths>(
+      "deaths", Unit::none, "bodies of a type that have died",
+      "The number of bodies of a type that were in the world and are no more: pucks that a remover took, "
+      "robots whose packs ran empty. Whichever robots are measured.",
+      deaths_fields());
 }
 
 engine::MeasureKind held_measure() {

@@ -89,6 +89,8 @@ void add_costs(Aims& aims) {
 
 void add_devices(Aims& aims) {
   aims.at_least("foragers/2000, one thread", 10, "x real time", aims.times_real_time("foragers/2000", 1));
+  aims.at_least("harvesters/10000, one thread", 1, "x real time",
+                aims.times_real_time("harvesters/10000", 1));
   aims.at_least("pushers/10000, one thread", 1, "x real time", aims.times_real_time("pushers/10000", 1));
   const auto both = aims.ns("radios/10000");
   const auto rangers = aims.ns("radios-off/10000");

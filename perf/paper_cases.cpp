@@ -106,7 +106,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
       {"devices", "Robots that do more than range",
        "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
        "pucks "
-       "and carry them to mills. `pushers`: 9 beams each; they push 20,000 pucks about. `finders`: 9 beams "
+       "and carry them to mills. `harvesters`: 9 beams, a finder and a gripper each; they carry pucks home. "
+       "`pushers`: 9 beams each; they push 20,000 pucks about. `finders`: 9 beams "
        "and a finder each, with some 16 others in its range; "
        "`finders-off`: the same without their finders. Beams are those of finders, too. `radios`: a ring of "
        "12 "
@@ -164,6 +165,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
 
   plan.cases.push_back(
       {"devices", with_threads(robots_of("foragers", quick ? 100 : 2000, times * k_table_3_s))});
+  plan.cases.push_back(
+      {"devices", with_threads(robots_of("harvesters", quick ? 100 : 10000, times * k_table_3_s))});
   plan.cases.push_back(
       {"devices", with_threads(robots_of("pushers", quick ? 100 : 10000, times * k_table_3_s))});
   const Scene finders = robots_of("finders", quick ? 100 : 1000, times * k_table_3_s);

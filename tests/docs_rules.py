@@ -118,6 +118,8 @@ SHOWN_ONLY = [
     ("docs/scenes.md", "coverage: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "chain: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "brazil_nut: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "segregation: ", "scripts/scenes prints it, after minutes"),
+    ("docs/scenes.md", "harvest: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "perception: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "flock: ", "scripts/scenes prints it, after minutes"),
     ("docs/stage-worlds.md", "maze.world:12", "of a world with faults: tests/worldio/stage_world_test.cpp"),

@@ -45,23 +45,23 @@ struct Scene {
 class WarmStep : public ::testing::TestWithParam<Scene> {};
 INSTANTIATE_TEST_SUITE_P(
     World, WarmStep,
-    ::testing::Values(Scene{"hospital", "hospital.json", 20, 100},
-                      Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100},
-                      Scene{"crowd", "crowd.json", 100, 100},
-                      // No floor plan says where they will go: the index makes room as they do.
-                      Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
-                      Scene{"foraging", "foraging.json", 20, 800}, Scene{"gripper", "gripper.json", 195, 200},
-                      Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200},
-                      Scene{"lookout", "lookout.json", 200, 100}, Scene{"chatter", "chatter.json", 200, 100},
-                      Scene{"perception", "perception.json", 100, 200}, Scene{"blobs", "blobs.world", 10, 20},
-                      Scene{"beeclust", "beeclust.json", 100, 200}, Scene{"chain", "chain.json", 100, 200},
-                      Scene{"brazilNut", "brazil_nut.json", 100, 200},
-                      Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
-                      Scene{"noise", "noise.world", 10, 50},
-                      // Births and deaths fall into what is counted.
-                      Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300},
-                      Scene{"door", "door.json", 150, 100}, Scene{"failures", "failures.json", 100, 170},
-                      Scene{"clustering", "clustering.json", 400, 400}),
+    ::testing::Values(
+        Scene{"hospital", "hospital.json", 20, 100},
+        Scene{"caveWithLasers", "cave-complex-laser.json", 20, 100}, Scene{"crowd", "crowd.json", 100, 100},
+        // No floor plan says where they will go: the index makes room as they do.
+        Scene{"errands", "errands.json", 400, 100}, Scene{"energy", "energy.json", 400, 200},
+        Scene{"foraging", "foraging.json", 20, 800}, Scene{"gripper", "gripper.json", 195, 200},
+        Scene{"gate", "gate.json", 20, 200}, Scene{"magpies", "magpies.json", 400, 200},
+        Scene{"lookout", "lookout.json", 200, 100}, Scene{"chatter", "chatter.json", 200, 100},
+        Scene{"perception", "perception.json", 100, 200}, Scene{"blobs", "blobs.world", 10, 20},
+        Scene{"beeclust", "beeclust.json", 100, 200}, Scene{"chain", "chain.json", 100, 200},
+        Scene{"brazilNut", "brazil_nut.json", 100, 200}, Scene{"segregation", "segregation.json", 100, 200},
+        Scene{"bumper", "bumper.world", 10, 50}, Scene{"camera", "camera.world", 10, 50},
+        Scene{"noise", "noise.world", 10, 50},
+        // Births and deaths fall into what is counted.
+        Scene{"colony", "colony.json", 600, 600}, Scene{"pucks", "pucks.json", 1500, 300},
+        Scene{"harvest", "harvest.json", 400, 300}, Scene{"door", "door.json", 150, 100},
+        Scene{"failures", "failures.json", 100, 170}, Scene{"clustering", "clustering.json", 400, 400}),
     [](const auto& scene) { return scene.param.name; });
 
 TEST_P(WarmStep, AllocatesNothing) {

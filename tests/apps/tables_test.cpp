@@ -222,7 +222,7 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
 
 TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
   refused({"--measures", "m.csv", "--measure", "coverge", "--hash-log", "h.log"},
-          "measure coverge: error: unknown measure \"coverge\"; known: alive, clusters, coverage, "
+          "measure coverge: error: unknown measure \"coverge\"; known: alive, clusters, coverage, deaths, "
           "displacement, held, "
           "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, rank_errors, "
           "share_within, spread, stalls, state_mean (did you mean "

@@ -435,6 +435,37 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   EXPECT_TRUE(std::isnan(set.values()[3])) << "there is no other";
 }
 
+TEST(Measures, DeathsAreOfTheBodiesOfAType) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  const TypeId puck = scene.robot("puck", {test::box(0.1, 0.1)});
+  scene[puck].drive.reset();
+  scene[puck].parts[0].returns.gripper = true;
+  scene.body("a", bot);
+  scene.body("p0", puck, {1, 0, 0, 0});
+  scene.body("p1", puck, {2, 0, 0, 0});
+  scene.body("p2", puck, {3, 0, 0, 0});
+  scene.spec.reserves = {{"p", BodyId(5), 1}};
+  scene.body("p3", puck);
+  World world = scene.world();
+  const MeasureSpec pucks = spec("deaths", "", {{"type", "puck"}});
+  const MeasureSpec bots = spec("deaths", "", {{"type", "bot"}});
+  EXPECT_EQ(value(world, pucks), 0) << "who is not born yet has not died";
+  world.remove(world.row(world.find("p0")));
+  world.remove(world.row(world.find("p2")));
+  world.remove(world.row(world.find("a")));
+  EXPECT_EQ(value(world, pucks), 2);
+  EXPECT_EQ(value(world, bots), 1);
+  Diagnostics diagnostics;
+  const MeasureSpec wrong = spec("deaths", "", {{"type", "pucks"}});
+  const MeasureSet set(world, test::registry(), {&wrong, 1}, diagnostics);
+  ASSERT_EQ(diagnostics.findings().size(), 1u);
+  EXPECT_THAT(
+      diagnostics.text(diagnostics.findings()[0]),
+      HasSubstr("deaths: unknown type of bodies that may die \"pucks\"; known: bot, puck (did you mean "
+                "\"puck\"?)"));
+}
+
 TEST(Measures, RankErrorsAreThePairsThatStandTheWrongWayRound) {
   test::SceneBuilder scene;
   const TypeId small = scene.robot("small", {test::box(0.2, 0.2)});

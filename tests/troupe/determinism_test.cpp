@@ -112,6 +112,8 @@ std::vector<GoldenRun> runs() {
           {"failures.json", {}, 300},
           {"noise.world", {}, 50},
           {"perception.json", {}, 50},
+          {"segregation.json", {}, 300},
+          {"harvest.json", {}, 300},
           {"clustering.json", {}, 300},
           {"pushers.json", {}, 10}};
 }

@@ -1,5 +1,5 @@
-// worlds/beeclust.json, coverage.json, chain.json and brazil_nut.json: the experiments of docs/scenes.md,
-// each over ten seeds, and what their controllers do by hand.
+// worlds/beeclust.json, coverage.json, chain.json, brazil_nut.json, segregation.json and harvest.json: the
+// experiments of docs/scenes.md, each over ten seeds, and what their controllers do by hand.
 
 #include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
@@ -7,6 +7,7 @@
 #include "troupe/measures.hpp"
 #include "troupe/troupe.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -277,6 +278,150 @@ TEST(BrazilNutScene, ErrorsFallSteeplyWithTheRatioOfSizes) {
   EXPECT_NEAR(mean(little), 0.094, 0.03);
   EXPECT_LT(3 * mean(more), mean(little)) << "0.25 more of the ratio: a third or less of the errors";
   EXPECT_GT(mean(more), 0.005) << "and still more of them than of ratio 2";
+}
+
+// ---- segregation.json
+
+/// So many robots of each kind; measures of all of them: on black, on white.
+Settings informed(const char* for_black, const char* for_white, const char* uninformed) {
+  return {
+      {"/populations/0/count", for_black},
+      {"/populations/1/count", for_white},
+      {"/populations/2/count", uninformed},
+      {"/measures", R"([{"kind": "share_within", "center_m": [-0.75, 0], "radius_m": 0.6, "name": "black"},
+                            {"kind": "share_within", "center_m": [0.75, 0], "radius_m": 0.6, "name": "white"}])"}};
+}
+
+/// The world's measures at the end, as means over 600 s.
+std::vector<double> gathered(std::uint64_t seed, const Settings& settings) {
+  Simulation simulation = scene("segregation.json", seed, settings);
+  Measures measures(simulation);
+  return means_between(simulation, measures, 3000, 3600);
+}
+
+TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    const std::vector<double> shares = gathered(seed, {});
+    EXPECT_GT(shares[0], 0.9) << "seed " << seed << ", who is for black";
+    EXPECT_GT(shares[1], 0.9) << "seed " << seed << ", who is for white";
+  }
+}
+
+TEST(SegregationScene, WithNobodyInformedTheSwarmGathersOnASiteAtRandom) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
+  std::size_t on_black = 0;
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    const std::vector<double> shares = gathered(seed, informed("0", "0", "40"));
+    EXPECT_GT(std::ranges::max(shares), 0.85) << "seed " << seed;
+    on_black += shares[0] > shares[1];
+  }
+  EXPECT_GE(on_black, 1u);
+  EXPECT_LE(on_black, 9u);
+}
+
+TEST(SegregationScene, AFewWhoAreInformedDecideWhereTheSwarmGathers) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 720,000 ticks";
+  std::vector<double> few;
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    EXPECT_GT(gathered(seed, informed("12", "0", "28"))[0], 0.9) << "seed " << seed;
+    few.push_back(gathered(seed, informed("4", "0", "36"))[0]);
+  }
+  EXPECT_GE(std::ranges::count_if(few, [](double share) { return share > 0.5; }), 7);
+}
+
+class SegregationByHand : public test::ScratchTest {
+ protected:
+  /// `count` robots, a metre from one another on ground of some grey, that never leave it.
+  Simulation crowd(const char* count, const char* grey, const char* controller, double range_m) {
+    const std::string text = fmt::format(R"({{"troupe": 1, "types": {{
+      "robot": {{"size_m": [0.06, 0.06, 0.06], "drive": {{"kind": "diff"}},
+        "sensors": [{{"name": "eye", "kind": "ground", "floor": [{0}, {0}, {0}]}},
+                    {{"name": "radio", "kind": "radio", "range_m": {1}, "payload": 1}},
+                    {{"name": "ir", "kind": "ranger", "transducers": [{{"range_max_m": 0.2, "fov_deg": 180, "samples": 9}}]}}],
+        "controller": {{"kind": "informed_aggregation", "enter_s": 0, "speed_mps": 0{2}}}}}}},
+      "populations": [{{"name": "r", "type": "robot", "count": {3},
+                       "place": {{"rule": "grid", "region_m": [[0, 0], [19.5, 19.5]], "pitch_m": 1}}}}]}})",
+                                         grey, range_m, controller, count);
+    return Simulation(write("crowd.json", text), {.threads = 1});
+  }
+  static std::size_t standing(const Simulation& simulation) {
+    std::size_t count = 0;
+    for (const std::string& name : simulation.robot_names())
+      count += memory_of<std::uint8_t>(simulation.world(), simulation.world().find(name),
+                                       "informed_aggregation/0", "does") == 2;
+    return count;
+  }
+};
+
+TEST_F(SegregationByHand, WhoStandsAloneLeavesAtItsRate) {
+  Simulation simulation = crowd("400", "0", R"(, "leave_per_s": 0.2)", 0.1);
+  simulation.run_for(0.5);
+  EXPECT_GT(standing(simulation), 360u) << "they began on black ground";
+  simulation.run_for(5.3);
+  // They stand after two ticks, and leave in 56 more with a chance of 0.2 * 0.1 each; there is no ground on
+  // which they would stop again. 0.98^56 of 400 is 129, with a standard deviation of 9.4.
+  EXPECT_NEAR(static_cast<double>(standing(simulation)), 129, 30);
+}
+
+TEST_F(SegregationByHand, WhoHearsOthersStaysLonger) {
+  Simulation simulation = crowd("400", "1", R"(, "leave_per_s": 0.2, "others": 1)", 1.1);
+  simulation.run_for(5.8);
+  // Until they hear one another, after a tick or two, 8 leave in a tick. Then of 324 with four neighbours
+  // 0.2 e^-4 = 0.0037 per second leave, of 72 at the border 0.01, of those whom others left behind some more:
+  // 7 + 4 and a few.
+  EXPECT_LT(standing(simulation), 400u);
+  EXPECT_GT(standing(simulation), 350u);
+}
+
+TEST_F(SegregationByHand, NobodyStopsOnGroundOfNoOrOfTheWrongColour) {
+  for (const auto& [grey, controller] : {std::pair("0.5", ""), std::pair("0", R"(, "informed": "white")"),
+                                         std::pair("1", R"(, "informed": "black")")}) {
+    Simulation simulation = crowd("9", grey, controller, 0.1);
+    simulation.run_for(2);
+    EXPECT_EQ(standing(simulation), 0u) << grey << controller;
+  }
+  Simulation simulation = crowd("9", "1", R"(, "informed": "white", "leave_per_s": 0)", 0.1);
+  simulation.run_for(2);
+  EXPECT_EQ(standing(simulation), 9u);
+}
+
+// ---- harvest.json
+
+/// Pucks a minute that a group brings home, over ten seeds in the mean.
+double harvest(const char* robots) {
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+    Simulation simulation = scene("harvest.json", seed, {{"/populations/1/count", robots}});
+    simulation.run_for(7200);
+    EXPECT_TRUE(simulation.stopped()) << robots << " robots, seed " << seed << ": 48 pucks are home";
+    sum += 60 * 48 / simulation.time_s();
+  }
+  return sum / static_cast<double>(k_seeds);
+}
+
+TEST(HarvestScene, RobotsHinderOneAnother) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes some 500,000 ticks";
+  const double one = harvest("1"), four = harvest("4"), eight = harvest("8"), many = harvest("32");
+  EXPECT_LT(four / 4, one);
+  EXPECT_LT(eight / 8, four / 4);
+  EXPECT_LT(many / 32, eight / 8);
+  EXPECT_GT(four, one);
+  EXPECT_GT(eight, four);
+  EXPECT_LT(many, 0.7 * eight) << "past the best size the group brings less";
+}
+
+TEST(HarvestScene, NoPuckIsLost) {
+  Simulation simulation = scene("harvest.json", 1);
+  Measures measures(simulation);
+  simulation.run_for(test::k_slow_build ? 5 : 60);
+  const engine::World& world = simulation.world();
+  std::size_t there = 0;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    there += world.is_there(Row(r)) && world.spec().name(world.body(Row(r))).starts_with("puck");
+  EXPECT_EQ(static_cast<double>(there), 60 - measures.value("delivered"));
+  if (test::k_slow_build) return;
+  EXPECT_GT(measures.value("delivered"), 5);
 }
 
 }  // namespace
