@@ -8,7 +8,7 @@ namespace troupe::models {
 engine::MeasureKind stalls_measure();        ///< `stalls`: robots whose last motion was refused
 engine::MeasureKind held_measure();          ///< `held`: those that would have left the world
 engine::MeasureKind alive_measure();         ///< `alive`: robots that are in the world
-engine::MeasureKind deaths_measure();        ///< `deaths`: bodies that have left it for good
+engine::MeasureKind deaths_measure();        ///< `deaths`: bodies of a type that are no more
 engine::MeasureKind displacement_measure();  ///< `displacement`, m: from where they started, in the mean
 engine::MeasureKind path_length_measure();   ///< `path_length`, m: of their ways, in the mean
 engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: in the last tick
