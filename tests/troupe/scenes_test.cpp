@@ -401,14 +401,13 @@ double harvest(const char* robots) {
 }
 
 TEST(HarvestScene, RobotsHinderOneAnother) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes some 500,000 ticks";
-  const double one = harvest("1"), four = harvest("4"), eight = harvest("8"), many = harvest("32");
-  EXPECT_LT(four / 4, one);
-  EXPECT_LT(eight / 8, four / 4);
-  EXPECT_LT(many / 32, eight / 8);
-  EXPECT_GT(four, one);
-  EXPECT_GT(eight, four);
-  EXPECT_LT(many, 0.7 * eight) << "past the best size the group brings less";
+  if (test::k_slow_build) GTEST_SKIP() << "takes some 300,000 ticks";
+  const double one = harvest("1"), eight = harvest("8"), many = harvest("32");
+  EXPECT_LT(one, 1.7) << "what one brings that need not search: 7.6 m at 0.3 m/s, and 10 s for the rest";
+  EXPECT_GT(eight, 4 * one);
+  EXPECT_LT(eight / 8, 0.8 * one) << "each brings less than alone";
+  EXPECT_LT(many / 32, 0.2 * one);
+  EXPECT_LT(many, 0.5 * eight) << "past the best size the group brings less";
 }
 
 TEST(HarvestScene, NoPuckIsLost) {
