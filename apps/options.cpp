@@ -144,7 +144,7 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
   add_values(app, "--plugin-path", "DIR[:DIR]",
-             "Where plug-ins with controllers are, before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             "Where plug-ins (controllers, sensors) are, before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
              [&path](const std::string& text) {
                if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
                  refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");

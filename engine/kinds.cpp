@@ -1,6 +1,7 @@
 #include "engine/kinds.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/world.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -26,8 +27,20 @@ std::vector<StateField> command_fields() {
            offsetof(Command, off), true}};
 }
 
+Random DeviceBatch::random(std::size_t i, std::string_view name) const {
+  const auto own = static_cast<std::uint32_t>(mix(stream, stream_id("device", name)));
+  return {world.spec().seed, own, body(i).value, static_cast<std::uint32_t>(world.tick())};
+}
+
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
-const DeviceKind* Registry::device(std::string_view name) const { return find(devices, name); }
+const DeviceKind* Registry::device(std::string_view name) const {
+  std::string ignored;
+  return device(name, ignored);
+}
+const DeviceKind* Registry::device(std::string_view name, std::string& fault) const {
+  if (const DeviceKind* kind = find(devices, name)) return kind;
+  return plugged_devices ? plugged_devices(name, fault) : nullptr;
+}
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
 const ControllerKind* Registry::controller(std::string_view name) const {
   std::string ignored;

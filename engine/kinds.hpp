@@ -63,6 +63,14 @@ struct DeviceBatch {
   std::size_t slot(std::size_t i) const;  ///< of the row in `state` and `commands`
   /// Its random numbers in this tick.
   Random random(std::size_t i) const;
+  /// Others beside them, a sequence for each name: of a kind that makes more of another, so that what it
+  /// draws changes nothing of what that draws.
+  Random random(std::size_t i, std::string_view name) const;
+  /// The same rows, for the kind that this one makes more of: with what that one prepared, which this one
+  /// keeps.
+  DeviceBatch with(const std::any& prepared) const {
+    return {world, prepared, rows, state, commands, effects, links, device, stream, period_s};
+  }
   /// Where the body's frame is in the world as seen from the device: that of the joint it stands on.
   Mount mount(std::size_t i) const;
   /// Where the n-th joint that the device moves is, relative to its rest.
@@ -426,11 +434,16 @@ struct Registry {
   /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
   /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
   std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
+  /// The same of sensors and other devices.
+  std::function<const DeviceKind*(std::string_view name, std::string& fault)> plugged_devices;
 
   /// The kind of this name; null where there is none. Valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
+  /// The same. `fault` comes as what is said of an unknown name; where there is none, it leaves with all that
+  /// is known of it.
+  const DeviceKind* device(std::string_view name, std::string& fault) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   ///@}

@@ -44,7 +44,7 @@ PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|mkdir|export|source|man|sudo|apptainer|c
             r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
 LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt", "world": ".world"}
-DECLARES = (r"^(struct |class |namespace |template|TROUPE_CONTROLLER|"
+DECLARES = (r"^(struct |class |namespace |template|TROUPE_CONTROLLER|TROUPE_DEVICE|"
             r"(?!(?:if|for|while|switch|else|do|return)\b)[\w:]+[\w:<>&* ]* \w+\([^;{]*\) (const )?\{$)")
 OUTPUTS = {"--snapshot", "--record", "--hash-log", "--measures", "--events", "--checkpoint", "--profile", "--camera-png", "-o",
            "--output", "--film"}

@@ -119,7 +119,8 @@ def main():
     validator = jsonschema.Draft7Validator(schema)
 
     draws = random.Random(1)
-    worlds = sorted((ROOT / "worlds").glob("*.json")) + [ROOT / "apps/examples/plugin/room.json"]
+    worlds = sorted((ROOT / "worlds").glob("*.json")) + [
+        ROOT / "apps/examples/plugin/room.json", ROOT / "apps/examples/sensor_plugin/room.json"]
     converted = 0
     with tempfile.TemporaryDirectory(prefix="troupe-schema-") as name:
         folder = pathlib.Path(name) / "worlds"

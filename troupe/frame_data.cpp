@@ -102,8 +102,10 @@ Eigen::Vector3d at(const Pose& frame, double x, double y, double z) {
 std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, const BodyType::Device& device) {
   const engine::FieldTable& table = device.kind->params;
   const int place = table.find("transducers");
-  if (place < 0) return {};
+  if (place < 0 || device.prepared.bearings.empty()) return {};
   const engine::Field& field = table.fields[static_cast<std::size_t>(place)];
+  for (const std::string_view name : {"pose", "samples", "range_max", "fov"})
+    if (field.record == nullptr || field.record->find(name) < 0) return {};  // a plug-in's, of another sense
   std::vector<FrameTransducer> transducers;
   std::size_t first = 0;
   for (const engine::Record& record : spec.params[static_cast<std::size_t>(place)].records()) {

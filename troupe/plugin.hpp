@@ -4,13 +4,15 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/controller.hpp"
+#include "engine/sight.hpp"
+#include "sensors/ranger.hpp"
 #include "troupe/plugin_library.hpp"
 
 #include <string_view>
 #include <utility>
 #include <vector>
 
-/// All that a controller in a plug-in includes (docs/controllers.md):
+/// All that a controller or a sensor in a plug-in includes (docs/controllers.md):
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -23,35 +25,54 @@
 /// The class may also have `static constexpr std::string_view text`, `static FieldTable parameters()` with
 /// `static Dancer make(const Record&)`, `choose` and a form that decides for many robots at once
 /// (engine/controller.hpp). The library links troupe::plugin, and is called dancer.so.
+///
+/// A sensor, or another device, is a function that makes its kind (docs/extending.md):
+///
+///     troupe::DeviceKind compass();
+///     TROUPE_DEVICE("compass", compass)
+///
+/// What a kind may look at stands in engine/world.hpp and engine/sight.hpp.
 
 namespace troupe {
 
 using engine::Actions;
 using engine::Command;
 using engine::DecideBatch;
+using engine::DeviceBatch;
 using engine::DeviceInfo;
+using engine::DeviceKind;
 using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
+using engine::first_met;
+using engine::memory_fields;
 using engine::Percept;
 using engine::Record;
+using engine::Sighting;
+using engine::SightRay;
+using engine::StateField;
+using engine::StateTable;
+using engine::TypeSpec;
 using engine::Unit;
 using engine::Value;
+using engine::World;
+using sensors::ranger_kind;
 
 // Hidden: what two plug-ins of one process have of this are two.
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// A controller of this library, in the list of all of them.
+/// A controller, or a device, of this library, in the list of all of its sort.
+template <class Kind>
 struct Entry {
-  using Make = engine::ControllerKind (*)(std::string_view name);  ///< makes the kind
+  using Make = Kind (*)(std::string_view name);  ///< makes the kind
 
   /// Puts itself in front of the list.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
     first = this;
   }
 
-  std::string_view name;                                 ///< of the controller
+  std::string_view name;                                 ///< of the kind
   Make make;                                             ///< what makes it
   const Entry* next;                                     ///< null: it is the last
   static inline constinit const Entry* first = nullptr;  ///< of the list
@@ -71,9 +92,22 @@ engine::ControllerKind kind_of(std::string_view name) {
   return engine::make_controller_kind<C>(name, text, std::move(parameters));
 }
 
-inline void list(std::vector<engine::ControllerKind>& controllers) {
-  for (const Entry* entry = Entry::first; entry != nullptr; entry = entry->next)
-    controllers.push_back(entry->make(entry->name));
+template <engine::DeviceKind (*k_make)()>
+engine::DeviceKind device_of(std::string_view name) {
+  engine::DeviceKind kind = k_make();
+  kind.name = name;
+  return kind;
+}
+
+template <class Kind>
+void list_all(std::vector<Kind>& kinds) {
+  for (const Entry<Kind>* entry = Entry<Kind>::first; entry != nullptr; entry = entry->next)
+    kinds.push_back(entry->make(entry->name));
+}
+
+inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices) {
+  list_all(controllers);
+  list_all(devices);
 }
 
 /// Of a product that has to be rounded: 2^-54 is left where it was not. Volatile, so that it is computed as
@@ -100,10 +134,20 @@ troupe_plugin() {
 
 /// Makes a class a controller that world files know by this name. At namespace scope, once a controller; a
 /// library may have several.
-#define TROUPE_CONTROLLER(name, ...)                                               \
-  static_assert(::troupe::plugin::is_name(name),                                   \
-                "a controller's name is one word, without / : = and a dot first"); \
-  static const ::troupe::plugin::Entry TROUPE_CONTROLLER_ENTRY(__COUNTER__)(       \
+#define TROUPE_CONTROLLER(name, ...)                                                                       \
+  static_assert(::troupe::plugin::is_name(name),                                                           \
+                "a controller's name is one word, without / : = and a dot first");                         \
+  static const ::troupe::plugin::Entry<::troupe::engine::ControllerKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::kind_of<__VA_ARGS__>);
-#define TROUPE_CONTROLLER_ENTRY(n) TROUPE_CONTROLLER_ENTRY_NAMED(n)
-#define TROUPE_CONTROLLER_ENTRY_NAMED(n) troupe_controller_##n
+
+/// Makes a sensor, or another device, of a function `DeviceKind make()`: worlds in JSON know it by this name,
+/// whatever name the kind has. At namespace scope, once a device; a library may have several, and controllers
+/// beside them.
+#define TROUPE_DEVICE(name, make)                                                                      \
+  static_assert(::troupe::plugin::is_name(name),                                                       \
+                "a device's name is one word, without / : = and a dot first");                         \
+  static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
+      name, ::troupe::plugin::device_of<make>);
+
+#define TROUPE_PLUGIN_ENTRY(n) TROUPE_PLUGIN_ENTRY_NAMED(n)
+#define TROUPE_PLUGIN_ENTRY_NAMED(n) troupe_plugin_entry_##n

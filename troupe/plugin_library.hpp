@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds.hpp"
+#include "engine/world.hpp"
 #include "troupe/version.hpp"
 
 #include <Eigen/Core>
@@ -34,7 +34,7 @@
 namespace troupe::plugin {
 
 /// Of struct Library and of what the functions in it mean.
-inline constexpr std::uint32_t k_interface = 1;
+inline constexpr std::uint32_t k_interface = 2;
 
 /// What changes types or bits without changing a header.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
@@ -51,7 +51,9 @@ constexpr std::uint64_t layout() {
                                sizeof(FieldTable),     sizeof(Value),
                                sizeof(DecideBatch),    sizeof(Percept),
                                sizeof(Actions),        sizeof(Readings),
-                               sizeof(Command),        sizeof(Random)};
+                               sizeof(Command),        sizeof(Random),
+                               sizeof(DeviceBatch),    sizeof(Effects),
+                               sizeof(World),          sizeof(BodyType)};
   std::uint64_t mixture = 0;
   for (const std::size_t size : k_sizes) mixture = mixture * 0x9e3779b97f4a7c15 + size;
   return mixture;
@@ -65,8 +67,8 @@ struct Library {
   std::uint64_t layout;     ///< layout()
   /// Whether the plug-in's compiler made one operation of a multiplication and an addition.
   bool (*contracts)();
-  /// Appends its controllers, each under its own name.
-  void (*list)(std::vector<engine::ControllerKind>& controllers);
+  /// Appends its controllers, and its sensors and other devices, each under its own name.
+  void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices);
   /// The loader's note of which file this is: a hash of the contents; 0 before the first load. It lies in the
   /// library since that is loaded once in a process, however often it is asked for.
   std::atomic<std::uint64_t>* contents;
@@ -76,7 +78,7 @@ struct Library {
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// A controller's name, or a plug-in's: one word that can be told from a path and from a controller's
+/// A kind's name, or a plug-in's: one word that can be told from a path and from a controller's
 /// parameters.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';

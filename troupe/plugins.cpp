@@ -61,8 +61,9 @@ std::string why_not_ours(std::string_view bytes) {
         "is a controller of Stage (it has Init, and no {}): these are written against Stage itself; "
         "docs/controllers.md tells how to write one for Troupe",
         plugin::k_symbol);
-  return fmt::format("is no plug-in of Troupe: it has no symbol {}, which TROUPE_CONTROLLER makes",
-                     plugin::k_symbol);
+  return fmt::format(
+      "is no plug-in of Troupe: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE make",
+      plugin::k_symbol);
 }
 
 /// Why what was loaded cannot be used. Only what stands first in every version is read before that is known.
@@ -98,31 +99,59 @@ std::string why_not_loaded(const fs::path& file) {
 struct Plugins::Loaded : Library {
   std::string missing;  ///< there is no such file: where it was looked for
   std::string broken;   ///< it cannot be used: why
-  std::vector<engine::ControllerKind> kinds;
-  std::deque<std::string> names;  ///< of the kinds, which keep references
+  bool is_usable() const { return missing.empty() && broken.empty(); }
+
+  template <class K>
+  struct Kinds {
+    using Kind = K;
+    std::string_view what;  ///< they are, for people
+    std::vector<Kind> kinds;
+    std::deque<std::string> names;  ///< of the kinds, which keep references
+    std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
+  };
+  Kinds<engine::ControllerKind> controllers{"controller"};
+  Kinds<engine::DeviceKind> devices{"sensor or device"};
+  /// What it has, where that is not what was asked for.
+  std::string has_else() const {
+    return controllers.names.empty()
+               ? fmt::format("no controller, but {}", comma_list(devices.known()))
+               : fmt::format("no sensor or device, but {}", comma_list(controllers.known()));
+  }
 };
 
-Plugins::Plugins(std::vector<fs::path> path, std::vector<std::string_view> taken)
-    : path_(std::move(path)), taken_(taken.begin(), taken.end()) {}
+Plugins::Plugins(std::vector<fs::path> path, const engine::Registry& registry) : path_(std::move(path)) {
+  for (const std::string_view name : registry.controller_names()) taken_controllers_.emplace_back(name);
+  for (const engine::DeviceKind& kind : registry.devices) taken_devices_.emplace_back(kind.name);
+}
 Plugins::~Plugins() = default;
 
-const engine::ControllerKind* Plugins::find(std::string_view name, std::string& fault) {
+const engine::ControllerKind* Plugins::controller(std::string_view name, std::string& fault) {
+  return find(name, &Loaded::controllers, fault);
+}
+
+const engine::DeviceKind* Plugins::device(std::string_view name, std::string& fault) {
+  return find(name, &Loaded::devices, fault);
+}
+
+template <class Kinds>
+auto Plugins::find(std::string_view name, Kinds Loaded::*kinds, std::string& fault) -> const
+    typename Kinds::Kind* {
   const std::size_t colon = name.find(':');
   const std::string_view library_name = name.substr(0, colon);
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
   if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return nullptr;
   Loaded& library = loaded(library_name);
   if (!library.missing.empty()) fault += "; " + library.missing;
-  if (!library.broken.empty()) fault = fmt::format("controller \"{}\": {}", name, library.broken);
-  if (library.kinds.empty()) return nullptr;
+  const Kinds& own = library.*kinds;
+  if (!library.broken.empty()) fault = fmt::format("{} \"{}\": {}", own.what, name, library.broken);
+  if (!library.is_usable()) return nullptr;
 
   const std::string full_name = own_name == library_name ? std::string(own_name) : std::string(name);
-  const auto kind =
-      std::ranges::find(library.kinds, std::string_view(full_name), &engine::ControllerKind::name);
-  if (kind != library.kinds.end()) return &*kind;
-  const std::vector<std::string_view> known(library.names.begin(), library.names.end());
-  fault = fmt::format("{} has no controller \"{}\"; it has: {}{}", library.file.string(), name,
-                      comma_list(known), did_you_mean(name, known));
+  const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Kinds::Kind::name);
+  if (kind != own.kinds.end()) return &*kind;
+  const std::vector<std::string_view> known = own.known();
+  fault = fmt::format("{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
+                      known.empty() ? library.has_else() : comma_list(known), did_you_mean(name, known));
   return nullptr;
 }
 
@@ -132,7 +161,7 @@ const Plugins::Library* Plugins::load(std::string_view name, std::string& fault)
     return nullptr;
   }
   const Loaded& library = loaded(name);
-  if (!library.kinds.empty()) return &library;
+  if (library.is_usable()) return &library;
   fault = library.missing + library.broken;
   return nullptr;
 }
@@ -140,7 +169,7 @@ const Plugins::Library* Plugins::load(std::string_view name, std::string& fault)
 std::vector<Plugins::Library> Plugins::libraries() const {
   std::vector<Library> in_use;
   for (const auto& library : loaded_)
-    if (!library->kinds.empty()) in_use.push_back(*library);
+    if (library->is_usable()) in_use.push_back(*library);
   std::ranges::sort(in_use, {}, &Library::name);
   return in_use;
 }
@@ -207,37 +236,46 @@ void Plugins::open(Loaded& library) {
     library.broken = "was built again since this process loaded it: start it again";
     return;
   }
-  read_controllers(library, described.list);
+  read_kinds(library, described.list);
 }
 
-void Plugins::read_controllers(Loaded& library, void (*list)(std::vector<engine::ControllerKind>&)) const {
-  std::vector<engine::ControllerKind> kinds;
+void Plugins::read_kinds(Loaded& library, List list) const {
+  std::vector<engine::ControllerKind> controllers;
+  std::vector<engine::DeviceKind> devices;
   try {
-    list(kinds);
+    list(controllers, devices);
   } catch (const std::exception& fault) {
-    library.broken = fmt::format("cannot say what its controllers are: {}", fault.what());
+    library.broken = fmt::format("cannot say what it holds: {}", fault.what());
     return;
   }
-  std::ranges::sort(kinds, {}, &engine::ControllerKind::name);  // they come in an order of the linker's
-  for (engine::ControllerKind& kind : kinds) {
-    std::string name(kind.name);
-    if (name != library.name) name = fmt::format("{}:{}", library.name, name);
-    if (std::ranges::find(library.names, name) != library.names.end())
-      library.broken = fmt::format("has two controllers \"{}\"", name);
-    if (std::ranges::find(taken_, name) != taken_.end())
-      library.broken =
-          fmt::format("has a controller \"{}\", a name that Troupe's own has: give it another", name);
-    kind.name = library.names.emplace_back(std::move(name));
-  }
-  if (kinds.empty()) library.broken = "has no controller";
-  if (!library.broken.empty()) return;
-  library.kinds = std::move(kinds);
+  const auto keep = [&library](auto kinds, const std::vector<std::string>& taken, auto& own) {
+    std::ranges::sort(kinds, {}, [](const auto& kind) { return kind.name; });  // the linker's order before
+    for (auto& kind : kinds) {
+      std::string name(kind.name);
+      if (name != library.name) name = fmt::format("{}:{}", library.name, name);
+      if (!kind.prepare) library.broken = fmt::format("has a {} \"{}\" without `prepare`", own.what, name);
+      if (std::ranges::find(own.names, name) != own.names.end())
+        library.broken = fmt::format("has two of the name \"{}\", each a {}", name, own.what);
+      if (std::ranges::find(taken, name) != taken.end())
+        library.broken =
+            fmt::format("has a {} \"{}\", a name that Troupe's own has: give it another", own.what, name);
+      kind.name = own.names.emplace_back(std::move(name));
+    }
+    own.kinds = std::move(kinds);
+  };
+  keep(std::move(controllers), taken_controllers_, library.controllers);
+  keep(std::move(devices), taken_devices_, library.devices);
+  if (library.controllers.kinds.empty() && library.devices.kinds.empty())
+    library.broken = "has no controller, sensor or device";
 }
 
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path) {
-  auto plugins = std::make_shared<Plugins>(std::move(path), registry.controller_names());
+  auto plugins = std::make_shared<Plugins>(std::move(path), registry);
   registry.other_controllers = [plugins](std::string_view name, std::string& fault) {
-    return plugins->find(name, fault);
+    return plugins->controller(name, fault);
+  };
+  registry.plugged_devices = [plugins](std::string_view name, std::string& fault) {
+    return plugins->device(name, fault);
   };
   return plugins;
 }

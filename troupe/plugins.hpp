@@ -12,8 +12,9 @@
 
 namespace troupe {
 
-/// Controllers in shared libraries (docs/controllers.md), found by name: "dancer" is the controller of that
-/// name in dancer.so, "swarm:leader" one of those in swarm.so; the file is the first of its name on a path.
+/// Controllers and devices in shared libraries (docs/controllers.md), found by name: "dancer" is the
+/// controller, or the sensor, of that name in dancer.so, "swarm:leader" one of those in swarm.so; the file is
+/// the first of its name on a path.
 ///
 /// A library that was loaded stays loaded as long as the process lives. After each load the floating-point
 /// environment of the calling thread is what it was: a library linked with -ffast-math switches denormal
@@ -27,14 +28,17 @@ class Plugins {
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 
-  /// Looks in these folders, in their order. Names in `taken` are not given away again.
-  Plugins(std::vector<std::filesystem::path> path, std::vector<std::string_view> taken);
+  /// Looks in these folders, in their order. Names of the registry's controllers, and of its devices, are not
+  /// given away again.
+  Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
   /// Registry::other_controllers.
-  const engine::ControllerKind* find(std::string_view name, std::string& fault);
+  const engine::ControllerKind* controller(std::string_view name, std::string& fault);
+  /// Registry::plugged_devices.
+  const engine::DeviceKind* device(std::string_view name, std::string& fault);
   /// The library of this name, loaded; null where there is none that can be used, with the reason in `fault`:
   /// `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
   const Library* load(std::string_view name, std::string& fault);
@@ -48,15 +52,18 @@ class Plugins {
   struct Loaded;
   Loaded& loaded(std::string_view name);
   void open(Loaded& library);
-  void read_controllers(Loaded& library, void (*list)(std::vector<engine::ControllerKind>&)) const;
+  using List = void (*)(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&);
+  void read_kinds(Loaded& library, List list) const;
+  template <class Kinds>
+  auto find(std::string_view name, Kinds Loaded::*kinds, std::string& fault) -> const typename Kinds::Kind*;
 
   std::vector<std::filesystem::path> path_;
-  std::vector<std::string> taken_;
+  std::vector<std::string> taken_controllers_, taken_devices_;
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::string> warnings_;
 };
 
-/// Lets a registry, and its copies, find controllers on this path.
+/// Lets a registry, and its copies, find controllers and devices on this path.
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
 
 }  // namespace troupe

@@ -66,8 +66,9 @@ std::optional<engine::DriveSpec> read_drive(const JsonCursor& at, const engine::
   return drive;
 }
 
-/// The kinds of a type's list: sensors only look, other devices are asked to do something.
-enum class DeviceList : std::uint8_t { sensors, devices };
+/// The kinds of a type's list: sensors only look, other devices are asked to do something. What a part is
+/// itself may be of either.
+enum class DeviceList : std::uint8_t { sensors, devices, both };
 
 /// What a part is to all that it carries.
 struct Stand {
@@ -98,6 +99,7 @@ class TypeReader {
   void read_own_device(JsonObject& object, bool has_shape, Stand& stand);
   /// `sensors`, `devices`, `controller` or `controllers`, and `parts`.
   void read_contents(JsonObject& object, const Stand& stand);
+  const engine::DeviceKind* read_device_kind(JsonObject& object, DeviceList list) const;
   void read_device(const JsonCursor& at, DeviceList list, const Stand& stand);
   engine::PartSpec read_device_part(JsonObject& object, const engine::DeviceSpec& device,
                                     const engine::DeviceKind& kind);
@@ -193,9 +195,7 @@ void TypeReader::read_own_device(JsonObject& object, bool has_shape, Stand& stan
   const engine::ModelKind* model = registry_.model(part.kind);
   const engine::DeviceKind* kind =
       model && !model->device.empty() ? registry_.device(model->device) : nullptr;
-  if (!kind || own.find("kind"))
-    kind = read_kind(own, "device", names(registry_.devices),
-                     [&](std::string_view name) { return registry_.device(name); });
+  if (!kind || own.find("kind")) kind = read_device_kind(own, DeviceList::both);
   if (!kind) return;
   engine::DeviceSpec device{.name = part.name, .kind = std::string(kind->name), .part = stand.part};
   device.joint = stand.joint;
@@ -256,22 +256,31 @@ engine::PartSpec TypeReader::read_device_part(JsonObject& object, const engine::
   return part;
 }
 
+/// The kind that a device names, of Troupe's own or of a plug-in.
+const engine::DeviceKind* TypeReader::read_device_kind(JsonObject& object, DeviceList list) const {
+  const std::string_view what = list == DeviceList::sensors ? "sensor" : "device";
+  const std::vector<std::string_view> known = names(list == DeviceList::sensors   ? registry_.sensors()
+                                                    : list == DeviceList::devices ? registry_.other_devices()
+                                                                                  : registry_.devices);
+  std::string fault;
+  const auto find = [&](std::string_view name) -> const engine::DeviceKind* {
+    fault = unknown_name(what, name, known);
+    const engine::DeviceKind* kind = registry_.device(name, fault);
+    if (!kind || list == DeviceList::both || kind->is_sensor() == (list == DeviceList::sensors)) return kind;
+    fault = fmt::format("\"{}\" {}", name,
+                        kind->is_sensor() ? "only looks: it belongs under \"sensors\""
+                                          : "does something: it belongs under \"devices\"");
+    return nullptr;
+  };
+  return read_kind(object, what, known, find, fault);
+}
+
 void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand& stand) {
   std::vector<engine::DeviceSpec>& devices = type_.devices;
-  const auto belongs = [list](const engine::DeviceKind& kind) {
-    return kind.is_sensor() == (list == DeviceList::sensors);
-  };
   const std::string_view what = list == DeviceList::sensors ? "sensor" : "device";
-  const std::vector<std::string_view> known =
-      names(list == DeviceList::sensors ? registry_.sensors() : registry_.other_devices());
-
   JsonObject object(at);
   const JsonNode* name_node = object.find("name");
-  const engine::DeviceKind* kind =
-      read_kind(object, what, known, [&](std::string_view name) -> const engine::DeviceKind* {
-        const engine::DeviceKind* found = registry_.device(name);
-        return found != nullptr && belongs(*found) ? found : nullptr;
-      });
+  const engine::DeviceKind* kind = read_device_kind(object, list);
   if (!kind) return;
   engine::DeviceSpec device{.kind = std::string(kind->name), .part = stand.part, .where = at.where()};
   device.joint = stand.joint;

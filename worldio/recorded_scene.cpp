@@ -135,7 +135,7 @@ RecordedScene::Type type_of(const Json& json) {
   for (const Json& sensor : json.at("sensors")) {
     std::string name = hdf5_name(text_of(sensor.at("name")));
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
-    if (text_of(sensor.at("kind")) == "ranger")
+    if (sensor.at("params").contains("transducers"))  // a ranger, of whatever kind
       type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
   return type;

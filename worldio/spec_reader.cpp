@@ -427,7 +427,12 @@ engine::DeviceSpec SpecReader::sensor(const JsonCursor& at) {
   sensor.pose_body_sensor = pose(object);
   sensor.period_s = number(object, "period_s", 0, k_most_s, 0);
   sensor.active = boolean(object, "active");
-  sensor.params = params(object, "sensor", sensor.kind, registry_.devices);
+  std::vector<std::string_view> known;
+  for (const engine::DeviceKind& each : registry_.devices) known.push_back(each.name);
+  std::string fault = unknown_name("sensor", sensor.kind, std::move(known));
+  const engine::DeviceKind* kind = registry_.device(sensor.kind, fault);
+  if (!kind) at.error(fault);
+  sensor.params = params(object, kind ? &kind->params : nullptr);
   sensor.where = where(object);
   object.finish();
   return sensor;

@@ -338,10 +338,26 @@ JsonNode device_schema(const engine::DeviceKind& kind, bool own) {
   return device.done();
 }
 
+/// What only a plug-in knows the parameters of: of a kind that is none of these.
+JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
+                           const std::vector<std::string_view>& known) {
+  const JsonNode other =
+      object_of({{"not", object_of({{"enum", texts(known)}})},
+                 {"type", text("string")},
+                 {"description", text(fmt::format("a {} of a plug-in, docs/{}.md", what, page))}});
+  return object_of({{"type", text("object")},
+                    {"properties", object_of({{"kind", other}})},
+                    {"required", texts(std::array{"kind"})}});
+}
+
 template <class Kinds>
-JsonNode device_schemas(const Kinds& kinds, bool own) {
+JsonNode device_schemas(const engine::Registry& registry, std::string_view what, const Kinds& kinds,
+                        bool own) {
   std::vector<JsonNode> schemas;
   for (const engine::DeviceKind& kind : kinds) schemas.push_back(device_schema(kind, own));
+  std::vector<std::string_view> known;
+  for (const engine::DeviceKind& kind : registry.devices) known.push_back(kind.name);
+  schemas.push_back(kind_of_a_plug_in(what, "extending", known));
   return choice(std::move(schemas));
 }
 
@@ -354,17 +370,6 @@ JsonNode drive_schema(const engine::Registry& registry) {
                           .fields(kind.params)
                           .done());
   return choice(std::move(schemas));
-}
-
-/// A controller of which only its plug-in knows the parameters.
-JsonNode kind_of_a_plug_in(const engine::Registry& registry) {
-  const JsonNode known = object_of({{"enum", texts(registry.controller_names())}});
-  const JsonNode other = object_of({{"not", known},
-                                    {"type", text("string")},
-                                    {"description", text("a controller of a plug-in, docs/controllers.md")}});
-  return object_of({{"type", text("object")},
-                    {"properties", object_of({{"kind", other}})},
-                    {"required", texts(std::array{"kind"})}});
 }
 
 JsonNode controller_schema(const engine::Registry& registry) {
@@ -381,7 +386,7 @@ JsonNode controller_schema(const engine::Registry& registry) {
   for (const engine::Registry::Preset& preset : registry.presets)
     if (const engine::ControllerKind* kind = registry.controller(preset.kind))
       add(preset.name, preset.text, kind->params, true);
-  schemas.push_back(kind_of_a_plug_in(registry));
+  schemas.push_back(kind_of_a_plug_in("controller", "controllers", registry.controller_names()));
   return choice(std::move(schemas));
 }
 
@@ -627,9 +632,9 @@ JsonNode definitions(const engine::Registry& registry) {
        {"box_m", described(array_of(reference("point_m"), 2), "[[x_min, y_min], [x_max, y_max]]")},
        {"block", block_schema()},
        {"drive", drive_schema(registry)},
-       {"sensor", device_schemas(registry.sensors(), false)},
-       {"device", device_schemas(registry.other_devices(), false)},
-       {"own_device", device_schemas(registry.devices, true)},
+       {"sensor", device_schemas(registry, "sensor", registry.sensors(), false)},
+       {"device", device_schemas(registry, "device", registry.other_devices(), false)},
+       {"own_device", device_schemas(registry, "device", registry.devices, true)},
        {"controller", controller_schema(registry)},
        {"group", group_schema()},
        {"part", part_schema(registry)},

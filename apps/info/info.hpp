@@ -14,7 +14,7 @@ namespace troupe::apps {
 /// What the command line of `troupe info` asks for.
 struct InfoOptions {
   std::filesystem::path file;
-  std::vector<std::filesystem::path> plugin_path;  ///< of a world's controllers
+  std::vector<std::filesystem::path> plugin_path;  ///< of a world's controllers and sensors
 };
 
 /// Adds `info` to the program; parsing fills `options`, which must outlive `app`.

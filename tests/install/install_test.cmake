@@ -70,26 +70,38 @@ if(NOT printed MATCHES "^r0 is at \\(-1\\.80[0-9]*, 0\\.98[0-9]*\\) m, the neare
   message(FATAL_ERROR "the example printed:\n${printed}")
 endif()
 
-# The examples, far from the source tree, each with its own CMakeLists: the plug-in runs in the installed program and in a
+# The examples, far from the source tree, each with its own CMakeLists: plug-ins run in the installed program and in a
 # program of one's own.
 function(build_example name)
+  cmake_parse_arguments(arg "" "INTO" "AGAINST" ${ARGN})
+  if(NOT arg_INTO)
+    set(arg_INTO build)
+    set(arg_AGAINST -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix)
+  endif()
   file(COPY ${SOURCE}/apps/examples/${name} DESTINATION ${SCRATCH})
-  run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/${name} -B ${SCRATCH}/${name}/build -G ${GENERATOR}
-      -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS}
-      -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
-  run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/${name}/build)
+  run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/${name} -B ${SCRATCH}/${name}/${arg_INTO} -G ${GENERATOR} ${arg_AGAINST}
+      -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+  run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/${name}/${arg_INTO})
 endfunction()
 build_example(plugin)
+build_example(sensor_plugin)
 run(IN ${SCRATCH}/plugin OUTPUT described ${SCRATCH}/prefix/bin/troupe describe follow_wall --plugin-path build)
 if(NOT described MATCHES "controller follow_wall: keep a wall at the left\n.*distance_m")
   message(FATAL_ERROR "troupe describe follow_wall printed:\n${described}")
 endif()
-run(IN ${SCRATCH}/plugin OUTPUT summary ${SCRATCH}/prefix/bin/troupe run room.json --for 10 --plugin-path build --quiet --json)
-run(IN ${SCRATCH}/plugin OUTPUT hash ${SCRATCH}/consumer/runs_plugin room.json build)
-string(STRIP "${hash}" hash)
-if(NOT hash MATCHES "^[0-9a-f]+$" OR NOT summary MATCHES "\"state_hash\":\"${hash}\"")
-  message(FATAL_ERROR "the program ends at ${hash}, troupe run with:\n${summary}")
+run(IN ${SCRATCH}/sensor_plugin OUTPUT described ${SCRATCH}/prefix/bin/troupe describe beam_ranger --plugin-path build)
+if(NOT described MATCHES "sensor beam_ranger: a ranger some of whose beams .*short_share")
+  message(FATAL_ERROR "troupe describe beam_ranger printed:\n${described}")
 endif()
+foreach(example plugin sensor_plugin)
+  run(IN ${SCRATCH}/${example} OUTPUT summary
+      ${SCRATCH}/prefix/bin/troupe run room.json --for 10 --plugin-path build --quiet --json)
+  run(IN ${SCRATCH}/${example} OUTPUT hash ${SCRATCH}/consumer/runs_plugin room.json build)
+  string(STRIP "${hash}" hash)
+  if(NOT hash MATCHES "^[0-9a-f]+$" OR NOT summary MATCHES "\"state_hash\":\"${hash}\"")
+    message(FATAL_ERROR "${example}: the program ends at ${hash}, troupe run with:\n${summary}")
+  endif()
+endforeach()
 
 # A thousand trials of one world, which end with the same state everywhere.
 build_example(evolution)
@@ -120,6 +132,14 @@ run(IN ${SOURCE} OUTPUT again ${SCRATCH}/try/build/minimal worlds/minimal.world)
 run(IN ${SOURCE} OUTPUT printed ${SCRATCH}/consumer/minimal worlds/minimal.world)
 if(NOT again STREQUAL printed)
   message(FATAL_ERROR "against the build tree the example printed:\n${again}")
+endif()
+
+# A sensor that was built against the build tree, whose headers and libraries are the installed ones.
+build_example(sensor_plugin INTO against_build AGAINST -Dtroupe_DIR=${BUILD})
+run(IN ${SCRATCH}/sensor_plugin OUTPUT again ${SCRATCH}/consumer/runs_plugin room.json against_build)
+run(IN ${SCRATCH}/sensor_plugin OUTPUT printed ${SCRATCH}/consumer/runs_plugin room.json build)
+if(NOT again STREQUAL printed)
+  message(FATAL_ERROR "built against the build tree, the sensor leads to ${again}, else to ${printed}")
 endif()
 
 # The Python package, from where it was installed.

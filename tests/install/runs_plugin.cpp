@@ -1,5 +1,5 @@
-// A program that runs a world whose controllers are plug-ins: runs_plugin WORLD FOLDER prints the state's
-// hash after 10 s.
+// A program that runs a world whose controllers or sensors are plug-ins: runs_plugin WORLD FOLDER prints the
+// state's hash after 10 s.
 #include <troupe/troupe.hpp>
 
 #include <cinttypes>

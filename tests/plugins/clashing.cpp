@@ -1,5 +1,6 @@
-// Built as clash.so: two controllers of one name; built as expand.so: a name that Troupe's own controller
-// has.
+// Plug-ins with names that cannot be: built as clash.so, two controllers of one name; as expand.so, a name
+// that Troupe's own controller has; as twice.so and ranger.so, the same of sensors; as unprepared.so, a
+// sensor whose kind lacks what it needs.
 #include <troupe/plugin.hpp>
 
 namespace {
@@ -8,11 +9,20 @@ struct Idle {
   void operator()(const troupe::Percept&, troupe::Random&, troupe::Actions&) const {}
 };
 
+[[maybe_unused]] troupe::DeviceKind unprepared() { return {.name = "unprepared"}; }
+
 }  // namespace
 
-#ifdef TWICE
+#if defined(CLASH)
 TROUPE_CONTROLLER("idle", Idle)
 TROUPE_CONTROLLER("idle", Idle)
-#else
+#elif defined(EXPAND)
 TROUPE_CONTROLLER("expand", Idle)
+#elif defined(TWICE)
+TROUPE_DEVICE("twice", troupe::ranger_kind)
+TROUPE_DEVICE("twice", troupe::ranger_kind)
+#elif defined(RANGER)
+TROUPE_DEVICE("ranger", troupe::ranger_kind)
+#else
+TROUPE_DEVICE("unprepared", unprepared)
 #endif

@@ -4,13 +4,17 @@
 #include "base/fp_environment.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
+#include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
+#include "troupe/swarm.hpp"
 #include "worldio/hdf5_file.hpp"
+#include "worldio/recording_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -170,23 +174,24 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                     HasSubstr("docs/controllers.md")));
   EXPECT_EQ(fault_of("nothing"),
             about("nothing") +
-                "is no plug-in of Troupe: it has no symbol troupe_plugin, which TROUPE_CONTROLLER makes");
+                "is no plug-in of Troupe: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
+                "TROUPE_DEVICE make");
   EXPECT_THAT(fault_of("undefined_symbol"),
               AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
   EXPECT_THAT(fault_of("another_version"),
               MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 1., this is troupe 0.1.0 "
-                           ".interface 1.: build it again"));
+                           "was built for troupe 99.1.0 .interface 2., this is troupe 0.1.0 "
+                           ".interface 2.: build it again"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
   EXPECT_THAT(fault_of("other_headers"),
               HasSubstr("was built with the headers of another state of troupe 0.1.0"));
   EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
-  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller"));
-  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what its controllers are: a table is missing"));
-  EXPECT_THAT(fault_of("clash"), EndsWith("has two controllers \"clash:idle\""));
+  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller, sensor or device"));
+  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what it holds: a table is missing"));
+  EXPECT_THAT(fault_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
   EXPECT_THAT(fault_of("expand:expand"),
               EndsWith("has a controller \"expand\", a name that Troupe's own has: give it another"));
   EXPECT_EQ(fault_of("swarm", "plugins"),
@@ -268,6 +273,137 @@ TEST_F(PluginsTest, TheExampleFollowsTheWallsOfItsRoom) {
   }
   EXPECT_THAT(seen, testing::Each(true)) << "once around";
   EXPECT_LT(farthest_m, 0.8);
+}
+
+/// A robot with one sensor that looks at a wall, 1.9 m ahead, from line 3 on.
+class PluginSensors : public PluginsTest {
+ protected:
+  fs::path room(std::string_view kind, std::string_view parameters = {}, std::string_view list = "sensors") {
+    std::string text = R"({"troupe": 1, "types": {"wall": {"size_m": [0.2, 8, 1]},
+      "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+        "LIST": [{"name": "eye", "kind": "KIND", PARAMETERS
+          "transducers": [{"fov_deg": 90, "samples": 65, "range_max_m": 4}]}]}},
+      "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 2}}],
+      "populations": [{"name": "r", "type": "bot", "count": 40,
+        "place": {"rule": "grid", "region_m": [[-3, -2], [0, 2]], "pitch_m": 0.5}}]})";
+    for (const auto& [word, value] :
+         {std::pair("LIST", list), std::pair("KIND", kind), std::pair("PARAMETERS", parameters)})
+      text.replace(text.find(word), std::string_view(word).size(), value);
+    return write("room.json", text);
+  }
+  std::string fault(const fs::path& world, std::string_view folder = "plugins") const {
+    const std::string fault = fault_of(world, options({folder_of(folder)}));
+    EXPECT_TRUE(fault.starts_with(world.string())) << fault;
+    return fault.substr(world.string().size());
+  }
+  std::vector<std::string> log_of(const fs::path& world, unsigned threads = 2) const {
+    Simulation simulation(world, options({folder_of("plugins")}, threads));
+    return log(simulation, 20);
+  }
+};
+
+/// The example of docs/extending.md: when none of its beams is changed, and when all are.
+TEST_F(PluginSensors, ReadWhatTheirModelSays) {
+  const auto ranges_of = [&](std::string_view kind, std::string_view parameters) {
+    Simulation simulation(room(kind, parameters), options({folder_of("plugins")}));
+    simulation.step();
+    const auto ranges = simulation.find("r0").ranges();
+    return std::vector<float>(ranges.begin(), ranges.end());
+  };
+  const std::vector<float> truth = ranges_of("ranger", "");
+  ASSERT_EQ(truth.size(), 65u);
+  EXPECT_EQ(ranges_of("beam_ranger", R"("short_share": 0, "max_share": 0, "random_share": 0,)"), truth);
+  EXPECT_THAT(ranges_of("beam_ranger", R"("short_share": 0, "max_share": 1, "random_share": 0,)"),
+              testing::Each(4.0f));
+  const std::vector<float> cut =
+      ranges_of("beam_ranger", R"("short_share": 1, "short_rate": 10, "max_share": 0, "random_share": 0,)");
+  for (std::size_t k = 0; k < cut.size(); ++k) EXPECT_LE(cut[k], truth[k]);
+  const std::vector<float> anything =
+      ranges_of("beam_ranger", R"("short_share": 0, "max_share": 0, "random_share": 1,)");
+  EXPECT_THAT(anything, testing::Each(AllOf(testing::Ge(0.0f), testing::Le(4.0f))));
+  EXPECT_GT(*std::ranges::max_element(anything) - *std::ranges::min_element(anything), 3);
+}
+
+TEST_F(PluginSensors, GiveTheSameBitsOnAnyThreadsAndAreInTheHash) {
+  const std::vector<std::string> one = log_of(room("beam_ranger"), 1);
+  EXPECT_EQ(log_of(room("beam_ranger"), 3), one);
+  EXPECT_NE(log_of(room("beam_ranger", R"("short_share": 0.06,)"), 1), one);
+  const Simulation simulation(room("beam_ranger"), options({folder_of("plugins")}));
+  EXPECT_THAT(simulation.effective_options(),
+              Contains(Pair("plugin beam_ranger", MatchesRegex("[0-9a-f]{16}"))));
+}
+
+TEST_F(PluginSensors, AreRangersForWhoReadsRangers) {
+  Simulation simulation(room("beam_ranger"), options({folder_of("plugins")}));
+  Swarm swarm = simulation.swarm("r");
+  EXPECT_EQ(swarm.beams(), 65u);
+  simulation.run_for(1);
+  EXPECT_EQ(simulation.find("r0").readings<float>("ranges", "eye").size(), 65u);
+  EXPECT_GT(simulation.statistics().mean_displacement_m, 0) << "wander has taken it";
+}
+
+TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
+  const auto at = [](std::string_view line, std::string_view pointer) {
+    return ":" + std::string(line) + ": error: /types/bot/sensors/0" + std::string(pointer) + ": ";
+  };
+  const std::string plugins = folder_of("plugins").string();
+  EXPECT_THAT(fault(room("sonic")),
+              AllOf(testing::StartsWith(at("3", "/kind") + "unknown sensor \"sonic\"; known: "),
+                    EndsWith("; there is no sonic.so in " + plugins)));
+  EXPECT_EQ(fault(room("walker")),
+            at("3", "/kind") + plugins +
+                "/walker.so has no sensor or device \"walker\"; it has: no sensor or device, but walker");
+  EXPECT_EQ(fault(room("beam_ranger:sonic")),
+            at("3", "/kind") + plugins +
+                "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger");
+  EXPECT_THAT(fault(room("another_version"), "unusable"),
+              MatchesRegex(at("3", "/kind") +
+                           "sensor or device \"another_version\": .*another_version.so was built for troupe "
+                           "99.1.0 .interface 2., this is troupe 0.1.0 .interface 2.: build it again"));
+  EXPECT_THAT(
+      fault(room("ranger:ranger"), "unusable"),
+      EndsWith("ranger.so has a sensor or device \"ranger\", a name that Troupe's own has: give it another"));
+  EXPECT_THAT(fault(room("twice"), "unusable"),
+              EndsWith("twice.so has two of the name \"twice\", each a sensor or device"));
+  EXPECT_THAT(fault(room("unprepared"), "unusable"),
+              EndsWith("unprepared.so has a sensor or device \"unprepared\" without `prepare`"));
+  EXPECT_EQ(fault(room("beam_ranger", {}, "devices")),
+            ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" only looks: it belongs under \"sensors\"");
+  EXPECT_EQ(fault(room("led")), at("3", "/kind") + "\"led\" does something: it belongs under \"devices\"");
+  EXPECT_THAT(fault_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
+              EndsWith("has no controller \"beam_ranger\"; it has: no controller, but beam_ranger"));
+}
+
+TEST_F(PluginSensors, HaveTheirParametersChecked) {
+  const auto is = [&](std::string_view parameters) { return fault(room("beam_ranger", parameters)); };
+  EXPECT_EQ(is(R"("short_share": 2,)"),
+            ":3: error: /types/bot/sensors/0/short_share: must be from 0 to 1, found 2");
+  EXPECT_THAT(is(R"("short_shares": 0.1,)"),
+              AllOf(testing::StartsWith(":3: error: /types/bot/sensors/0: unknown key \"short_shares\""),
+                    HasSubstr("did you mean \"short_share\"")));
+  EXPECT_THAT(is(R"("short_share": 0.9, "max_share": 0.2,)"),
+              testing::StartsWith(":3: error: device \"eye\" has short_share, max_share and random_share "
+                                  "that add up to more than 1\n"));
+}
+
+TEST_F(PluginSensors, AreRecordedAndGoOnFromACheckpoint) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  Simulation simulation(room("beam_ranger"), options({folder_of("plugins")}));
+  simulation.record(folder_ / "run.h5", {.fields = {"ranges"}});
+  simulation.run_for(1);
+  simulation.save(folder_ / "c.h5");
+  simulation.run_for(1);
+  simulation.stop_recording();
+  fs::remove(folder_ / "room.json");
+  ResumeOptions from;
+  from.plugin_path = {folder_of("plugins")};
+  Simulation resumed = Simulation::resume(folder_ / "c.h5", from);
+  resumed.run_for(1);
+  EXPECT_EQ(resumed.hash_log_line(), simulation.hash_log_line());
+  from.plugin_path = {"/nowhere"};
+  EXPECT_THROW(Simulation::resume(folder_ / "c.h5", from), InputError);
+  const worldio::RecordingReader recording(folder_ / "run.h5");
+  EXPECT_EQ(recording.ticks().size(), 21u);
 }
 
 class PluginsResumed : public PluginsTest {

@@ -28,7 +28,7 @@ namespace {
 using namespace troupe;
 
 bool contracts() { return FAULT == FAULT_contracting; }
-void list(std::vector<engine::ControllerKind>&) {
+void list(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&) {
   if (FAULT == FAULT_throwing) throw std::runtime_error("a table is missing");
 #if FAULT == FAULT_undefined_symbol
   no_such_function(1);
