@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 
 /// The module `troupe._core`: the C++ API as Python sees it. What is more comfortable in Python than in C++
 /// is written in Python, in python/troupe.
@@ -27,15 +28,40 @@ class Held {
   /// steps.
   Simulation& use();
   /// Ticks, one after another; signals are looked at now and then, so that Ctrl-C ends it between two of
-  /// them.
-  void step(std::uint64_t ticks);
+  /// them. `to_its_end`: none where the run is over.
+  void step(std::uint64_t ticks, bool to_its_end = false);
+  /// The simulation, for what is not to be done in a callback of on_tick(): throws std::logic_error there.
+  Simulation& use_outside(std::string_view what);
+  /// While it lives, callbacks of on_tick() are called.
+  class Calling {
+   public:
+    explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
+    ~Calling() { calling_ = false; }
+    Calling(const Calling&) = delete;
+    Calling& operator=(const Calling&) = delete;
+
+   private:
+    bool& calling_;
+  };
 
  private:
   Simulation simulation_;
+  bool calling_ = false;
   bool stepping_ = false;  // under the interpreter's lock
 };
 using Holder = std::shared_ptr<Held>;
 using SimulationClass = py::class_<Held, Holder>;
+
+/// A model with the simulation that it is of.
+struct HeldModel {
+  Holder held;
+  Model model;
+
+  Model& use() {
+    static_cast<void>(held->use());
+    return model;
+  }
+};
 
 /// An array that shows memory of the simulation without copying it: read-only, and alive as long as it is.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
@@ -53,7 +79,12 @@ std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
+/// What NumPy calls the elements of a field.
+py::dtype dtype_of(engine::Element element);
+
 void bind_errors(py::module_& module);
+py::dict dict_of(const Model::Energy& energy);
+void bind_models(py::module_& module);
 SimulationClass bind_simulation(py::module_& module);
 void bind_swarm(py::module_& module, SimulationClass& simulation);
 void bind_tables(py::module_& module, SimulationClass& simulation);

@@ -2,6 +2,8 @@
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <filesystem>
 #include <stdexcept>
@@ -34,7 +36,12 @@ Simulation& Held::use() {
   return simulation_;
 }
 
-void Held::step(std::uint64_t ticks) {
+Simulation& Held::use_outside(std::string_view what) {
+  if (calling_) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
+  return use();
+}
+
+void Held::step(std::uint64_t ticks, bool to_its_end) {
   constexpr std::chrono::milliseconds k_patience(50);
   Simulation& simulation = use();
   struct Stepping {
@@ -44,14 +51,15 @@ void Held::step(std::uint64_t ticks) {
     Stepping& operator=(const Stepping&) = delete;
     bool& flag_;
   } const stepping(stepping_);
-  while (ticks > 0) {
+  const auto is_over = [&] { return to_its_end && simulation.stopped().has_value(); };
+  while (ticks > 0 && !is_over()) {
     {
       const py::gil_scoped_release released;
       const auto begin = std::chrono::steady_clock::now();
       do {
         simulation.step();
         --ticks;
-      } while (ticks > 0 && std::chrono::steady_clock::now() - begin < k_patience);
+      } while (ticks > 0 && !is_over() && std::chrono::steady_clock::now() - begin < k_patience);
     }
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }

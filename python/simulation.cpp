@@ -7,6 +7,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -20,17 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Paths = std::vector<fs::path>;
-
-/// A model with the simulation that it is of.
-struct HeldModel {
-  Holder held;
-  Model model;
-
-  Model& use() {
-    static_cast<void>(held->use());
-    return model;
-  }
-};
 
 // ---- options
 
@@ -121,17 +111,102 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
 
 // ---- the run
 
-void run_for(const Holder& held, double seconds, const std::optional<py::function>& on_tick) {
-  Simulation& simulation = held->use();
-  if (!(seconds >= 0 && seconds <= 1e12)) simulation.run_for(seconds);  // says what is wrong with it
-  std::uint64_t ticks = engine::ticks_until(seconds, simulation.tick_s());
-  if (!on_tick) return held->step(ticks);
-  const py::object self = py::cast(held);
-  for (; ticks > 0; --ticks) {
-    held->step(1);
-    (*on_tick)(self);
+/// Functions that are called at the end of each step. They are kept in the object's __dict__, where Python's
+/// collector sees them: a function may well refer to the simulation that it is called by.
+constexpr const char* k_callbacks = "_on_tick";
+
+py::list callbacks_of(const py::object& self) {
+  return py::getattr(self, k_callbacks, py::list()).cast<py::list>();
+}
+
+/// A tick, and what on_tick() has added.
+void step_and_call(const py::object& self, const Holder& held, const py::list& callbacks) {
+  held->step(1);
+  const Held::Calling calling(*held);
+  for (const py::handle callback : callbacks) callback(self);
+}
+
+/// Ticks, each with what on_tick() has added and `after`; to_its_end: until the run is over.
+void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
+             const std::optional<py::function>& after = {}) {
+  const Holder held = self.cast<Holder>();
+  const py::list callbacks = callbacks_of(self);
+  if (callbacks.empty() && !after) return held->step(ticks, to_its_end);
+  for (; ticks > 0 && !(to_its_end && held->use().stopped()); --ticks) {
+    step_and_call(self, held, callbacks);
+    if (after) (*after)(self);
   }
 }
+
+void step(const py::object& self, std::uint64_t ticks) {
+  self.cast<Holder>()->use_outside("step()");
+  advance(self, ticks, false);
+}
+
+bool is_time(double seconds) { return seconds >= 0 && seconds <= 1e12; }
+
+void run_for(const py::object& self, double seconds, const std::optional<py::function>& on_tick) {
+  Simulation& simulation = self.cast<Holder>()->use_outside("run_for()");
+  if (!is_time(seconds)) simulation.run_for(seconds);  // says what is wrong with it
+  advance(self, engine::ticks_until(seconds, simulation.tick_s()), true, on_tick);
+}
+
+bool run_until(const py::object& self, const py::function& done, double at_most_s) {
+  const Holder held = self.cast<Holder>();
+  Simulation& simulation = held->use_outside("run_until()");
+  if (!is_time(at_most_s)) simulation.run_until([](const Simulation&) { return true; }, at_most_s);
+  std::uint64_t ticks = engine::ticks_until(at_most_s, simulation.tick_s());
+  for (; ticks > 0 && !held->use().stopped(); --ticks) {
+    advance(self, 1, true);
+    if (done(self).cast<bool>()) return true;
+  }
+  return false;
+}
+
+py::object on_tick(const py::object& self, const py::object& callback) {
+  self.cast<Holder>()->use_outside("on_tick()");
+  if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
+    throw py::type_error("on_tick() takes a function, or None: forget them all");
+  py::list callbacks = callback.is_none() ? py::list() : callbacks_of(self);
+  if (!callback.is_none()) callbacks.append(callback);
+  py::setattr(self, k_callbacks, callbacks);
+  return callback;
+}
+
+// ---- rays
+
+struct Hit {
+  double range_m;
+  std::optional<std::uint32_t> body;
+  std::uint32_t part;
+};
+
+Hit cast_one(const Holder& held, const Pose& start, double range_max, HeldModel* without) {
+  const RayHit hit = held->use().cast(start, range_max, without != nullptr ? &without->use() : nullptr);
+  return {hit.range_m, hit.met() ? std::optional(hit.body.value) : std::nullopt, hit.part};
+}
+
+/// Many rays: how far each goes, and the body that it meets, -1 for none.
+py::tuple cast_many(const Holder& held,
+                    const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
+                    double range_max, HeldModel* without) {
+  if (starts.ndim() != 2 || starts.shape(1) != 4)
+    throw py::value_error(fmt::format("starts has shape {}; give x, y, z, heading for each ray",
+                                      std::string(py::str(starts.attr("shape")))));
+  Simulation& simulation = held->use();
+  const Model* passes = without != nullptr ? &without->use() : nullptr;
+  py::array_t<double> ranges(starts.shape(0));
+  py::array_t<std::int64_t> bodies(starts.shape(0));
+  for (py::ssize_t i = 0; i < starts.shape(0); ++i) {
+    const double* start = starts.data(i, 0);
+    const RayHit hit = simulation.cast({start[0], start[1], start[2], start[3]}, range_max, passes);
+    ranges.mutable_at(i) = hit.range_m;
+    bodies.mutable_at(i) = hit.met() ? std::int64_t{hit.body.value} : -1;
+  }
+  return py::make_tuple(ranges, bodies);
+}
+
+// ---- looking on
 
 py::dict hashes_of(const Holder& held) {
   const Simulation::Hashes hashes = held->use().hashes();
@@ -149,17 +224,38 @@ py::dict statistics_of(const Holder& held) {
                   "state_bytes"_a = s.state_bytes);
 }
 
-py::dict dict_of(const Model::Energy& energy) {
-  using namespace py::literals;
-  return py::dict("stored_j"_a = energy.stored_j, "capacity_j"_a = energy.capacity_j,
-                  "dissipated_j"_a = energy.dissipated_j, "received_j"_a = energy.received_j,
-                  "given_j"_a = energy.given_j, "infinite"_a = energy.infinite,
-                  "charging"_a = energy.charging);
+using Two = std::optional<std::array<double, 2>>;
+
+PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
+                               const Two& center_m, const Two& angle_rad,
+                               const std::optional<double>& across_m, const std::string& color_by,
+                               const Two& color_range) {
+  if (width < 1 || height < 1)
+    throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
+  return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range};
 }
 
-py::array_t<std::uint8_t> picture_of(const Holder& held, int width, int height) {
-  const std::vector<std::uint8_t> rgb = held->use().picture(width, height);
-  return py::array_t<std::uint8_t>({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}}, rgb.data());
+void snapshot(const Holder& held, const fs::path& png, int width, int height, const std::string& camera,
+              const std::string& layers, const Two& center_m, const Two& angle_rad,
+              const std::optional<double>& across_m, const std::string& color_by, const Two& color_range) {
+  held->use().snapshot(png, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                            color_by, color_range));
+}
+
+py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, const std::string& camera,
+                                  const std::string& layers, const Two& center_m, const Two& angle_rad,
+                                  const std::optional<double>& across_m, const std::string& color_by,
+                                  const Two& color_range) {
+  const Simulation& simulation = held->use();
+  Pictures pictures(simulation, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                                color_by, color_range));
+  const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(simulation));
+  py::array_t<std::uint8_t> rgb(
+      {py::ssize_t{pictures.height()}, py::ssize_t{pictures.width()}, py::ssize_t{3}});
+  std::uint8_t* to = rgb.mutable_data();
+  for (std::size_t i = 0; i < rgba.size(); ++i)
+    if (i % 4 != 3) *to++ = rgba[i];
+  return rgb;
 }
 
 std::optional<HeldModel> spawn(const Holder& held, const std::string& population, const Pose& pose) {
@@ -204,72 +300,22 @@ void bind_values(py::module_& module) {
       });
 }
 
-void bind_model(py::module_& module) {
-  py::class_<HeldModel>(module, "Model", "A model of a simulation, found by its name.")
-      .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
-      .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
-      .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); }, "In the world's frame.")
-      .def(
-          "size",
-          [](HeldModel& m) {
-            const Eigen::Vector3d size = m.use().size();
-            return py::make_tuple(size.x(), size.y(), size.z());
-          },
-          "As declared, m.")
-      .def(
-          "set_speed",
-          [](HeldModel& m, double forward, double turn, double left) {
-            m.use().set_speed(forward, left, turn);
-          },
-          py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
-          "m/s and rad/s, from the next tick on until replaced; a controller of the robot overrides it.")
-      .def(
-          "accelerate",
-          [](HeldModel& m, double forward, double turn, double left) {
-            m.use().accelerate(forward, left, turn);
-          },
-          py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0, "m/s^2 and rad/s^2.")
-      .def(
-          "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
-          "A goal in the frame of estimate(), where it then stays.")
-      .def("speed", [](HeldModel& m) { return m.use().speed(); })
-      .def("is_alive", [](HeldModel& m) { return m.use().is_alive(); })
-      .def("stalled", [](HeldModel& m) { return m.use().stalled(); })
-      .def(
-          "estimate", [](HeldModel& m) { return m.use().estimate(); }, "Where it believes to be.")
-      .def(
-          "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"))
-      .def(
-          "set_pose", [](HeldModel& m, const Pose& pose) { m.use().set_pose(pose); }, py::arg("pose"),
-          "Puts it elsewhere between two steps; nothing is asked of the place.")
-      .def(
-          "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"))
-      .def("sensors", [](HeldModel& m) { return m.use().sensors(); })
-      .def(
-          "ranges",
-          [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
-          py::arg("sensor") = "", "m, one a beam; not copied: the array shows new readings after each step.")
-      .def(
-          "intensities",
-          [](HeldModel& m, const std::string& sensor) { return view(m.use().intensities(sensor), m.held); },
-          py::arg("sensor") = "")
-      .def(
-          "energy",
-          [](HeldModel& m) -> py::object {
-            if (const auto energy = m.use().energy()) return dict_of(*energy);
-            return py::none();
-          },
-          "Of the pack that it runs on, J; None where it runs on none.")
-      .def("flag_count", [](HeldModel& m) { return m.use().flag_count(); });
-}
-
 }  // namespace
 
 SimulationClass bind_simulation(py::module_& module) {
   bind_values(module);
-  bind_model(module);
-  SimulationClass simulation(module, "Simulation", "A world and its state. Of one thread at a time.");
+  bind_models(module);
+  py::class_<Hit>(module, "Hit", "What a ray met first.")
+      .def_readonly("range_m", &Hit::range_m)
+      .def_readonly("body", &Hit::body)
+      .def_readonly("part", &Hit::part)
+      .def("met", [](const Hit& hit) { return hit.body.has_value(); })
+      .def("__repr__", [](const Hit& hit) {
+        return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
+                        : std::string("<Hit of nothing>");
+      });
+  SimulationClass simulation(module, "Simulation", "A world and its state. Of one thread at a time.",
+                             py::dynamic_attr());
   simulation
       .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
            py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
@@ -308,13 +354,27 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("title", [](const Holder& held) { return held->use().title(); })
       .def_property_readonly("threads", [](const Holder& held) { return held->use().threads(); })
       .def_property_readonly("quit_time_s", [](const Holder& held) { return held->use().quit_time_s(); })
-      .def(
-          "step", [](const Holder& held, std::uint64_t ticks) { held->step(ticks); }, py::arg("ticks") = 1,
-          "So many ticks, without the interpreter's lock.")
+      .def_property_readonly("seed", [](const Holder& held) { return held->use().seed(); })
+      .def_property_readonly("stopped", [](const Holder& held) { return held->use().stopped(); })
+      .def_property_readonly("resumed_at_tick",
+                             [](const Holder& held) { return held->use().resumed_at_tick(); })
+      .def("step", &step, py::arg("ticks") = 1, "So many ticks, without the interpreter's lock.")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
-           "Steps until so much world time has passed; calls on_tick(simulation) after each tick.")
+           "Steps until so much world time has passed, or the run is over; calls on_tick(simulation) after "
+           "each\n"
+           "tick.")
+      .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
+           "Steps until done(simulation) is true behind a step, or so much world time has passed, or the run "
+           "is\n"
+           "over. Whether it became true.")
+      .def("on_tick", &on_tick, py::arg("callback").none(true),
+           "Calls callback(simulation) at the end of every step from now on, behind what record() writes; "
+           "None\n"
+           "forgets all that were added. They may do what is done between two steps, but not step or reset.\n"
+           "Gives the callback back, so that it may stand above a function: @simulation.on_tick.")
       .def(
-          "reset", [](const Holder& held) { held->use().reset(); }, "Back to tick 0, bit for bit.")
+          "reset", [](const Holder& held) { held->use_outside("reset()").reset(); },
+          "Back to tick 0, bit for bit.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"))
@@ -327,6 +387,43 @@ SimulationClass bind_simulation(py::module_& module) {
             return HeldModel{held, held->use().find(name)};
           },
           py::arg("name"))
+      .def(
+          "model",
+          [](const Holder& held, std::uint32_t id) {
+            return HeldModel{held, held->use().model(BodyId(id))};
+          },
+          py::arg("id"), "The model with this id, as sensors and rays tell it.")
+      .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
+           py::arg("without") = py::none(),
+           "The first surface along a ray, by exact geometry: from a pose, m and rad, no farther than "
+           "range_max,\n"
+           "at the height start.z; it passes the model `without`.")
+      .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
+           py::arg("without") = py::none(),
+           "The same of n rays: starts is n x 4, as Swarm.poses(). How far each goes, m, and the id of the "
+           "body\n"
+           "that it meets, -1 for none.")
+      .def(
+          "set_poses",
+          [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
+            std::vector<std::pair<Model, Pose>> placed;
+            for (const auto& [model, pose] : poses) placed.emplace_back(model.model, pose);
+            held->use().set_poses(placed);
+          },
+          py::arg("poses"),
+          "Puts many elsewhere at once: (model, pose) each. Where one cannot be put none is.")
+      .def(
+          "record",
+          [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
+             bool replace) {
+            held->use().record(file, {fields, every_s, replace});
+          },
+          py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
+          py::arg("replace") = false,
+          "Records the run from now on, until stop_recording(), reset() or its end (docs/recordings.md).")
+      .def("stop_recording", [](const Holder& held) { held->use().stop_recording(); })
+      .def("hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); })
+      .def("hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); })
       .def_property_readonly("robot_names", [](const Holder& held) { return held->use().robot_names(); })
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
@@ -340,14 +437,14 @@ SimulationClass bind_simulation(py::module_& module) {
           "remove", [](const Holder& held, const HeldModel& model) { held->use().remove(model.model); },
           py::arg("model"))
       .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
-      .def(
-          "snapshot",
-          [](const Holder& held, const fs::path& png, int width, int height) {
-            held->use().snapshot(png, width, height);
-          },
-          py::arg("png"), py::arg("width") = 1280, py::arg("height") = 720)
-      .def("picture", &picture_of, py::arg("width") = 1280, py::arg("height") = 720,
-           "The world from above: height x width x 3, uint8.");
+      .def("snapshot", &snapshot, py::arg("png"), py::arg("width") = 1280, py::arg("height") = 720,
+           py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+           py::arg("color_range") = py::none(), "Draws the world into a PNG (docs/pictures.md).")
+      .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
+           py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+           py::arg("color_range") = py::none(), "The same picture: height x width x 3, uint8.");
   return simulation;
 }
 

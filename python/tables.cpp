@@ -18,19 +18,6 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-py::dtype type_of(Element element) {
-  switch (element) {
-    case Element::f64: return py::dtype::of<double>();
-    case Element::f32: return py::dtype::of<float>();
-    case Element::i64: return py::dtype::of<std::int64_t>();
-    case Element::i32: return py::dtype::of<std::int32_t>();
-    case Element::u64: return py::dtype::of<std::uint64_t>();
-    case Element::u32: return py::dtype::of<std::uint32_t>();
-    case Element::u8: break;
-  }
-  return py::dtype::of<std::uint8_t>();
-}
-
 /// One of the world's state tables. They stay where they are as long as their world lives.
 struct Table {
   Holder held;
@@ -51,7 +38,7 @@ struct Table {
  private:
   py::array view_of(std::size_t f) const {
     const StateField& field = table->fields()[f];
-    const py::dtype element = type_of(field.element);
+    const py::dtype element = dtype_of(field.element);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(table->rows())};
     std::vector<py::ssize_t> strides{static_cast<py::ssize_t>(table->stride(f))};
     if (field.columns > 1) {
@@ -102,13 +89,26 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
 
 }  // namespace
 
+py::dtype dtype_of(Element element) {
+  switch (element) {
+    case Element::f64: return py::dtype::of<double>();
+    case Element::f32: return py::dtype::of<float>();
+    case Element::i64: return py::dtype::of<std::int64_t>();
+    case Element::i32: return py::dtype::of<std::int32_t>();
+    case Element::u64: return py::dtype::of<std::uint64_t>();
+    case Element::u32: return py::dtype::of<std::uint32_t>();
+    case Element::u8: break;
+  }
+  return py::dtype::of<std::uint8_t>();
+}
+
 void bind_tables(py::module_& module, SimulationClass& simulation) {
   py::class_<StateField>(module, "Field", "One array of the state.")
       .def_readonly("name", &StateField::name)
       .def_readonly("columns", &StateField::columns)
       .def_readonly("unit", &StateField::unit)
       .def_readonly("text", &StateField::text)
-      .def_property_readonly("dtype", [](const StateField& field) { return type_of(field.element); })
+      .def_property_readonly("dtype", [](const StateField& field) { return dtype_of(field.element); })
       .def("__repr__", [](const StateField& field) {
         return fmt::format("<Field {}: {} x {}{}{}>", field.name, engine::element_name(field.element),
                            field.columns, field.unit.empty() ? "" : ", ", field.unit);

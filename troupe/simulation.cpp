@@ -99,6 +99,28 @@ const models::PowerPackState& pack_state(const engine::World& world, const engin
   return world.percepts(pack).as<models::PowerPackState>(world.slot(row));
 }
 
+std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
+  if (!(seconds >= 0 && seconds <= k_longest_run_s))
+    throw std::invalid_argument(
+        fmt::format("{}({}): give a time in seconds from 0 to {:g}", call, seconds, k_longest_run_s));
+  return engine::ticks_until(seconds, tick_s);
+}
+
+/// Whether these are the members that a struct lists with TROUPE_FIELDS.
+bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
+  for (const engine::StateField& field : fields) {
+    const std::size_t comma = names.find(',');
+    std::string_view name = names.substr(0, comma);
+    while (name.starts_with(' ')) name.remove_prefix(1);
+    if (name != field.name) return false;
+    names.remove_prefix(comma == names.npos ? names.size() : comma + 1);
+  }
+  return names.empty();
+}
+
+/// Of whom Swarm::for_each() is calling on this thread; null where it is not.
+thread_local const Model* visited_robot = nullptr;
+
 }  // namespace
 
 struct Simulation::Impl {
@@ -208,6 +230,22 @@ struct Model::Place {
 
 Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 
+Model::Visit::Visit(const Model& robot) : before_(visited_robot) { visited_robot = &robot; }
+Model::Visit::~Visit() { visited_robot = before_; }
+
+void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
+  if (visited_robot != nullptr && visited_robot->place_->world == &world)
+    throw std::logic_error(fmt::format(
+        "{} in a call of for_each() for \"{}\": the calls run side by side, and may change their own "
+        "robots' commands alone; keep what is to be done, and do it behind for_each()",
+        what, visited_robot->name()));
+}
+
+void Model::refuse_others_in_for_each() const {
+  if (visited_robot != nullptr && visited_robot->place_->body != place_->body)
+    refuse_in_for_each(*place_->world, fmt::format("a command for \"{}\"", name()));
+}
+
 Model Model::of(engine::World& world, BodyId body) {
   return Model(std::make_shared<Place>(Place{&world, body, 0, world.spec().name(body)}));
 }
@@ -237,6 +275,7 @@ Eigen::Vector3d Model::size() const {
 }
 
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
+  refuse_others_in_for_each();
   if (const auto* wheels = place_->wheels()) {
     place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
     return;
@@ -280,9 +319,13 @@ bool Model::stalled() const {
 
 Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
-void Model::set_estimate(const Pose& pose) { place_->world->set_estimate(place_->row(), pose); }
+void Model::set_estimate(const Pose& pose) {
+  refuse_others_in_for_each();
+  place_->world->set_estimate(place_->row(), pose);
+}
 
 void Model::set_pose(const Pose& pose) {
+  refuse_in_for_each(*place_->world, "set_pose()");
   const engine::World::Placed placed{place_->whole(), pose};
   place_->world->set_poses({&placed, 1});
 }
@@ -308,8 +351,7 @@ std::span<const float> Model::intensities(std::string_view sensor) const {
   return table.cell<float>(place_->world->slot(place_->row()), 1);
 }
 
-std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,
-                                       engine::Element element) const {
+Model::Reading Model::reading(std::string_view field, std::string_view wanted) const {
   const engine::World& world = *place_->world;
   const auto index_in = [&](const engine::BodyType::Device& device) {
     const std::span<const engine::StateField> fields = world.percepts(device).fields();
@@ -334,29 +376,55 @@ std::span<const std::byte> Model::cell(std::string_view field, std::string_view 
   }
   if (device->kind->is_sensor()) place_->check_running(*device);
   const engine::StateTable& table = world.percepts(*device);
-  if (const engine::Element own = table.fields()[*f].element; own != element)
-    throw std::invalid_argument(fmt::format("\"{}\" of \"{}\" of \"{}\" is {}, not {}", field, device->name,
+  const engine::StateField& found = table.fields()[*f];
+  return {device->name,
+          &found,
+          {table.cell<std::byte>(place_->slot(), *f).data(),
+           found.columns * engine::element_size(found.element)}};
+}
+
+std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,
+                                       engine::Element element) const {
+  const Reading found = reading(field, wanted);
+  if (const engine::Element own = found.field->element; own != element)
+    throw std::invalid_argument(fmt::format("\"{}\" of \"{}\" of \"{}\" is {}, not {}", field, found.device,
                                             name(), engine::element_name(own),
                                             engine::element_name(element)));
-  return {table.cell<std::byte>(place_->slot(), *f).data(),
-          table.fields()[*f].columns * engine::element_size(element)};
+  return found.bytes;
 }
 
 std::span<const engine::StateField> Model::fields(std::string_view device) const {
   return place_->world->percepts(place_->device(device)).fields();
 }
 
-std::byte* Model::asked(std::string_view wanted, std::size_t bytes) {
+std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_view fields) {
+  refuse_others_in_for_each();
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto takes_these = [&](const engine::BodyType::Device& d) {
+    return takes(d) && d.prepared.command_bytes == bytes && are_listed(d.prepared.commands, fields);
+  };
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
-    return takes(d) && (wanted.empty() ? d.prepared.command_bytes == bytes : d.name == wanted);
+    return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
   });
   if (!device) place_->throw_unknown("device that takes such commands", wanted, takes);
-  if (device->prepared.command_bytes != bytes)
-    throw std::invalid_argument(
-        fmt::format("\"{}\" of \"{}\" takes commands of {} bytes, not of {}: those of {}", device->name,
-                    name(), device->prepared.command_bytes, bytes, device->kind->name));
+  if (!takes_these(*device)) {
+    std::vector<std::string_view> own;
+    for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
+    throw std::invalid_argument(fmt::format(
+        "\"{}\" of \"{}\" takes commands of kind {}: {}, in {} bytes; not: {}, in {} bytes", device->name,
+        name(), device->kind->name, fmt::join(own, ", "), device->prepared.command_bytes, fields, bytes));
+  }
   return place_->world->asked_of(*device).row(place_->slot());
+}
+
+Model::Asked Model::asked(std::string_view wanted) {
+  refuse_others_in_for_each();
+  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto* device =
+      place_->find([&](const engine::BodyType::Device& d) { return takes(d) && d.name == wanted; });
+  if (!device) place_->throw_unknown("device that takes commands", wanted, takes);
+  return {device->prepared.commands,
+          {place_->world->asked_of(*device).row(place_->slot()), device->prepared.command_bytes}};
 }
 
 std::optional<Model::Energy> Model::energy() const {
@@ -522,6 +590,7 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
 
 void Simulation::step() {
   impl_->refuse_in_callbacks("step()");
+  Model::refuse_in_for_each(*impl_->world, "step()");
   // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
   if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
   impl_->world->step();
@@ -539,6 +608,7 @@ void Simulation::step() {
 
 void Simulation::on_tick(std::function<void(Simulation&)> callback) {
   impl_->refuse_in_callbacks("on_tick()");
+  Model::refuse_in_for_each(*impl_->world, "on_tick()");
   if (callback)
     impl_->on_tick.push_back(std::move(callback));
   else
@@ -562,17 +632,6 @@ std::optional<std::string> Simulation::stopped() const {
   return engine::text_of(impl_->world->spec().experiment.stop_when[*holding]);
 }
 
-namespace {
-
-std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
-  if (!(seconds >= 0 && seconds <= k_longest_run_s))
-    throw std::invalid_argument(
-        fmt::format("{}({}): give a time in seconds from 0 to {:g}", call, seconds, k_longest_run_s));
-  return engine::ticks_until(seconds, tick_s);
-}
-
-}  // namespace
-
 void Simulation::run_for(double seconds) {
   const std::uint64_t ticks = ticks_of("run_for", seconds, tick_s());
   for (std::uint64_t i = 0; i < ticks && !(impl_->stop && impl_->stop->holding()); ++i) step();
@@ -589,6 +648,7 @@ bool Simulation::run_until(const std::function<bool(const Simulation&)>& done, d
 
 void Simulation::reset() {
   impl_->refuse_in_callbacks("reset()");
+  Model::refuse_in_for_each(*impl_->world, "reset()");
   stop_recording();
   impl_->world->reset();
   if (impl_->stop) impl_->stop->begin();
@@ -663,6 +723,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
 }
 
 void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
+  Model::refuse_in_for_each(*impl_->world, "set_poses()");
   std::vector<engine::World::Placed> placed;
   placed.reserve(poses.size());
   for (const auto& [model, pose] : poses) {
@@ -675,6 +736,7 @@ void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
 
 std::optional<Model> Simulation::spawn(std::string_view population, const Pose& pose) {
   engine::World& world = *impl_->world;
+  Model::refuse_in_for_each(world, "spawn()");
   const engine::Birth birth = world.spawn(reserve_of(population), pose);
   if (birth.status != engine::BirthStatus::born) return std::nullopt;
   return Model::of(world, birth.body);
@@ -697,6 +759,7 @@ std::size_t Simulation::reserve_of(std::string_view population) const {
 void Simulation::remove(const Model& model) {
   if (model.place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+  Model::refuse_in_for_each(*impl_->world, "remove()");
   impl_->world->remove(model.place_->whole());
 }
 
@@ -710,6 +773,7 @@ std::vector<std::string> Simulation::robot_names() const {
 }
 
 void Simulation::subscribe(std::string_view model) {
+  Model::refuse_in_for_each(*impl_->world, "subscribe()");
   if (tick() > 0) throw std::logic_error("subscribe before the first step");
   impl_->world->subscribe(find(model).place_->body);
 }

@@ -47,7 +47,8 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
   std::vector<std::filesystem::path> search_path;
-  /// Directories searched for plug-ins with the controllers that Troupe has not (docs/controllers.md).
+  /// Directories searched for plug-ins with the controllers and sensors that Troupe has not
+  /// (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
 };
 
@@ -140,8 +141,9 @@ class Model {
   /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
   /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
   /// What it carries goes with it. Throws std::invalid_argument for a pose that is not finite or outside the
-  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model and for what
-  /// never moves. To move many at once, see Simulation::set_poses.
+  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model, for what
+  /// never moves, and within Swarm::for_each(), as all do that change more than one robot. To move many at
+  /// once, see Simulation::set_poses.
   void set_pose(const Pose& pose);
   /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
   bool is_free(const Pose& pose) const;
@@ -174,17 +176,31 @@ class Model {
     const std::span<const std::byte> bytes = cell(field, device, engine::element_of<T>());
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
+  /// The same for who learns only at run time what a field is made of: its description, and its bytes.
+  struct Reading {
+    std::string_view device;                    ///< its name
+    const engine::StateField* field = nullptr;  ///< both live as long as the simulation
+    std::span<const std::byte> bytes;           ///< of all its columns
+  };
+  Reading reading(std::string_view field, std::string_view device = {}) const;  ///< errors as of readings()
   /// What readings() can tell of a device: names, elements, columns, units. Throws std::out_of_range with the
   /// known names when there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// What is asked of a device, to be written between two steps; it acts from the next one on. Command is the
   /// struct of its kind (models::GripperCommand, models::LedCommand, ...). Empty `device`: the first that
-  /// takes commands of this size. A controller that uses the device overrides it. Throws std::out_of_range
-  /// with the known names where none is called so, and std::invalid_argument where it takes other commands.
+  /// takes commands of this struct. A controller that uses the device overrides it. Throws std::out_of_range
+  /// with the known names where none is called so, and std::invalid_argument where it takes other commands:
+  /// of other names (TROUPE_FIELDS), or of another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
-    return *reinterpret_cast<Command*>(asked(device, sizeof(Command)));
+    return *reinterpret_cast<Command*>(asked(device, sizeof(Command), Command::troupe_field_names()));
   }
+  /// The same for who learns only at run time what it takes.
+  struct Asked {
+    std::span<const engine::StateField> fields;  ///< with their places among the bytes
+    std::span<std::byte> bytes;
+  };
+  Asked asked(std::string_view device);  ///< std::out_of_range where no device of this name takes commands
 
   /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
   struct Energy {
@@ -210,7 +226,20 @@ class Model {
   static Model of(engine::World& world, BodyId body);
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
-  std::byte* asked(std::string_view device, std::size_t bytes);
+  std::byte* asked(std::string_view device, std::size_t bytes, std::string_view fields);
+  /// One robot's turn in Swarm::for_each(), on its thread.
+  class Visit {
+   public:
+    explicit Visit(const Model& robot);
+    ~Visit();
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+   private:
+    const Model* before_;
+  };
+  static void refuse_in_for_each(const engine::World& world, std::string_view what);
+  void refuse_others_in_for_each() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
 };

@@ -70,6 +70,7 @@ void Swarm::read(std::size_t room, Read&& one) const {
 /// one(row, i) for each robot that is chosen, and in the world.
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
+  Model::refuse_in_for_each(*world_, "a command for a swarm");
   check_size("elements", given, size());
   if (!where.empty()) check_size("marks of where to act", where.size(), size());
   for (std::size_t i = 0; i < size(); ++i)
@@ -162,6 +163,7 @@ double Swarm::range_bound(std::string_view sensor) const {
 }
 
 void Swarm::subscribe() {
+  Model::refuse_in_for_each(*world_, "subscribe()");
   if (world_->tick() > 0) throw std::logic_error("subscribe before the first step");
   for (const BodyId id : ids_) world_->subscribe(id);
 }
@@ -177,6 +179,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
     for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {
       if (!world_->is_there(rows_[i])) continue;
       try {
+        const Model::Visit turn(robots_[i]);
         visit(i, robots_[i]);
       } catch (...) {
         if (!fault) fault = std::current_exception();

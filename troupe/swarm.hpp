@@ -75,6 +75,8 @@ class Swarm {
   /// its own robot's commands and estimate and what is the caller's own of robot i (an array's element i):
   /// then the outcome is the same on any number of threads. Where calls throw, the others are still made, and
   /// the exception of the first robot comes out. Between two steps, also in a callback of on_tick().
+  /// A call that commands another robot of the simulation, puts one elsewhere, or bears, removes, steps,
+  /// resets or subscribes gets a std::logic_error: what it finds to be done is kept, and done behind.
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
   /// Model::set_speed, accelerate and go_to of each.

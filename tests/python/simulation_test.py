@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import unittest
+import weakref
 
 import numpy as np
 import troupe
@@ -165,6 +166,199 @@ except KeyboardInterrupt:
         world.reset()
         world.step()
         self.assertEqual(world.tick, 1)
+
+
+class Callbacks(InAFolder):
+    def test_are_called_in_order_behind_every_step(self):
+        world = troupe.Simulation(ROOM)
+        calls = []
+
+        @world.on_tick
+        def first(simulation):
+            self.assertIs(simulation, world)
+            calls.append(("first", simulation.tick))
+
+        world.on_tick(lambda simulation: calls.append(("second", simulation.tick)))
+        world.step()
+        world.run_for(0.2, lambda simulation: calls.append(("own", simulation.tick)))
+        self.assertTrue(world.run_until(lambda simulation: True, 1))
+        self.assertEqual(
+            calls,
+            [("first", 1), ("second", 1), ("first", 2), ("second", 2), ("own", 2), ("first", 3), ("second", 3)],
+        )
+        world.reset()
+        world.step()
+        self.assertEqual(calls[-2:], [("first", 1), ("second", 1)])
+        self.assertIsNone(world.on_tick(None))
+        world.step(3)
+        self.assertEqual(calls[-1], ("second", 1))
+        with self.assertRaises(TypeError):
+            world.on_tick(3)
+
+    def test_drive_as_a_loop_does(self):
+        called, looped = troupe.Simulation(ROOM), troupe.Simulation(ROOM)
+
+        def drive(world):
+            cart = world.find("cart")
+            cart.set_speed(0.2, cart.random("drive").uniform(-1, 1))
+            if world.tick == 3:
+                cart.set_pose((1, 4, 0))
+
+        called.on_tick(drive)
+        called.step(8)
+        for _ in range(8):
+            looped.step()
+            drive(looped)
+        self.assertEqual(called.state_hash(), looped.state_hash())
+
+    def test_may_not_step_and_their_exceptions_come_out(self):
+        world = troupe.Simulation(ROOM)
+        for name, act in {
+            "step": lambda s: s.step(),
+            "run_for": lambda s: s.run_for(1),
+            "run_until": lambda s: s.run_until(lambda _: True, 1),
+            "reset": lambda s: s.reset(),
+            "on_tick": lambda s: s.on_tick(None),
+        }.items():
+            world.on_tick(act)
+            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) in a callback of on_tick\(\)$"):
+                world.step()
+            world.on_tick(None)
+        world.on_tick(lambda simulation: 1 / 0)
+        with self.assertRaises(ZeroDivisionError):
+            world.step()
+        self.assertEqual(world.tick, 6)
+
+    def test_that_know_their_simulation_go_with_it(self):
+        class Watcher:
+            def __init__(self, world):
+                self.world = world
+                self.swarm = world.swarm()
+
+            def __call__(self, simulation):
+                self.swarm.poses()
+
+        watcher = Watcher(troupe.Simulation(ROOM))
+        watcher.world.on_tick(watcher)
+        watcher.world.step()
+        gone = weakref.ref(watcher)
+        del watcher
+        gc.collect()
+        self.assertIsNone(gone())
+
+    def test_runs_end_with_the_predicate_the_time_or_the_world(self):
+        world = troupe.Simulation(ROOM)
+        self.assertTrue(world.run_until(lambda simulation: simulation.tick == 4, 60))
+        self.assertEqual(world.tick, 4)
+        self.assertFalse(world.run_until(lambda simulation: False, 0.4))
+        self.assertEqual(world.tick, 6)
+        with self.assertRaisesRegex(ValueError, r"run_until\(-1\): give a time in seconds"):
+            world.run_until(lambda simulation: True, -1)
+        ending = troupe.Simulation({**ROOM, "stop_when": ["displacement > 0.3"]})
+        ending.swarm("r").set_speeds(0.5, 0)
+        self.assertIsNone(ending.stopped)
+        ending.run_for(60)
+        ticks = ending.tick
+        self.assertLess(ticks, 100)
+        self.assertEqual(ending.stopped, "displacement > 0.3")
+        self.assertFalse(ending.run_until(lambda simulation: True, 1))
+        ending.step()
+        self.assertEqual(ending.tick, ticks + 1)
+
+
+class Rays(InAFolder):
+    def test_meet_the_nearest_and_say_whose_it_is(self):
+        world = troupe.Simulation(ROOM)
+        cart = world.find("cart")
+        wall = world.cast(troupe.Pose(1, 4.5, 0, z=0.1), 10)
+        self.assertAlmostEqual(wall.range_m, 3.9)
+        self.assertEqual(world.model(wall.body).name, "east")
+        self.assertEqual(world.cast(cart.pose(), 10).body, cart.id)
+        self.assertNotEqual(world.cast(cart.pose(), 10, without=cart).body, cart.id)
+        nothing = world.cast((1, 4.5, np.pi), 10)
+        self.assertEqual((nothing.range_m, nothing.body, nothing.met()), (10, None, False))
+        with self.assertRaisesRegex(ValueError, "range_max"):
+            world.cast((0, 0, 0), -1)
+        with self.assertRaisesRegex(LookupError, "no model with id 99"):
+            world.model(99)
+
+    def test_many_are_as_one_each(self):
+        world = troupe.Simulation(ROOM)
+        starts = np.zeros((30, 4))
+        starts[:, 2], starts[:, 3] = 0.1, np.linspace(-3, 3, 30)
+        ranges, bodies = world.cast_many(starts, 6)
+        self.assertEqual((ranges.dtype, bodies.dtype), (np.float64, np.int64))
+        for start, far, body in zip(starts, ranges, bodies):
+            one = world.cast(troupe.Pose(z=0.1, heading=start[3]), 6)
+            self.assertEqual((far, body), (one.range_m, -1 if one.body is None else one.body))
+        self.assertGreater((bodies >= 0).sum(), 5)
+        with self.assertRaisesRegex(ValueError, "starts has shape .30, 3."):
+            world.cast_many(starts[:, :3], 6)
+
+
+class Devices(InAFolder):
+    WORLD = {
+        **ROOM,
+        "types": {
+            **ROOM["types"],
+            "bot": {
+                **ROOM["types"]["bot"],
+                "sensors": [
+                    *ROOM["types"]["bot"]["sensors"],
+                    {"name": "cam", "kind": "camera", "width": 8, "height": 4},
+                ],
+                "devices": [{"name": "lamp", "kind": "led", "shows": [0, 0, 1]}],
+            },
+        },
+    }
+
+    def test_every_sensor_is_read(self):
+        world = troupe.Simulation(self.WORLD)
+        robot = world.find("r0")
+        depth = robot.readings("depth")
+        self.assertEqual((depth.dtype, depth.shape), (np.float32, (32,)))
+        world.step()
+        self.assertGreater(depth.max(), 0)  # shown, not copied
+        with self.assertRaises(ValueError):
+            depth[0] = 1
+        self.assertEqual(robot.readings("color", "cam").shape, (4 * 32,))
+        np.testing.assert_array_equal(robot.readings("ranges", "eye"), robot.ranges())
+        self.assertEqual([field.name for field in robot.fields("cam")], ["color", "depth"])
+        with self.assertRaisesRegex(LookupError, 'unknown field of the devices of "r0" "dept".*did you mean "depth"'):
+            robot.readings("dept")
+        with self.assertRaisesRegex(LookupError, 'no device "cat"; it has: eye, cam, lamp'):
+            robot.fields("cat")
+
+    def test_devices_are_asked(self):
+        world = troupe.Simulation(self.WORLD)
+        robot = world.find("r0")
+        self.assertEqual(
+            robot.command("lamp", shows=1, red=1, green=0.5), {"shows": 1, "red": 1.0, "green": 0.5, "blue": 0.0}
+        )
+        world.step(2)
+        self.assertEqual(robot.readings("shown_color").tolist(), [1, 0.5, 0])
+        self.assertEqual(robot.command("lamp", blue=np.float32(1))["red"], 1.0)
+        with self.assertRaisesRegex(LookupError, 'unknown command of "lamp" of "r0" "read"; known: .*did you mean "red"'):
+            robot.command("lamp", read=1)
+        for wrong in (256, -1, 0.5, [1, 2], "on"):
+            with self.assertRaises((ValueError, TypeError)):
+                robot.command("lamp", red=0.25, shows=wrong)
+        self.assertEqual(robot.command("lamp")["red"], 1.0)  # all of it, or nothing
+        with self.assertRaisesRegex(LookupError, 'no device that takes commands "eye"; it has: lamp'):
+            robot.command("eye")
+
+    def test_random_numbers_are_of_robot_name_and_tick(self):
+        draws = []
+        for _ in range(2):
+            world = troupe.Simulation(ROOM)
+            random = world.find("r0").random("a")
+            draws.append((random.uniform(), random.uniform(2, 3), random.normal(), random.exponential(), random.below(9)))
+            others = (world.find("r1").random("a"), world.find("r0").random("b"))
+            self.assertTrue(all(other.uniform() != draws[-1][0] for other in others))
+            with self.assertRaises(ValueError):
+                random.below(0)
+        self.assertEqual(*draws)
+        self.assertTrue(2 <= draws[0][1] < 3 and 0 <= draws[0][4] < 9)
 
 
 class Models(InAFolder):
@@ -380,6 +574,36 @@ class Looking(InAFolder):
         with self.assertRaises(troupe.InputError):
             troupe.Recording("run.h5", world)  # is there
 
+    def test_a_run_records_itself(self):
+        world = troupe.Simulation(ROOM, seed=9)
+        self.assertEqual((world.seed, world.resumed_at_tick), (9, None))
+        try:
+            world.record("own.h5", fields=["pose"], every_s=0.2)
+        except RuntimeError as error:
+            self.skipTest(str(error))
+        with self.assertRaisesRegex(RuntimeError, "the run is recorded already"):
+            world.record("other.h5")
+        world.step(5)
+        world.stop_recording()
+        self.assertGreater(os.path.getsize("own.h5"), 1000)
+        with self.assertRaises(troupe.InputError):
+            world.record("own.h5")
+        world.record("own.h5", replace=True)
+        world.reset()
+        world.save("c.h5")
+        self.assertEqual(troupe.Simulation.resume("c.h5").resumed_at_tick, 0)
+        self.assertRegex(world.hash_log_header(), "^# troupe hash log 1\n# version: ")
+        self.assertTrue(world.hash_log_line().startswith(f"0 {world.state_hash():016x} pose="))
+
+    def test_many_are_put_at_once(self):
+        world = troupe.Simulation(ROOM)
+        world.set_poses([(world.find("r0"), (0, -4.5, 0)), (world.find("cart"), troupe.Pose(1, 4))])
+        self.assertEqual(tuple(world.find("r0").pose()), (0, -4.5, 0))
+        self.assertEqual(world.find("cart").pose(), troupe.Pose(1, 4))
+        with self.assertRaises(ValueError):
+            world.set_poses([(world.find("r0"), (0, -4, 0)), (world.find("cart"), (1e9, 0, 0))])
+        self.assertEqual(tuple(world.find("r0").pose()), (0, -4.5, 0))
+
     def test_pictures(self):
         world = troupe.Simulation(ROOM)
         try:
@@ -392,6 +616,11 @@ class Looking(InAFolder):
         self.assertTrue(red[:, :290].any())  # the robots
         world.snapshot("room.png", 320, 200)
         self.assertEqual((self.folder / "room.png").read_bytes()[:4], b"\x89PNG")
+        side = world.picture(320, 200, camera="perspective", layers="scans", across_m=4)
+        self.assertEqual(side.shape, picture.shape)
+        self.assertTrue((side != picture).any())
+        with self.assertRaisesRegex(troupe.InputError, "unknown layer"):
+            world.snapshot("room.png", layers="scan")
         for size in ((0, 10), (10, -1)):
             with self.assertRaisesRegex(ValueError, "give 1 or more"):
                 world.picture(*size)

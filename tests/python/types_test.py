@@ -26,6 +26,17 @@ turns = troupe.math.atan2(swarm.poses()[:, 1], swarm.poses()[:, 0])
 turns.sum()
 world.find("r0").set_pose((1.0, 2.0, 0.0))
 world.run_for(1, lambda simulation: simulation.tick)
+
+
+@world.on_tick
+def look(simulation: troupe.Simulation) -> None:
+    hit = simulation.cast((0.0, 0.0, 0.0), 3.0, without=world.find("r0"))
+    print(hit.range_m + simulation.time_s, hit.body)
+
+
+far: bool = world.run_until(lambda simulation: simulation.tick > 3, 1)
+world.on_tick(None)
+color = world.find("r0").readings("ranges", "ir").sum()
 hash: int = world.hashes()["pose"]
 picture = world.picture()[:, :, 0]
 env = ParallelEnv("worlds/hospital.json", Task(), robots=5)

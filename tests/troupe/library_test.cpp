@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -234,6 +235,61 @@ TEST(ForEach, GivesTheExceptionOfTheFirstRobot) {
   EXPECT_THAT(called, ::testing::Each(1));
 }
 
+/// What one call of for_each() gets for what it does with the simulation's other robots, or with all of it.
+template <class Do>
+std::string refused_in_for_each(Simulation& simulation, Do&& act) {
+  Swarm swarm = simulation.swarm("bot");
+  return message_of<std::logic_error>(
+      [&] { swarm.for_each([&](std::size_t, Model& robot) { act(robot); }); });
+}
+
+TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
+  WorldBuilder world = yard(3);
+  world.population("s", "bot", 1, {{"rule", "grid"}, {"region_m", {{-9, -9}, {-5, -5}}}, {"pitch_m", 1}},
+                   {{"reserve", 2}});
+  Simulation simulation(world, {.threads = 2});
+  Swarm all = simulation.swarm();
+  const std::vector<Model::Speed> speeds(all.size());
+  const std::vector<Pose> poses(all.size());
+  Model other = simulation.find("r2");
+  const std::uint64_t before = simulation.state_hash();
+  using Do = std::function<void(Model&)>;
+  const std::vector<std::pair<std::string, Do>> acts{
+      {"set_pose()", [](Model& robot) { robot.set_pose({.x = -3}); }},
+      {"set_poses()",
+       [&](Model& robot) { simulation.set_poses(std::vector{std::pair(robot, Pose{.x = -3})}); }},
+      {"a command for a swarm", [&](Model&) { all.set_poses(poses); }},
+      {"a command for a swarm", [&](Model&) { all.set_speeds(speeds); }},
+      {"spawn()", [&](Model&) { simulation.spawn("s", {.x = -3}); }},
+      {"remove()", [&](Model& robot) { simulation.remove(robot); }},
+      {"step()", [&](Model&) { simulation.step(); }},
+      {"reset()", [&](Model&) { simulation.reset(); }},
+      {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
+      {"subscribe()", [&](Model&) { all.subscribe(); }}};
+  for (const auto& act : acts)
+    EXPECT_EQ(refused_in_for_each(simulation, act.second),
+              act.first +
+                  " in a call of for_each() for \"r0\": the calls run side by side, and may change "
+                  "their own robots' commands alone; keep what is to be done, and do it behind "
+                  "for_each()");
+  EXPECT_EQ(simulation.state_hash(), before);
+  EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),
+              HasSubstr("a command for \"r2\" in a call of for_each() for \"r0\""));
+  other.set_pose({.x = -3, .y = 7});  // it is over
+}
+
+TEST(ForEach, LeavesOtherSimulationsToItsCalls) {
+  Simulation simulation(yard(3), {.threads = 1});
+  Simulation other(yard(1), {.threads = 1});
+  Model stranger = other.find("r0");
+  simulation.swarm().for_each([&](std::size_t i, Model& robot) {
+    robot.set_speed(0.1, 0);
+    stranger.set_pose({.x = -1.0 * static_cast<double>(i)});
+    other.step();
+  });
+  EXPECT_EQ(other.tick(), 3u);
+}
+
 // ---- rays
 
 TEST(Cast, MeetsTheNearestAndSaysWhoseItIs) {
@@ -351,8 +407,22 @@ TEST(Commands, ReachADevice) {
   robot.command<models::LedCommand>("lamp").show(1, 0, 0.5f);
   simulation.run_for(0.2);
   EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
-  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
-              AllOf(HasSubstr("\"lamp\" of \"r0\" takes commands of 16 bytes, not of 1"), HasSubstr("led")));
+  EXPECT_THAT(
+      message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
+      HasSubstr("\"lamp\" of \"r0\" takes commands of kind led: shows, red, green, blue, in 16 bytes; "
+                "not: order, in 1 bytes"));
+  struct Another {  // as large as an LED's, and no LED's
+    std::uint8_t mode = 0;
+    std::array<float, 3> goal{};
+    TROUPE_FIELDS(mode, goal)
+  };
+  EXPECT_THROW(robot.command<Another>("lamp"), std::invalid_argument);
+  EXPECT_THROW(robot.command<Another>(), std::out_of_range);
+  EXPECT_EQ(&robot.command<models::LedCommand>(), &robot.command<models::LedCommand>("lamp"));
+  const Model::Asked asked = robot.asked("lamp");
+  EXPECT_EQ(asked.bytes.size(), sizeof(models::LedCommand));
+  EXPECT_EQ(asked.fields[1].name, "red");
+  EXPECT_THROW(robot.asked("cam"), std::out_of_range);
   EXPECT_THAT(message_of<std::out_of_range>([&] { robot.command<models::LedCommand>("cam"); }),
               HasSubstr("\"r0\" has no device that takes such commands \"cam\"; it has: "));
 }
