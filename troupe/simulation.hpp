@@ -198,7 +198,7 @@ class Model {
   /// The same for who learns only at run time what it takes.
   struct Asked {
     std::span<const engine::StateField> fields;  ///< with their places among the bytes
-    std::span<std::byte> bytes;
+    std::span<std::byte> bytes;                  ///< of the struct of the kind
   };
   Asked asked(std::string_view device);  ///< std::out_of_range where no device of this name takes commands
 
