@@ -26,7 +26,7 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array given = numpy.attr("asarray")(value);
-  const py::array made =
+  py::array made =
       numpy.attr("ascontiguousarray")(given.attr("reshape")(-1).attr("astype")(dtype_of(field.element)));
   if (made.size() != static_cast<py::ssize_t>(field.columns))
     throw py::value_error(fmt::format("{} takes {} numbers, not {}", field.name, field.columns, made.size()));
