@@ -25,6 +25,7 @@ namespace {
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::uint64_t k_seeds = 10;
+constexpr std::uint64_t k_few_seeds = 4;  // of scenes that take long: scripts/scenes has all ten
 
 Simulation scene(const char* name, std::uint64_t seed, Settings settings = {}) {
   SimulationOptions options;
@@ -300,8 +301,8 @@ std::vector<double> gathered(std::uint64_t seed, const Settings& settings) {
 }
 
 TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
-  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+  if (test::k_slow_build) GTEST_SKIP() << "takes 144,000 ticks";
+  for (std::uint64_t seed = 1; seed <= k_few_seeds; ++seed) {
     const std::vector<double> shares = gathered(seed, {});
     EXPECT_GT(shares[0], 0.85) << "seed " << seed << ", who is for black";
     EXPECT_GT(shares[1], 0.85) << "seed " << seed << ", who is for white";
@@ -322,13 +323,13 @@ TEST(SegregationScene, WithNobodyInformedTheSwarmGathersOnASiteAtRandom) {
 }
 
 TEST(SegregationScene, AFewWhoAreInformedDecideWhereTheSwarmGathers) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes 720,000 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes 288,000 ticks";
   std::vector<double> few;
-  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= k_few_seeds; ++seed) {
     EXPECT_GT(gathered(seed, informed("12", "0", "28"))[0], 0.9) << "seed " << seed;
     few.push_back(gathered(seed, informed("4", "0", "36"))[0]);
   }
-  EXPECT_GE(std::ranges::count_if(few, [](double share) { return share > 0.5; }), 7);
+  EXPECT_GE(std::ranges::count_if(few, [](double share) { return share > 0.5; }), 3);
 }
 
 class SegregationByHand : public test::ScratchTest {
@@ -389,20 +390,20 @@ TEST_F(SegregationByHand, NobodyStopsOnGroundOfNoOrOfTheWrongColour) {
 
 // ---- harvest.json
 
-/// Pucks a minute that a group brings home, over ten seeds in the mean.
+/// Pucks a minute that a group brings home, over a few seeds in the mean.
 double harvest(const char* robots) {
   double sum = 0;
-  for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= k_few_seeds; ++seed) {
     Simulation simulation = scene("harvest.json", seed, {{"/populations/1/count", robots}});
     simulation.run_for(7200);
     EXPECT_TRUE(simulation.stopped()) << robots << " robots, seed " << seed << ": 48 pucks are home";
     sum += 60 * 48 / simulation.time_s();
   }
-  return sum / static_cast<double>(k_seeds);
+  return sum / static_cast<double>(k_few_seeds);
 }
 
 TEST(HarvestScene, RobotsHinderOneAnother) {
-  if (test::k_slow_build) GTEST_SKIP() << "takes some 300,000 ticks";
+  if (test::k_slow_build) GTEST_SKIP() << "takes some 120,000 ticks";
   const double one = harvest("1"), eight = harvest("8"), many = harvest("32");
   EXPECT_LT(one, 1.7) << "what one brings that need not search: 7.6 m at 0.3 m/s, and 10 s for the rest";
   EXPECT_GT(eight, 4 * one);
