@@ -220,7 +220,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.empty()) {
     std::string fault = unknown_name("kind", name, kind_names(registry));
-    if (registry.other_controllers) registry.other_controllers(name, fault);  // plug-ins know why, too
+    if (registry.plugged_controllers) registry.plugged_controllers(name, fault);  // plug-ins know why, too
     throw InputError("troupe describe: error: " + fault);
   }
   if (text.find("\n  key ") != std::string::npos)

@@ -27,6 +27,11 @@ std::vector<StateField> command_fields() {
            offsetof(Command, off), true}};
 }
 
+BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }
+std::size_t DeviceBatch::slot(std::size_t i) const { return world.slot(rows[i]); }
+Random DeviceBatch::random(std::size_t i) const {
+  return {world.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(world.tick())};
+}
 Random DeviceBatch::random(std::size_t i, std::string_view name) const {
   const auto own = static_cast<std::uint32_t>(mix(stream, stream_id("device", name)));
   return {world.spec().seed, own, body(i).value, static_cast<std::uint32_t>(world.tick())};
@@ -49,7 +54,7 @@ const ControllerKind* Registry::controller(std::string_view name) const {
 const ControllerKind* Registry::controller(std::string_view name, std::string& fault) const {
   if (const ControllerKind* kind = find(controllers, name)) return kind;
   fault = unknown_name("controller", name, controller_names());
-  return other_controllers && !preset(name) ? other_controllers(name, fault) : nullptr;
+  return plugged_controllers && !preset(name) ? plugged_controllers(name, fault) : nullptr;
 }
 std::vector<std::string_view> Registry::controller_names() const {
   std::vector<std::string_view> names;

@@ -433,7 +433,7 @@ struct Registry {
   /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
   /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
   /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
-  std::function<const ControllerKind*(std::string_view name, std::string& fault)> other_controllers;
+  std::function<const ControllerKind*(std::string_view name, std::string& fault)> plugged_controllers;
   /// The same of sensors and other devices.
   std::function<const DeviceKind*(std::string_view name, std::string& fault)> plugged_devices;
 

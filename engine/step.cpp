@@ -198,12 +198,6 @@ DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
           .period_s = static_cast<double>(sensor.period) * spec_.tick_s};
 }
 
-BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }
-std::size_t DeviceBatch::slot(std::size_t i) const { return world.slot(rows[i]); }
-Random DeviceBatch::random(std::size_t i) const {
-  return {world.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(world.tick())};
-}
-
 void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
                   std::atomic<std::uint32_t>& faulty) {
   std::array<Command, k_block> commands;

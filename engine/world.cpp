@@ -475,11 +475,11 @@ void World::report_overlaps(Diagnostics& diagnostics) {
 BodyId World::find(std::string_view name) const {
   const std::optional<Name> wanted = spec_.names.find(name);
   if (!wanted) return {};
-  if (names_.size() == 0) {
+  std::call_once(names_made_, [this] {
     names_.reserve(spec_.bodies.size() + spec_.aliases.size());
     for (const NamedBody& alias : spec_.aliases) names_.set(alias.name, alias.body);
     for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_.set(spec_.bodies[b].name, BodyId(b));
-  }
+  });
   return names_.find(*wanted);
 }
 

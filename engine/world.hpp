@@ -20,6 +20,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -132,8 +133,8 @@ class World {
   const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }  ///< of the row's body
   /// Position of a row among those of its type: its row in the type's tables.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
-  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. The first
-  /// call makes the table of names: from one thread at a time.
+  /// Body id by name or alias; not valid when there is none. Of equal names the last body has it. From any
+  /// thread.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -468,7 +469,8 @@ class World {
   FixedTargets fixed_targets_;
   partition::BodyIndex index_;
   std::unique_ptr<partition::RayGrid> ray_grid_;
-  mutable NameMap names_;  // made at the first find()
+  mutable NameMap names_;  // made at the first find(), which most runs never call
+  mutable std::once_flag names_made_;
 
   std::vector<BodyId> row_bodies_;
   std::vector<Row> body_rows_;

@@ -43,11 +43,7 @@ const FieldTable& beeclust_fields() {
        .fallback = 0.12,
        .min = 0,
        .text = "from radio to radio: another who is nearer ahead is met"},
-      {.name = "min_front",
-       .unit = Unit::meters,
-       .fallback = 0.08,
-       .min = 0,
-       .text = "a reading below it ahead is turned away from"},
+      min_front_field(0.08),
   }};
   return table;
 }

@@ -29,11 +29,7 @@ const FieldTable& clustering_fields() {
        .min = 0,
        .max = 1e6,
        .text = "for how long it backs off from what it cannot push"},
-      {.name = "min_front",
-       .unit = Unit::meters,
-       .fallback = 0.25,
-       .min = 0,
-       .text = "a reading below it ahead is turned away from"},
+      min_front_field(0.25),
   }};
   return table;
 }

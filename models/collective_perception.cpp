@@ -53,11 +53,7 @@ const FieldTable& perception_fields() {
        .fallback = std::string("majority"),
        .text = "how it decides",
        .choices = {"majority", "voter"}},
-      {.name = "min_front",
-       .unit = Unit::meters,
-       .fallback = 0.15,
-       .min = 0,
-       .text = "a reading below it ahead is turned away from"},
+      min_front_field(0.15),
   }};
   return table;
 }

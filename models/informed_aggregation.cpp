@@ -52,11 +52,7 @@ const FieldTable& informed_aggregation_fields() {
        .min = 0,
        .max = 1000,
        .text = "for each other that it hears on its site it leaves exp(-this) times as often"},
-      {.name = "min_front",
-       .unit = Unit::meters,
-       .fallback = 0.08,
-       .min = 0,
-       .text = "a reading below it ahead is turned away from"},
+      min_front_field(0.08),
   }};
   return table;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/fields.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <limits>
@@ -31,6 +33,15 @@ inline ScanAhead look_ahead(std::span<const float> scan, std::size_t margin, dou
     side = std::min(side, scan[i]);
   }
   return seen;
+}
+
+/// The parameter of controllers that turn away from what look_ahead() sees, m.
+inline engine::Field min_front_field(double fallback) {
+  return {.name = "min_front",
+          .unit = engine::Unit::meters,
+          .fallback = fallback,
+          .min = 0,
+          .text = "a reading below it ahead is turned away from"};
 }
 
 }  // namespace troupe::models

@@ -271,7 +271,7 @@ void Plugins::read_kinds(Loaded& library, List list) const {
 
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path) {
   auto plugins = std::make_shared<Plugins>(std::move(path), registry);
-  registry.other_controllers = [plugins](std::string_view name, std::string& fault) {
+  registry.plugged_controllers = [plugins](std::string_view name, std::string& fault) {
     return plugins->controller(name, fault);
   };
   registry.plugged_devices = [plugins](std::string_view name, std::string& fault) {

@@ -35,7 +35,7 @@ class Plugins {
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// Registry::other_controllers.
+  /// Registry::plugged_controllers.
   const engine::ControllerKind* controller(std::string_view name, std::string& fault);
   /// Registry::plugged_devices.
   const engine::DeviceKind* device(std::string_view name, std::string& fault);

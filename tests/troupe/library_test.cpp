@@ -221,6 +221,14 @@ TEST(ForEach, CallsForEachOnceWithItsIndex) {
   EXPECT_EQ(names, swarm.names());
 }
 
+TEST(ForEach, MayFindModelsByTheirNames) {
+  Simulation simulation(yard(100), {.threads = 4});
+  Swarm swarm = simulation.swarm();
+  std::vector<std::string> found(swarm.size());
+  swarm.for_each([&](std::size_t i, Model& robot) { found[i] = simulation.find(robot.name()).name(); });
+  EXPECT_EQ(found, swarm.names());
+}
+
 TEST(ForEach, GivesTheExceptionOfTheFirstRobot) {
   Simulation simulation(yard(100), {.threads = 4});
   Swarm swarm = simulation.swarm();
