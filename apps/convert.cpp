@@ -18,7 +18,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_convert_footer = R"(
 The formats are those that the names end in: .world is Stage's syntax, .json that of docs/world-format.md. What is
 written has the same hash log as what was read. JSON can say all that a .world can: macros and included files are
 expanded, images stay images, and everything is in SI units. The other way, what Stage has no word for is an error that
@@ -47,7 +47,7 @@ void check(const ConvertOptions& options) {
 
 CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
   CLI::App* command = app.add_subcommand("convert", "Write a world in another format: .world or .json");
-  command->footer(k_footer);
+  command->footer(k_convert_footer);
   const auto add_file = [&](const char* name, std::filesystem::path& file, const char* help) {
     command
         ->add_option_function<std::string>(

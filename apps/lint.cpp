@@ -15,7 +15,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_lint_footer = R"(
 Reported are bodies that overlap at the start and robots in walls; sensors that can never meet anything; floor plans
 that block nothing; types and macros that nothing uses; properties without effect; and all that loading warns of.
 Each finding is a line that names its file and line: maze.world:41: warning: ...
@@ -30,7 +30,7 @@ Examples:
 
 CLI::App* add_lint_command(CLI::App& app, LintOptions& options) {
   CLI::App* lint = app.add_subcommand("lint", "Look a world over for what is surely not meant");
-  lint->footer(k_footer);
+  lint->footer(k_lint_footer);
   lint->add_option_function<std::string>(
           "WORLD", [&options](const std::string& text) { options.world = text; },
           "World file: Stage's .world, or .json")

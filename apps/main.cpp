@@ -33,7 +33,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_troupe_footer = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe check worlds/crowd.json --for 5
@@ -84,7 +84,7 @@ int troupe_main(int argc, char** argv) {
       "threads.",
       "troupe");
   app.get_formatter()->column_width(26);
-  app.footer(k_footer);
+  app.footer(k_troupe_footer);
   app.set_version_flag(
       "--version", [] { return version_line(); }, "Print version, compiler, flags and instruction set");
 

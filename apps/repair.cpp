@@ -12,7 +12,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_repair_footer = R"(
 A recording whose run was killed is marked as still being written, and its arrays may be of different lengths: plain
 tools refuse it. This closes it and cuts it to the frames that are whole, which are all that were flushed. It works on a
 copy beside the file, which takes the file's place when it is whole: there must be room for it. A recording that was
@@ -28,7 +28,7 @@ Example:
 CLI::App* add_repair_command(CLI::App& app, std::filesystem::path& recording) {
   CLI::App* command =
       app.add_subcommand("repair", "Make a recording that was cut off readable for plain tools");
-  command->footer(k_footer);
+  command->footer(k_repair_footer);
   command
       ->add_option_function<std::string>(
           "FILE", [&recording](const std::string& text) { recording = text; }, "A recording")

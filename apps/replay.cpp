@@ -21,7 +21,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_replay_footer = R"(
 Writes one file that plays the recording (troupe run --record) in a browser, offline, with nothing else: pan, zoom and
 orbit, a bar to scrub along, speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
 Press ? in it for its keys.
@@ -101,7 +101,7 @@ void check(const ReplayOptions& options, const fs::path& page) {
 
 CLI::App* add_replay_command(CLI::App& app, ReplayOptions& options) {
   CLI::App* command = app.add_subcommand("replay", "Make a page that plays a recording in a browser");
-  command->footer(k_footer);
+  command->footer(k_replay_footer);
   command
       ->add_option_function<std::string>(
           "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")

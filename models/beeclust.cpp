@@ -18,7 +18,6 @@ using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_ahead = k_pi / 3;       // rad to either side
 constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
@@ -68,7 +67,7 @@ struct Beeclust {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(k_least_samples, fault);
+    samples = choice.take_ground_radio_scanner(fault);
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }

@@ -21,7 +21,6 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr std::uint8_t k_prey = 255;
 constexpr double k_turn = 1.0;               // rad/s, away from what is ahead
 constexpr double k_gain = 2.0;               // 1/s, towards where it goes
@@ -102,7 +101,7 @@ struct Chain {
     });
     if (!has_radio) fault = "needs a radio with a payload of 2 bytes or more";
     if (has_radio && !is_nest && !is_prey) {
-      samples = choice.take_scanner(k_least_samples);
+      samples = choice.take_scanner();
       if (samples == 0) fault = "needs a scanner: a ranger whose first transducer has more than 8 samples";
     }
     if (fault.empty() && choice.take_kind("led")) led = choice.chosen().size() - 1;

@@ -12,7 +12,6 @@ using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr double k_turn = 1.0;              // rad/s
 constexpr std::uint32_t k_surely_goes = 3;  // updates from a command until it must have moved
 
@@ -57,7 +56,7 @@ struct Clustering {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    if (samples = choice.take_scanner(k_least_samples); samples == 0)
+    if (samples = choice.take_scanner(); samples == 0)
       fault = "needs a scanner: a ranger whose first transducer has more than 8 samples";
     return choice.chosen();
   }

@@ -20,7 +20,6 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr double k_listen_s = 3;     // before it decides
 constexpr double k_straight_s = 10;  // mean
 constexpr double k_turn = 0.8;       // rad/s
@@ -88,7 +87,7 @@ struct CollectivePerception {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(k_least_samples, fault);
+    samples = choice.take_ground_radio_scanner(fault);
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }

@@ -41,7 +41,6 @@ constexpr double k_low = 0.25;
 constexpr double k_full = 0.95;
 constexpr std::uint32_t k_patience = 30;  // of closing: from end to end takes 20
 constexpr std::uint32_t k_back_off = 15;
-constexpr std::size_t k_least_samples = 9;
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
@@ -118,7 +117,7 @@ struct Collector {
 std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                            std::string& fault) {
   DeviceChoice choice(devices, claimed);
-  samples = choice.take_scanner(k_least_samples);
+  samples = choice.take_scanner();
   if (samples == 0)
     fault = "needs a ranger whose first transducer has more than 8 samples";
   else if (!choice.take_kind("fiducial"))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/kinds.hpp"
+#include "models/scan_ahead.hpp"
 
 #include <cstddef>
 #include <span>
@@ -32,20 +33,21 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// A ranger whose first transducer has at least so many samples; how many those are, 0 where there is none.
-  std::size_t take_scanner(std::size_t least_samples) {
+  /// A ranger whose first transducer has at least k_least_samples samples; how many those are, 0 where there
+  /// is none.
+  std::size_t take_scanner() {
     std::size_t samples = 0;
     const bool has_one = take([&](const engine::DeviceInfo& device) {
       const auto& layout = device.prepared;
       if (layout.transducers.empty()) return false;
       samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
-      return samples >= least_samples;
+      return samples >= k_least_samples;
     });
     return has_one ? samples : 0;
   }
   /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order: how many samples that
   /// has. Where one of them is missing 0, and `fault` says which.
-  std::size_t take_ground_radio_scanner(std::size_t least_samples, std::string& fault) {
+  std::size_t take_ground_radio_scanner(std::string& fault) {
     if (!take_kind("ground")) {
       fault = "needs a ground sensor";
       return 0;
@@ -54,10 +56,10 @@ class DeviceChoice {
       fault = "needs a radio";
       return 0;
     }
-    const std::size_t samples = take_scanner(least_samples);
+    const std::size_t samples = take_scanner();
     if (samples == 0) {
       fault = "needs a scanner: a ranger whose first transducer has more than ";
-      fault += std::to_string(least_samples - 1);
+      fault += std::to_string(k_least_samples - 1);
       fault += " samples";
     }
     return samples;

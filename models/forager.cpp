@@ -51,8 +51,7 @@ constexpr double k_aligned = 0.2;      // rad
 constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
 constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
-constexpr std::size_t k_least_samples = 9;
-constexpr double k_least_zone = 1;  // m: nearer than this it is in the zone, however small that is
+constexpr double k_least_zone = 1;        // m: nearer than this it is in the zone, however small that is
 
 constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
@@ -134,7 +133,7 @@ struct Forager {
 std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                          std::string& fault) {
   DeviceChoice choice(devices, claimed);
-  samples = choice.take_scanner(k_least_samples);
+  samples = choice.take_scanner();
   if (samples == 0) fault = "needs a ranger whose first transducer has more than 8 samples";
   if (fault.empty() && !choice.take_kind("flags")) fault = "needs a device of kind \"flags\"";
   if (!fault.empty()) return {};

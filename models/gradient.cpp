@@ -17,7 +17,6 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
 constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
 constexpr double k_turn = 0.8;             // rad/s
@@ -81,7 +80,7 @@ struct Gradient {
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
     if (!choice.take_kind("radio")) fault = "needs a radio";
-    if (!beacon) samples = choice.take_scanner(k_least_samples);
+    if (!beacon) samples = choice.take_scanner();
     if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
   }

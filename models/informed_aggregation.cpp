@@ -18,7 +18,6 @@ using engine::FieldType;
 using engine::Record;
 using engine::Unit;
 
-constexpr std::size_t k_least_samples = 9;
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_least_turn = k_pi / 2;  // rad
 constexpr float k_black = 0.25f;           // of brightness: darker is black
@@ -87,7 +86,7 @@ struct InformedAggregation {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(k_least_samples, fault);
+    samples = choice.take_ground_radio_scanner(fault);
     return choice.chosen();
   }
 

@@ -9,6 +9,9 @@
 
 namespace troupe::models {
 
+/// So many readings a scanner must have that a robot sees by them what is left, ahead and right of it.
+inline constexpr std::size_t k_least_samples = 9;
+
 /// What a robot that turns away from obstacles looks for in a scan.
 struct ScanAhead {
   bool obstruction = false;  ///< a reading below `min_front` within the window

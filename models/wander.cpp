@@ -37,7 +37,6 @@ struct Wander {
     std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
     TROUPE_FIELDS(avoid_updates)
   };
-  static constexpr std::size_t k_least_samples = 9;
 
   double cruise, avoid, turn, min_front, stop_distance;
   std::size_t samples = 0;

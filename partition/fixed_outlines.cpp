@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned k_tile_bits = 3;
 
-struct PieceCircle {
+struct ChainCircle {
   Vec2 center;
   double radius;
   std::uint32_t piece;
@@ -23,7 +23,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
     : geometry_{piece_m, k_tile_bits} {
   vertices_.reserve(edges.size() + edges.size() / k_most_edges);
   const double most = 0.5 * piece_m;
-  std::vector<PieceCircle> circles;
+  std::vector<ChainCircle> circles;
   const auto close = [&](const Box& box, std::uint32_t first, std::uint32_t count) {
     const auto piece = static_cast<std::uint32_t>(pieces_.size());
     pieces_.push_back({static_cast<std::uint32_t>(vertices_.size()), count + 1, edges[first].solid});
@@ -66,20 +66,20 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
 
   // A counting sort by cell.
   const std::size_t cells = geometry_.cells_per_tile();
-  for (const PieceCircle& c : circles) {
+  for (const ChainCircle& c : circles) {
     directory_.insert(geometry_.tile(geometry_.cell(c.center)));
     largest_radius_ = std::max(largest_radius_, c.radius);
   }
   begins_.assign(directory_.size() * cells + 1, 0);
-  const auto place = [&](const PieceCircle& c) {
+  const auto place = [&](const ChainCircle& c) {
     const Cell cell = geometry_.cell(c.center);
     return directory_.find(geometry_.tile(cell)) * cells + geometry_.in_tile(cell);
   };
-  for (const PieceCircle& c : circles) ++begins_[place(c) + 1];
+  for (const ChainCircle& c : circles) ++begins_[place(c) + 1];
   for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
   circles_.resize(circles.size() + 3);  // which unpack() may read
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
-  for (const PieceCircle& c : circles)
+  for (const ChainCircle& c : circles)
     circles_[next[place(c)]++] = enclosing_circle(c.center, c.radius, c.piece);
 }
 

@@ -9,7 +9,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_check_footer = R"(
 Loads a variant of the world for each number of threads with each tile size, steps them side by side, and compares
 every component of the state after each tick. Stops at the first tick that differs and names component, robot and
 field, with both values.
@@ -43,7 +43,7 @@ void split(const std::string& text, Each&& each) {
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   CLI::App* check =
       app.add_subcommand("check", "Prove that a world gives the same bits on any threads and tiles");
-  check->footer(k_footer);
+  check->footer(k_check_footer);
   add_world_options(*check, options);
   add_value(*check, "--threads", "N,...", "Numbers of worker threads (default: 1,2,8)",
             [&options](const std::string& text) {

@@ -21,7 +21,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_diff_footer = R"(
 Takes two hash logs (troupe run --hash-log) and names the first tick at which they differ, with the groups of the state
 in which it shows: sensor alone at first means ranging; pose or velocity the drives or the conflict rule; memory a
 controller. Where one begins later, the ticks before are left out; where one ends earlier, they differ.
@@ -91,7 +91,7 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
 CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
   CLI::App* command =
       app.add_subcommand("diff", "Find the first tick at which two hash logs or recordings differ");
-  command->footer(k_footer);
+  command->footer(k_diff_footer);
   const auto add_file = [command](const char* name, std::filesystem::path& file, const char* help) {
     command
         ->add_option_function<std::string>(

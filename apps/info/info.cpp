@@ -28,7 +28,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_info_footer = R"(
 Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of
 measures or events, a profile. What it is, is found out from its content, whatever its name.
 
@@ -115,7 +115,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
 
 CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
   CLI::App* command = app.add_subcommand("info", "Tell what a file is and what it holds");
-  command->footer(k_footer);
+  command->footer(k_info_footer);
   command
       ->add_option_function<std::string>(
           "FILE", [&options](const std::string& text) { options.file = text; }, "Any file of Troupe's")

@@ -26,7 +26,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_render_footer = R"(
 A world is drawn as it begins, a checkpoint as it was saved, a recording as it ended; --at draws other times: a world is
 run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. A recording needs no
 other file; it can show what was recorded (troupe run --record-fields): scans want ranges, red outlines want stall.
@@ -149,7 +149,7 @@ void render_checked(const RenderOptions& options) {
 
 CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
   CLI::App* command = app.add_subcommand("render", "Draw a world, a checkpoint or a recording");
-  command->footer(fmt::format("{}\n{}{}", k_footer, picture_help(), k_examples));
+  command->footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
   command
       ->add_option_function<std::string>(
           "INPUT", [&options](const std::string& text) { options.input = text; },

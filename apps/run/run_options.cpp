@@ -18,7 +18,7 @@ namespace {
 
 constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_run_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
 two must be given. The run ends with the first tick whose time is S or later.
 
@@ -267,7 +267,7 @@ std::string with_world(std::string name, const std::filesystem::path& world) {
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
-  run->footer(fmt::format("{}\n{}{}", k_footer, picture_help(), k_examples));
+  run->footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_examples));
   run->add_option_function<std::vector<std::string>>(
          "WORLD",
          [&options](const std::vector<std::string>& names) {

@@ -42,7 +42,7 @@ namespace {
 using worldio::Statistic;
 using worldio::Study;
 
-constexpr const char* k_footer = R"(
+constexpr const char* k_sweep_footer = R"(
 A study names a world, the values that differ from run to run (a grid, or samples drawn at random), seeds, and measures:
 docs/sweeps.md. Runs are made side by side, each on one thread, and noted in DIR as they end. A sweep that was stopped or
 killed goes on when it is called again; when all runs are there, DIR has the table, a row a run: table.csv and table.h5. It is
@@ -282,7 +282,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
 
 CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
   CLI::App* command = app.add_subcommand("sweep", "Make all runs of a study, and one table of them");
-  command->footer(k_footer);
+  command->footer(k_sweep_footer);
   command
       ->add_option_function<std::string>(
           "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
