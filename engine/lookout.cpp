@@ -84,7 +84,8 @@ Sighting Lookout::first_met(const SightLine& ray) {
     return engine::first_met(
         *world_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
   Sighting nearest{.range = ray.length};
-  const std::span<Hit> hits(hits_.data(), find_hits(ray));
+  const std::size_t count = find_hits(ray);  // which may move hits_
+  const std::span<Hit> hits(hits_.data(), count);
   std::ranges::sort(hits, {}, &Hit::near);
   for (const Hit& hit : hits) {
     if (hit.near > nearest.range) break;
