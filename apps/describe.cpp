@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace troupe::apps {
@@ -119,6 +121,52 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
+/// Parameters as one might give them: where there must be some, a list of one block of defaults. Nothing
+/// where a parameter that must be given has no default.
+std::optional<engine::Record> usual(const FieldTable& table) {
+  engine::Record record = table.defaults();
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const Field& field = table.fields[i];
+    const bool is_block = field.type == FieldType::record || field.type == FieldType::records;
+    if (record[i].given() && !(is_block && record[i].records().empty())) continue;
+    if (!is_block) return std::nullopt;
+    std::optional<engine::Record> block = usual(*field.record);
+    if (!block) return std::nullopt;
+    record[i] = std::vector<engine::Record>{std::move(*block)};
+  }
+  return record;
+}
+
+/// What controllers and programs read of a device, and what they ask of it.
+std::string state_text(const engine::DeviceKind& kind) {
+  const std::optional<engine::Record> params = usual(kind.params);
+  if (!params) return {};
+  const engine::DeviceKind::Prepared prepared = kind.prepare(*params, {});
+  std::string text;
+  const auto add = [&text](std::string_view heading, std::span<const engine::StateField> fields) {
+    if (fields.empty()) return;
+    std::vector<std::array<std::string, 2>> lines;
+    std::size_t width = 0;
+    for (const engine::StateField& field : fields) {
+      const std::string count = field.columns == 1 ? "" : fmt::format("{} x ", field.columns);
+      const std::string unit = field.unit.empty() ? "" : " " + field.unit;
+      lines.push_back({field.name, fmt::format("{}{}{}", count, engine::element_name(field.element), unit)});
+      width = std::max(width, field.name.size());
+    }
+    text += fmt::format("{}\n", heading);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      std::string row = fmt::format("  {:<{}}  {:<20}  {}", lines[i][0], width, lines[i][1], fields[i].text);
+      row.erase(row.find_last_not_of(' ') + 1);
+      text += row + "\n";
+    }
+    text += "\n";
+  };
+  add(kind.is_sensor() ? "its readings, with these parameters" : "its state, with these parameters",
+      prepared.percepts);
+  add("its command", prepared.commands);
+  return text;
+}
+
 template <class Kind>
 std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
@@ -212,7 +260,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   std::string text;
   if (const auto* kind = registry.model(name)) text += model_text(registry, *kind);
   if (const auto* kind = registry.device(name))
-    text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind);
+    text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);

@@ -40,7 +40,7 @@ import time
 import docs_rules as rules
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|mkdir|export|source|man|sudo|apptainer|cat|head|tail|ls|git|h5dump|h5repack|"
+PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|sed|mkdir|export|source|man|sudo|apptainer|cat|head|tail|ls|git|h5dump|h5repack|"
             r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
 LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt", "world": ".world"}
@@ -244,7 +244,8 @@ class Page:
             (self.folder / "python").symlink_to(ROOT / "python")
         (self.folder / "build").mkdir()
         (self.folder / "build/release").symlink_to(self.test.build)
-        (self.home / "troupe").symlink_to(self.test.installed)
+        (self.home / "opt").mkdir()
+        (self.home / "opt" / "troupe").symlink_to(self.test.installed)
         (self.folder / ".cwd").write_text(str(self.folder))
         (self.folder / ".env").write_text("")
 

@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
+#include "sensors/fiducial.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -103,8 +104,9 @@ class Lint {
  private:
   void check_types();
   void check_sensors();
-  void check_sensor(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
+  void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
+  void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor);
   void check_floor_plans();
   std::string why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
@@ -130,17 +132,75 @@ void Lint::check_sensors() {
         visible.add(outline.z.shifted(z), count);
   visible.sort();
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-    for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s)
-      if (!levels_[t].empty())
-        check_sensor(t, world_.types()[t].devices[s], spec_.types[t].devices[s].where, visible);
+    for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s) {
+      if (levels_[t].empty()) continue;
+      const engine::DeviceSpec& sensor = spec_.types[t].devices[s];
+      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible);
+      if (sensor.kind == "fiducial") check_finder(t, sensor);
+    }
 }
 
-void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
+/// "0.5 m", "0 to 1 m".
+std::string heights_text(const ZInterval& z) {
+  return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
+}
+
+/// In Stage's worlds a model may be nothing but a sensor.
+std::string called_text(std::string_view sensor, std::string_view type) {
+  return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
+                        : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
+}
+
+/// Whether anything that another body has is marked for the finder, and stands at its height.
+void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor) {
+  const auto param = [&, params = sensors::fiducial_kind().params ](std::string_view name) -> const auto& {
+    return sensor.params[static_cast<std::size_t>(params.find(name))];
+  };
+  const std::int64_t key = param("key").integer();
+  const std::string called = called_text(sensor.name, spec_.types[type].name);
+  Heights marked, own;
+  bool is_any_marked = false;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (const engine::PartSpec& part : spec_.types[t].parts) {
+      if (part.returns.fiducial == 0 || part.returns.fiducial_key != key) continue;
+      std::size_t bodies = 0;
+      for (const auto& [z, count] : levels_[t]) {
+        bodies += count;
+        for (const Solid& solid : part.solids) {
+          marked.add(solid.z.shifted(z), count);
+          if (t == type) own.add(solid.z.shifted(z), 1);
+        }
+      }
+      is_any_marked = is_any_marked || bodies > (t == type ? 1U : 0U);
+    }
+  if (!is_any_marked) {
+    diagnostics_.warning(sensor.where,
+                         called + fmt::format("no other body has a fiducial_return with its key, {}", key));
+    return;
+  }
+  if (param("ignore_zloc").boolean() || sensor.joint != engine::k_rigid) return;
+  marked.sort();
+  own.sort();
+  ZInterval looks = k_no_heights;
+  for (const auto& level : levels_[type]) {
+    const double z = sensor.pose_body_sensor.z + level.first;
+    if (marked.at(z) > own.at(z)) return;
+    looks = united(looks, {z, z});
+  }
+  diagnostics_.warning(
+      sensor.where,
+      called + (marked.empty() || marked.extent().contains(looks.min)
+                    ? fmt::format("nothing else that is marked stands at its height, {}", heights_text(looks))
+                    : fmt::format("it looks at a height of {}, what is marked stands at {}",
+                                  heights_text(looks), heights_text(marked.extent()))));
+}
+
+void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                         const Heights& visible) {
   const auto* ranger = std::any_cast<sensors::RangerBeams>(&sensor.prepared.data);
   if (!ranger) return;
   const engine::BodyType& body = world_.types()[type];
-  const std::string called = fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor.name, body.name);
+  const std::string called = called_text(sensor.name, body.name);
   if (ranger->count == 0) {
     diagnostics_.warning(where, called + "it has no beam");
     return;
@@ -164,14 +224,11 @@ void Lint::check_sensor(std::uint32_t type, const engine::BodyType::Device& sens
       if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
       looks = united(looks, {z, z});
     }
-  const auto heights = [](const ZInterval& z) {
-    return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
-  };
   diagnostics_.warning(
       where, called + (visible.empty() || visible.extent().contains(looks.min)
-                           ? fmt::format("nothing else stands at its height, {}", heights(looks))
+                           ? fmt::format("nothing else stands at its height, {}", heights_text(looks))
                            : fmt::format("it looks at a height of {}, what could be seen stands at {}",
-                                         heights(looks), heights(visible.extent()))));
+                                         heights_text(looks), heights_text(visible.extent()))));
 }
 
 /// Why no robot is ever stopped by it; empty where one can be.

@@ -88,6 +88,10 @@ class TreeBuilder {
     if (message.starts_with("parse error at line "))
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
+    std::string what(message);
+    // It names only what would end the list, where one more member would do as well.
+    for (const std::string_view end : {"expected '}'", "expected ']'"})
+      if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
     if (!fixed_place_) {
       const std::size_t before = std::min(position > 0 ? position - 1 : 0, text_.size());
@@ -95,8 +99,7 @@ class TreeBuilder {
     }
     constexpr int k_out_of_range = 406;  // a number that no double holds: a value, which has a pointer
     const bool has_pointer = fault.id == k_out_of_range && !open_.empty();
-    diagnostics_.error(where,
-                       has_pointer ? fmt::format("{}: {}", next_pointer(), message) : std::string(message));
+    diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
     return false;
   }
 

@@ -23,6 +23,9 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
+/// Tick 66 of 0.1 s is at 6.6 s, not at the 6.6000000000000005 s that the product is.
+std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
+
 /// Whether the table of a run that was resumed is there.
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
@@ -68,7 +71,7 @@ MeasuresTable::~MeasuresTable() { simulation_.on_save(memory_name_, nullptr); }
 void MeasuresTable::observe(const Simulation& simulation) {
   measures_.see();
   if (simulation.tick() % every_ != 0) return;
-  csv_.add(simulation.tick()).add(simulation.time_s());
+  csv_.add(simulation.tick()).add(time_text(simulation.time_s()));
   for (const double value : measures_.values()) csv_.add(value);
   csv_.end_line();
   csv_.flush(simulation.tick());
@@ -83,7 +86,7 @@ void EventsTable::observe(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   for (const engine::Event& event : watch_.see(world)) {
     const Pose pose = world.pose(event.body);
-    csv_.add(world.tick()).add(world.time_s()).add(engine::event_name(event.type));
+    csv_.add(world.tick()).add(time_text(world.time_s())).add(engine::event_name(event.type));
     csv_.add(world.spec().name(event.body)).add(std::uint64_t{event.body.value});
     csv_.add(pose.x).add(pose.y).add(pose.heading);
     if (event.other.valid())

@@ -10,6 +10,13 @@ docs/python.md has more. `troupe.math` has the functions that give the bits of C
 for reinforcement learning.
 """
 
+try:
+    from . import _core
+except ModuleNotFoundError as missing:
+    raise ModuleNotFoundError(
+        f"{missing}: it is compiled; build it (cmake --build build/release --target troupe_python), and take the "
+        "package from build/release/lib/python3/dist-packages or where it was installed") from missing
+
 from . import math
 from ._core import (
     Event,

@@ -83,7 +83,8 @@ std::vector<BadInput> stage_inputs() {
 
 std::vector<BadInput> json_inputs() {
   return {
-      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3", "expected '}'"},
+      {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3",
+       "expected ',' or '}'"},
       {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "missing closing quote"},
       {"empty", "bad.json", "", "bad.json:1", "unexpected end of input"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),

@@ -151,6 +151,40 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
               Contains(HasSubstr("sees nothing: nothing else stands at its height")));
 }
 
+TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
+  const auto world = [](const std::string& post, const std::string& finder, const std::string& z = "0") {
+    return R"({ "troupe": 1, "types": {
+    "post": {"size_m": [0.1, 0.1, 0.5])" +
+           post + R"(},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "fiducial_return": 1, "sensors": [
+      {"name": "eye", "kind": "fiducial")" +
+           finder + R"(} ]} },
+  "models": [
+    {"name": "post", "type": "post", "pose": {"x_m": 3, "z_m": )" +
+           z + R"(}},
+    {"name": "r0", "type": "bot"} ] })";
+  };
+  // Nobody finds itself.
+  EXPECT_THAT(findings("none.json", world("", "")),
+              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: no other body has a "
+                          "fiducial_return with its key, 0",
+                          "none.json: 1 finding"));
+  const std::string marked = ", \"fiducial_return\": 2";
+  expect_nothing("post.json", world(marked, ""));
+  EXPECT_THAT(findings("key.json", world(marked, ", \"key\": 3")),
+              Contains(HasSubstr("no other body has a fiducial_return with its key, 3")));
+  expect_nothing("keys.json", world(marked + ", \"fiducial_key\": 3", ", \"key\": 3"));
+
+  const std::string high = R"(, "pose": {"z_m": 0.9})";
+  EXPECT_THAT(findings("high.json", world(marked, high)),
+              Contains(HasSubstr("sees nothing: it looks at a height of 0.9 m, what is marked stands at 0 to "
+                                 "0.5 m")));
+  expect_nothing("flat.json", world(marked, high + ", \"ignore_zloc\": true"));
+  // At this height there is but its own mark.
+  EXPECT_THAT(findings("own.json", world(marked, R"(, "pose": {"z_m": 0.2})", "0.6")),
+              Contains(HasSubstr("sees nothing: nothing else that is marked stands at its height, 0.2 m")));
+}
+
 TEST_F(LintTest, ReportsWhatNobodyUses) {
   EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
@@ -190,7 +224,10 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                   "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
                   "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
                   "drives",
-                  "w.world:12: warning: scount: obsolete, ignored by Stage too", "w.world: 10 findings"));
+                  "w.world:12: warning: scount: obsolete, ignored by Stage too",
+                  "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body has a "
+                  "fiducial_return with its key, 0",
+                  "w.world: 11 findings"));
 }
 
 TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {

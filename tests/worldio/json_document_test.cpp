@@ -66,9 +66,9 @@ TEST(JsonDocument, SyntaxErrorsNameTheLine) {
     EXPECT_FALSE(parsed.root);
     return parsed.errors.empty() ? std::string("none") : parsed.errors[0];
   };
-  EXPECT_EQ(
-      error("{\n  \"a\": 1\n  \"b\": 2\n}"),
-      "maze.json:3: error: syntax error while parsing object - unexpected string literal; expected '}'");
+  EXPECT_EQ(error("{\n  \"a\": 1\n  \"b\": 2\n}"),
+            "maze.json:3: error: syntax error while parsing object - unexpected string literal; expected ',' "
+            "or '}'");
   EXPECT_EQ(
       error("{\n  \"a\": 1,\n}"),
       "maze.json:3: error: syntax error while parsing object key - unexpected '}'; expected string literal");

@@ -1,0 +1,7 @@
+# Read by cpack before it makes a package.
+foreach(program dpkg-shlibdeps file)
+  find_program(found_${program} ${program})
+  if(CPACK_GENERATOR MATCHES DEB AND NOT found_${program})
+    message(FATAL_ERROR "cpack -G DEB needs ${program} to find what the program depends on: apt install dpkg-dev file")
+  endif()
+endforeach()
