@@ -158,12 +158,12 @@ void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
   constexpr std::string_view k_what = "a probability from 0 to 1";
   if (const YAML::Node given = node["occupied_thresh"])
     map.occupied_thresh = number(given, "occupied_thresh", 0, 1, k_what).value_or(map.occupied_thresh);
-  if (const YAML::Node given = node["free_thresh"]) {
-    map.free_thresh = number(given, "free_thresh", 0, 1, k_what).value_or(map.free_thresh);
-    if (map.free_thresh > map.occupied_thresh)
-      error(given, fmt::format("\"free_thresh\", {}, must be at most \"occupied_thresh\", {}",
-                               map.free_thresh, map.occupied_thresh));
-  }
+  const YAML::Node free = node["free_thresh"];
+  if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_what).value_or(map.free_thresh);
+  if (map.free_thresh > map.occupied_thresh)
+    error(free ? free : node["occupied_thresh"],
+          fmt::format("\"free_thresh\", {}{}, must be at most \"occupied_thresh\", {}", map.free_thresh,
+                      free ? "" : " unless it is given", map.occupied_thresh));
 }
 
 }  // namespace
