@@ -86,8 +86,9 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
                   "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m and rad",
                   "maps/lab.yaml:4: error: \"free_thresh\", 0.9, must be at most \"occupied_thresh\", 0.65"));
   EXPECT_FALSE(parse(std::string(k_least) + "occupied_thresh: 0.1\n"));
-  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: error: \"free_thresh\", 0.196 unless it is given, must be "
-                                     "at most \"occupied_thresh\", 0.1"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml:4: error: \"free_thresh\", 0.196 unless it is given, must be "
+                          "at most \"occupied_thresh\", 0.1"));
 }
 
 TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
