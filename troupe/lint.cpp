@@ -145,6 +145,15 @@ std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
+/// Why who looks at these heights meets none of what is `there`, which the sentence calls one or the other.
+std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
+                        std::string_view what) {
+  if (there.empty() || there.extent().contains(looks.min))
+    return fmt::format("{} stands at its height, {}", nothing, heights_text(looks));
+  return fmt::format("it looks at a height of {}, {} stands at {}", heights_text(looks), what,
+                     heights_text(there.extent()));
+}
+
 /// In Stage's worlds a model may be nothing but a sensor.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
@@ -187,12 +196,8 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor) {
     if (marked.at(z) > own.at(z)) return;
     looks = united(looks, {z, z});
   }
-  diagnostics_.warning(
-      sensor.where,
-      called + (marked.empty() || marked.extent().contains(looks.min)
-                    ? fmt::format("nothing else that is marked stands at its height, {}", heights_text(looks))
-                    : fmt::format("it looks at a height of {}, what is marked stands at {}",
-                                  heights_text(looks), heights_text(marked.extent()))));
+  diagnostics_.warning(sensor.where,
+                       called + missed_text(marked, looks, "nothing else that is marked", "what is marked"));
 }
 
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
@@ -224,11 +229,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
       if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
       looks = united(looks, {z, z});
     }
-  diagnostics_.warning(
-      where, called + (visible.empty() || visible.extent().contains(looks.min)
-                           ? fmt::format("nothing else stands at its height, {}", heights_text(looks))
-                           : fmt::format("it looks at a height of {}, what could be seen stands at {}",
-                                         heights_text(looks), heights_text(visible.extent()))));
+  diagnostics_.warning(where, called + missed_text(visible, looks, "nothing else", "what could be seen"));
 }
 
 /// Why no robot is ever stopped by it; empty where one can be.
