@@ -9,6 +9,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -682,6 +683,23 @@ void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
   waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
   still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
   others_ = std::make_unique_for_overwrite<std::uint32_t[]>(2 * rows);
+}
+
+void Conflicts::forget() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  base_ += static_cast<std::uint32_t>(rounds_);
+  rounds_ = 0;
+  std::ranges::fill(settled_, base_ * k_outcomes + static_cast<std::uint32_t>(Outcome::held));
+  longest_ = std::numeric_limits<double>::quiet_NaN();
+  far_.fill(k_junk);
+  std::fill_n(waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
+  std::fill_n(still_waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
+  std::fill_n(others_.get(), 2 * reserved_, k_junk);
+  std::ranges::fill(zones_, Zone::may_push);
+  std::ranges::fill(pushes_of_, PushesOf{k_junk, k_junk});
+  std::ranges::fill(pushes_, Push{k_junk, Vec2::Constant(longest_)});
+  std::ranges::fill(pushed_last_, 0u);
+  push_count_ = 0;
 }
 
 void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,

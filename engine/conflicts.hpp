@@ -116,6 +116,9 @@ class Conflicts {
   void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
               partition::Parallel& parallel);
 
+  /// Overwrites with junk whatever the next settling must not read: no outcome may change by it. For tests.
+  void forget();
+
   /// Of the last settling.
   Outcome outcome(std::size_t row) const {
     return settled_[row] / k_outcomes > base_ ? static_cast<Outcome>(settled_[row] % k_outcomes)

@@ -287,14 +287,14 @@ void World::build_conditions() {
 
 // ---- the run
 
-void World::begin_experiment(std::uint64_t tick) {
+void World::derive_experiment() {
   Experiment& e = experiment_;
   while (e.next > 0)  // the last first
     if (Experiment::Intervention& done = e.interventions[--e.next]; is_setting(done)) swap_setting(done);
-  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick; ++e.next)
+  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick_; ++e.next)
     if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
   e.strikes = e.first_strikes;
-  while (!e.strikes.empty() && e.strikes.front().tick < tick) take_strike();
+  while (!e.strikes.empty() && e.strikes.front().tick < tick_) take_strike();
   find_due();
 }
 

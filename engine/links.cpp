@@ -165,10 +165,7 @@ void World::derive_links() {
   links.asked = false;
   std::ranges::fill(links.first_cargo, Links::k_none);
   for (std::uint32_t r = 0; r < rows(); ++r) links.roots[r] = r;
-  for (const std::uint32_t r : links.composites) {
-    for (Links::Joint& joint : joints(Row(r))) joint.state = Links::Goal::none;
-    move_to_joints(Row(r));
-  }
+  for (const std::uint32_t r : links.composites) rest_joints(Row(r));  // before any tree's shape is made
   for (std::uint32_t r = 0; carrier_table_ && r < rows(); ++r) {
     const std::uint32_t id = tables_[*carrier_table_].as<Carried>(r).carrier;
     if (id != 0) hang(r, body_rows_[id - 1].value);
@@ -178,7 +175,28 @@ void World::derive_links() {
     while (const auto by = carrier(Row(root))) root = body_rows_[by->index()].value;
     links.roots[r] = root;
   }
-  for (std::uint32_t r = 0; r < rows(); ++r) reshape(r);
+}
+
+void World::forget_links() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
+  const Mount nowhere(k_nowhere);
+  std::ranges::fill(links_.joints, Links::Joint{nowhere, nowhere, k_nowhere, Links::Goal::asked, true});
+  for (auto* buffers : {&links_.shapes, &links_.moved, &links_.on_the_way})
+    for (ShapeBuffer& buffer : *buffers) buffer.begin();
+  for (auto* list : {&links_.samples, &links_.roots, &links_.first_cargo, &links_.next_cargo})
+    std::ranges::fill(*list, k_junk);
+  std::ranges::fill(links_.refused, std::uint8_t{1});
+  std::ranges::fill(links_.lifts, k_nan);
+  links_.carried = k_junk;
+  links_.asked = true;
+}
+
+/// The joints of a row are where its tables say, and asked for nothing.
+void World::rest_joints(Row row) {
+  for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
+  move_to_joints(row);
 }
 
 /// Works out where the joints of a row are.

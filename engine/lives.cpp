@@ -85,7 +85,6 @@ void World::derive_lives() {
     absent_ += !there;
     robots_ += there && type(Row(r)).drive;
   }
-  for (std::size_t r = 0; r < rows(); ++r) show(Row(r));
   for (std::size_t i = 0; i < spec_.reserves.size(); ++i) {
     const ReserveSpec& reserve = spec_.reserves[i];
     std::uint32_t& next = next_born_[i];
@@ -132,19 +131,12 @@ Birth World::bear(std::size_t reserve, const Pose& pose) {
   life(row).presence = static_cast<std::uint8_t>(Presence::there);
   --absent_;
   start(row, pose);
-  motions_[row.index()] = Motion();
-  free_circles_[row.index()] = FreeCircle();
-  show(row);
-  if (links_.any()) {
-    for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
-    move_to_joints(row);
-    reshape(row.value);
-  }
+  derive(row);
   if (!is_free(row, poses()[row.index()])) {
     clear(row);
     life(row).presence = static_cast<std::uint8_t>(Presence::unborn);
     ++absent_;
-    show(row);
+    derive(row);
     return {BirthStatus::occupied, {}};
   }
   const Pose& at = poses()[row.index()];
@@ -152,7 +144,6 @@ Birth World::bear(std::size_t reserve, const Pose& pose) {
   life.birth = tick_;
   life.x = at.x;
   life.y = at.y;
-  put(row, type(row), Transform(at));
   robots_ += type(row).drive.has_value();
   newborn_.push_back(row);
   ++next_born_[reserve];
@@ -175,8 +166,7 @@ void World::die(Row row) {
   this->life(row).presence = static_cast<std::uint8_t>(Presence::dead);
   ++absent_;
   robots_ -= type(row).drive.has_value();
-  motions_[row.index()] = Motion();
-  show(row);
+  derive(row);
 }
 
 /// The deaths first, so that what they leave may be taken at once.

@@ -179,8 +179,7 @@ void World::build_rows() {
   body_rows_.resize(spec_.bodies.size());
   const std::vector<BodyId> bodies = rows_by_place();
   const auto reserve = [&bodies](auto&... columns) { (columns.reserve(bodies.size()), ...); };
-  reserve(row_bodies_, row_ids_, row_types_, row_slots_, row_radii_, row_subscribed_, row_shapes_,
-          outline_begins_);
+  reserve(row_bodies_, row_ids_, row_types_, row_slots_, outline_begins_);
   std::vector<std::uint32_t> slots(types_.size(), 0);
   std::size_t vertices = 0;
   for (const BodyId body : bodies) {
@@ -191,13 +190,13 @@ void World::build_rows() {
     row_ids_.push_back(body.value);
     row_types_.push_back(t);
     row_slots_.push_back(slots[t]++);
-    row_radii_.push_back(type.radius);
-    row_subscribed_.push_back(0);
-    row_shapes_.push_back(&type.obstacle);
     outline_begins_.push_back(vertices);
     vertices += type.outline_vertices.size();
     robots_at_start_ += type.drive.has_value() && spec_.starts(body);
   }
+  row_subscribed_.resize(rows());
+  row_radii_.resize(rows());
+  row_shapes_.resize(rows());
   transforms_.resize(rows());
   outlines_.resize(vertices + partition::EdgeBlock::k_piece,
                    Vec2::Zero());  // rangers copy more than there is
@@ -301,6 +300,8 @@ void World::build_tables() {
                                   {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
           bodies[t]);
       row_odometry_errors_.resize(rows());
+      for (const BodyId body : bodies[t])
+        row_odometry_errors_[row(body).index()] = drive->localization.error_of(spec_.seed, body);
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
@@ -328,11 +329,8 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
-  begin_experiment(0);
-  effects_.clear();
-  begin_placing();
-  placed_before_.clear();
   beams_ = conflict_rounds_ = 0;
+  derive_experiment();  // lives begin with the parameters of tick 0
   for (StateTable& table : tables_) table.clear();
   for (std::size_t r = 0; r < rows(); ++r) {
     const BodyId body = row_bodies_[r];
@@ -363,22 +361,56 @@ void World::start(Row row, const Pose& p) {
 void World::start(Row row, const BodyType::Drive& drive) {
   if (drive.kind->start) as<Velocity>(k_velocity)[row.index()] = drive.kind->start(drive.data);
   if (!drive.odometry_table) return;
-  const Localization& how = drive.localization;
-  row_odometry_errors_[row.index()] = how.error_of(spec_.seed, body(row));
   const Pose& pose = poses()[row.index()];
-  const Pose believed = relative_to(how.origin.value_or(pose), pose);
+  const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);
   as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
 }
 
 void World::derive() {
-  std::ranges::fill(motions_, Motion());
-  std::ranges::fill(free_circles_, FreeCircle());
-  count_stalls();
+  derive_experiment();
   derive_lives();
   count_ailing();
+  count_stalls();
   derive_links();
-  for (std::size_t r = 0; r < rows(); ++r) put(Row(r), type(Row(r)), Transform(poses()[r]));
+  for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
+  effects_.clear();
+  begin_placing();
+  placed_before_.clear();
   index_bodies();
+}
+
+void World::derive(Row row) {
+  motions_[row.index()] = Motion();
+  free_circles_[row.index()] = FreeCircle();
+  show(row);
+  if (links_.any()) {
+    rest_joints(row);
+    reshape(row.value);
+  }
+  put(row, type(row), Transform(poses()[row.index()]));
+}
+
+void World::forget() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  const Motion junk_motion{k_nowhere, Rotation(SinCos{k_nan, k_nan}), k_nan, true};
+  std::ranges::fill(transforms_, Transform{{k_nan, k_nan}, junk_motion.rotation});
+  std::fill_n(outlines_.begin(), outlines_.size() - partition::EdgeBlock::k_piece, Vec2(k_nan, k_nan));
+  std::ranges::fill(row_radii_, k_nan);
+  std::ranges::fill(row_shapes_, nullptr);
+  std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
+  std::ranges::fill(not_drawn_, std::uint8_t{0x5a});
+  std::ranges::fill(next_born_, k_junk);
+  for (std::size_t* count : {&robots_, &absent_, &ailing_, &stalled_, &held_}) *count = k_junk;
+  forget_links();
+  experiment_.strikes.clear();
+  experiment_.due = 0;
+  index_ = partition::BodyIndex(geometry_);
+  std::ranges::fill(motions_, junk_motion);
+  conflicts_.forget();
+  placed_before_.assign(1, {Row(0), k_nowhere});
+  derive();
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (is_there(Row(r))) motions_[r] = junk_motion;
 }
 
 void World::count_stalls() {
@@ -613,7 +645,6 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     return false;
   }
   tick_ = tick;
-  begin_experiment(tick);
   beams_ = counters.beams;
   conflict_rounds_ = counters.conflict_rounds;
   derive();

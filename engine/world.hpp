@@ -93,6 +93,9 @@ class World {
   /// False where the state then has not this hash, or a body stands nowhere: the world is at S(0) again, as
   /// it is when `fill` throws.
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
+  /// Overwrites with junk whatever is neither a constant, nor state, nor set by the program, and derives it
+  /// again. The run goes on with the same bits: this is what tests that ("amnesia", docs/determinism.md).
+  void forget();
   std::uint64_t tick() const { return tick_; }    ///< ticks done; 0 at the start
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
   /// World time: tick() * tick_s().
@@ -331,13 +334,16 @@ class World {
   void build_scene();
   void build_tables();
   void build_lives();
-  /// Fills the tables, and what is derived from them, with the state that the spec describes.
+  /// Fills the tables with the state that the spec describes, and derives the rest.
   void start();
   /// Begins a life, in rows that are all 0.
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
-  /// All that is derived from the tables.
+  /// Makes everything that is neither a constant, nor state, nor set by the program, from spec, tick and
+  /// tables, and from nothing else: after every start, reset and restore, whatever was there before.
   void derive();
+  /// The part of derive() that is about one row. Births and deaths call it for theirs.
+  void derive(Row row);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
   /// Where motions may end.
@@ -389,8 +395,8 @@ class World {
   void build_conditions();
   /// By id; none, and reported, where nobody is called so.
   std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
-  /// What was to be done before this tick had ended is done, and what is to be done then is not.
-  void begin_experiment(std::uint64_t tick);
+  /// What was to be done before the last tick had ended is done, and what is to be done now is not.
+  void derive_experiment();
   void find_due();
   bool conditions_hold() const;
   void count_ailing();
@@ -415,10 +421,12 @@ class World {
   struct Limb;
   void build_links();
   void derive_links();
+  void forget_links();
   bool links_hold() const;
   std::span<Links::Joint> joints(Row row);
   std::span<const Links::Joint> joints(Row row) const;
   Pose& joint_state(Row row, std::size_t joint);
+  void rest_joints(Row row);
   void move_to_joints(Row row);
   void hang(std::uint32_t cargo, std::uint32_t carrier);
   void unhang(std::uint32_t cargo, std::uint32_t carrier);
@@ -461,64 +469,70 @@ class World {
   template <class Work>
   void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
 
+  // Every member is one of five: a constant, state, set by the program, derived, or scratch. Only state is
+  // saved, so nothing else may carry anything from one tick to the next.
+
+  // Constants: made from the spec by the constructor.
   WorldSpec spec_;
-  std::vector<BodyType> types_;
+  std::vector<BodyType> types_;  // but for the parameters that settings swap: see derive()
   partition::Parallel parallel_;
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
   FixedTargets fixed_targets_;
-  partition::BodyIndex index_;
-  std::unique_ptr<partition::RayGrid> ray_grid_;
   mutable NameMap names_;  // made at the first find(), which most runs never call
   mutable std::once_flag names_made_;
-
   std::vector<BodyId> row_bodies_;
   std::vector<Row> body_rows_;
   std::vector<std::uint32_t> row_types_;
   std::vector<std::uint32_t> row_slots_;
-  std::vector<double> row_radii_;
-  std::vector<std::uint8_t> row_subscribed_;  // by the program, beside what the world runs
-  std::vector<const partition::ObstacleShape*> row_shapes_;
   std::vector<std::uint32_t> row_ids_;
   std::vector<std::uint8_t> row_pushable_;  // these two empty where nothing can be pushed
   std::vector<std::uint8_t> row_push_limits_;
   Pushables pushables_;
   std::vector<std::size_t> outline_begins_;
-  std::size_t robots_at_start_ = 0;
   std::vector<Localization::Error> row_odometry_errors_;  // empty where nobody has odometry
-
-  std::uint64_t tick_ = 0;
-  std::vector<StateTable> tables_;
-  Effects effects_;  // of the tick under way
+  std::size_t robots_at_start_ = 0;
   std::optional<std::size_t> carrier_table_;
   std::optional<std::size_t> life_table_;
   std::optional<std::size_t> condition_table_;
 
-  // Derived from the state each tick.
+  // State, and what is counted beside it.
+  std::uint64_t tick_ = 0;
+  std::vector<StateTable> tables_;
+  std::uint64_t beams_ = 0;
+  std::uint64_t conflict_rounds_ = 0;
+
+  // Set by the program.
+  std::vector<std::uint8_t> row_subscribed_;  // beside what the world runs
+  std::function<void(std::optional<Phase>)> on_phase_;
+  OnDecide on_decide_;
+
+  // Derived: derive() makes all of it, a tick keeps it up to date.
   std::vector<Transform> transforms_;
   std::vector<Vec2> outlines_;
+  std::vector<double> row_radii_;
+  std::vector<const partition::ObstacleShape*> row_shapes_;
+  std::vector<FreeCircle> free_circles_;
+  std::vector<std::uint8_t> not_drawn_;   // by the grid ray engine: a row each; empty where all are there
+  std::vector<std::uint32_t> next_born_;  // of each reserve: who is the first that is unborn
+  std::vector<Row> newborn_;              // that the index does not hold yet
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
   std::size_t ailing_ = 0;
-  std::vector<std::uint32_t> next_born_;  // of each reserve: who is the first that is unborn
-  std::vector<Row> newborn_;              // that the index does not hold yet
-  std::vector<std::uint8_t> not_drawn_;   // by the grid ray engine: a row each; empty where all are there
-  std::vector<Motion> motions_;
-  std::vector<FreeCircle> free_circles_;
-  Conflicts conflicts_;
-  Links links_;
-  Experiment experiment_;
+  std::size_t stalled_ = 0;
+  std::size_t held_ = 0;
+  Links links_;            // but for its lists of what is composite, which are constants
+  Experiment experiment_;  // but for its lists of what is to come, which are constants
+  partition::BodyIndex index_;
+  std::unique_ptr<partition::RayGrid> ray_grid_;
 
+  // Scratch: of the tick under way, and for those who look on.
+  std::vector<Motion> motions_;  // of who is not there: none, always
+  Conflicts conflicts_;
+  Effects effects_;
   std::vector<Placed> placed_;            // since the last step, each row once
   std::vector<Placed> placed_before_;     // that step
   std::vector<std::uint32_t> placed_at_;  // of each row: where it stands in placed_, from 1; 0: it does not
-
-  std::size_t stalled_ = 0;
-  std::size_t held_ = 0;
-  std::uint64_t beams_ = 0;
-  std::uint64_t conflict_rounds_ = 0;
-  std::function<void(std::optional<Phase>)> on_phase_;
-  OnDecide on_decide_;
 };
 
 }  // namespace troupe::engine

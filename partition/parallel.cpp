@@ -39,7 +39,9 @@ struct Guarded {
 
 void Parallel::run(std::size_t count, Call call, void* task) {
   Guarded guarded{.call = call, .task = task, .on_task = on_task_};
+  if (on_loop_) on_loop_(true);
   run_tasks(count, on_task_ ? Guarded::run_watched : Guarded::run, &guarded);
+  if (on_loop_) on_loop_(false);
   if (guarded.exception) std::rethrow_exception(guarded.exception);
 }
 

@@ -30,6 +30,10 @@ class Parallel {
     on_task_ = std::move(callback);
   }
 
+  /// Called on the caller's thread as each loop begins (true) and ends (false); for timing. Set between
+  /// loops.
+  void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
+
   /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
   /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
   /// reads or writes. Where tasks throw, the others still run, and then the exception of the lowest index
@@ -49,6 +53,7 @@ class Parallel {
   unsigned threads_;
   std::unique_ptr<Workers> workers_;
   std::function<void(std::size_t, bool)> on_task_;
+  std::function<void(bool)> on_loop_;
 };
 
 }  // namespace troupe::partition

@@ -846,6 +846,10 @@ void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
   impl_->world->parallel().on_task(std::move(callback));
 }
 
+void Simulation::on_loop(std::function<void(bool)> callback) {
+  impl_->world->parallel().on_loop(std::move(callback));
+}
+
 engine::World& Simulation::world() { return *impl_->world; }
 const engine::World& Simulation::world() const { return *impl_->world; }
 const engine::Registry& Simulation::registry() const { return impl_->registry; }

@@ -424,6 +424,9 @@ class Simulation {
   /// Called on its worker as a task of a parallel loop begins (true) and ends (false), with the task's index
   /// in its loop; on several workers at once, so it must be thread-safe. For profiles; set between steps.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
+  /// Called on the thread that steps as each parallel loop begins (true) and ends (false), also of loops that
+  /// run between steps (hashes, measures); for timing. Set between steps.
+  void on_loop(std::function<void(bool begins)> callback);
 
   /// The engine's view of it (engine/world.hpp): types, state tables and hooks, for tools that compare or
   /// save a state without knowing it. Lives as long as the simulation does.

@@ -5,6 +5,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "engine/controller_check.hpp"
+#include "engine/remade_world.hpp"
 #include "engine/state_difference.hpp"
 #include "engine/ticks.hpp"
 
@@ -27,11 +28,31 @@ namespace {
 // What new storage holds while variants are made, in turn; and controllers, the first time and afresh.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
+/// What is left of a world after a tick, beside its state.
+enum class Memory : std::uint8_t {
+  kept,       ///< all of it
+  forgotten,  ///< nothing: World::forget()
+  remade,     ///< nothing, and the world is another: engine/remade_world.hpp
+};
+
 /// One way to run the world: results must not tell it from any other.
 struct Variant {
   std::string name;
   Simulation simulation;
+  engine::WorldOptions options;
+  Memory memory = Memory::kept;
+  std::unique_ptr<engine::World> remade = nullptr;  // what the simulation's world has become
   bool differs = false;
+
+  engine::World& world() { return remade ? *remade : simulation.world(); }
+  void step() {
+    if (memory == Memory::remade) remade = engine::remade_world(world(), simulation.registry(), options);
+    if (remade)
+      remade->step();
+    else
+      simulation.step();
+    if (memory == Memory::forgotten) world().forget();
+  }
 };
 
 std::string variant_name(unsigned threads, double tile_size_m) {
@@ -42,14 +63,22 @@ std::string variant_name(unsigned threads, double tile_size_m) {
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
   std::vector<Variant> variants;
   SimulationOptions simulation = with_environment(options.simulation);
-  for (const double tile_size_m : options.tile_sizes_m) {
-    for (const unsigned threads : options.threads) {
-      simulation.tile_size_m = tile_size_m;
-      simulation.threads = threads;
-      const FilledStorage filled(k_fills[variants.size() % k_fills.size()]);
-      variants.push_back(
-          {variant_name(threads, tile_size_m), Simulation(options.world, simulation, registry)});
-    }
+  const auto add = [&](unsigned threads, double tile_size_m, Memory memory, std::string_view what) {
+    simulation.tile_size_m = tile_size_m;
+    simulation.threads = threads;
+    const FilledStorage filled(k_fills[variants.size() % k_fills.size()]);
+    variants.push_back({fmt::format("{}{}", variant_name(threads, tile_size_m), what),
+                        Simulation(options.world, simulation, registry),
+                        {threads, tile_size_m},
+                        memory});
+  };
+  for (const double tile_size_m : options.tile_sizes_m)
+    for (const unsigned threads : options.threads) add(threads, tile_size_m, Memory::kept, "");
+  if (options.amnesia) {
+    const double tile_size_m = options.tile_sizes_m.front();
+    const unsigned threads = options.threads.front();
+    add(threads, tile_size_m, Memory::forgotten, ", forgetful");
+    add(threads, tile_size_m, Memory::remade, ", made again");
   }
   return variants;
 }
@@ -92,9 +121,9 @@ class Decisions {
 /// Where the variants differ now, in lines; marks those that differ from the first.
 std::vector<std::string> compare(std::vector<Variant>& variants) {
   std::vector<std::string> lines;
-  engine::World& expected = variants.front().simulation.world();
+  engine::World& expected = variants.front().world();
   for (auto variant = variants.begin() + 1; variant != variants.end(); ++variant) {
-    const auto differences = engine::state_differences(expected, variant->simulation.world());
+    const auto differences = engine::state_differences(expected, variant->world());
     if (differences.empty()) continue;
     variant->differs = true;
     lines.push_back(fmt::format("  {}, against {}:", variant->name, variants.front().name));
@@ -114,7 +143,7 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
     for (std::string& line : compare(variants)) lines.push_back(std::move(line));
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
-      variant.simulation.step();
+      variant.step();
       // Before the others decide: what a controller keeps to itself must not tell of them.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
@@ -122,15 +151,15 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
   }
 }
 
-void print_table(const std::vector<Variant>& variants, const Decisions* decisions) {
+void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
   const auto row = [](std::string_view what, std::string_view ticks, std::string_view result,
                       std::string_view hash) {
-    fmt::print("{:<30}  {:>7}  {:<9}  {}\n", what, ticks, result, hash);
+    fmt::print("{:<42}  {:>7}  {:<9}  {}\n", what, ticks, result, hash);
   };
   row("variant", "ticks", "result", "hash");
-  for (const Variant& variant : variants)
-    row(variant.name, fmt::format("{}", variant.simulation.tick()), variant.differs ? "DIFFERS" : "same bits",
-        hex(variant.simulation.state_hash()));
+  for (Variant& variant : variants)
+    row(variant.name, fmt::format("{}", variant.world().tick()), variant.differs ? "DIFFERS" : "same bits",
+        hex(variant.world().hashes().state));
   if (decisions)
     row(fmt::format("{} decisions, thrice", decisions->count()),
         fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",
@@ -138,10 +167,10 @@ void print_table(const std::vector<Variant>& variants, const Decisions* decision
 }
 
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
-  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers)
+  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia)
     throw InputError(
         "troupe check: error: one variant has nothing to be compared with: give several --threads or "
-        "--tile-size, or --controllers");
+        "--tile-size, --amnesia, or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

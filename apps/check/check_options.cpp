@@ -14,6 +14,10 @@ Loads a variant of the world for each number of threads with each tile size, ste
 every component of the state after each tick. Stops at the first tick that differs and names component, robot and
 field, with both values.
 
+--amnesia adds two variants to those. In one, whatever is not state is overwritten with junk after each tick and
+derived again; the other is discarded after each tick, and goes on as a new world made from the world's description
+and its state, as a resumed run does. They find what influences a later tick and is not part of the state.
+
 --controllers has every decision of the first variant taken twice more, from the same readings and memory: in another
 order, on another thread, from storage filled with junk; and by a controller made afresh. A controller that calls
 rand(), keeps a static, reads the clock or leaves a member unset is named, with the field. Takes a second more at the
@@ -26,6 +30,7 @@ Exit codes: 0 same bits; 1 they differ; 2 bad input or usage.
 Examples:
   troupe check worlds/crowd.json --for 5
   troupe check worlds/hospital.json --for 5 --threads 1,2,3,4,8 --tile-size auto,1.7,45.1
+  troupe check worlds/failures.json --for 20 --threads 1 --tile-size auto --amnesia
   troupe check worlds/cave-simple.json --for 5 --threads 2 --tile-size auto --controllers)";
 
 /// Calls each with every item of a list like 1,2,8.
@@ -58,6 +63,10 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
                 options.tile_sizes_m.push_back(item == "auto" ? 0 : tile_size_m(item));
               });
             });
+  check
+      ->add_flag("--amnesia", options.amnesia,
+                 "Also compare runs that keep nothing but their state after a tick")
+      ->disable_flag_override();
   check->add_flag("--controllers", options.controllers, "Have each decision taken again, and compare")
       ->disable_flag_override();
   return check;

@@ -11,6 +11,7 @@ struct CheckOptions : WorldOptions {
   std::vector<unsigned> threads{1, 2, 8};
   /// m; 0: as the world chooses. 1.7 is smaller than most sensors reach, so that all look into other tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
+  bool amnesia = false;
   bool controllers = false;
 };
 

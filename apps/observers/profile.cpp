@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <iterator>
@@ -41,27 +40,16 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
       start_tick_(simulation.tick()),
       tick_(start_tick_),
       threads_(simulation.threads()) {
-  static std::atomic<std::uint64_t> generations = 0;
-  generation_ = ++generations;
   if (!stream_) refuse_output(file, std::strerror(errno));
   about_.emplace_back("version", version_line());
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
   stream_ << k_profile_mark;
   end_ = stream_.tellp();
-  own_track();  // the caller works along: it is the first worker
+  tracks_.own();  // the caller works along: it is the first worker
   add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));
   add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{},"args":{{"name":"ticks"}}}})",
                   k_tick_track));
   flush();
-}
-
-Profile::Track& Profile::own_track() {
-  thread_local std::pair<std::uint64_t, Track*> own{0, nullptr};
-  if (own.first != generation_) {
-    const std::lock_guard lock(mutex_);
-    own = {generation_, &tracks_.emplace_back()};
-  }
-  return *own.second;
 }
 
 void Profile::phase(std::optional<Phase> phase) {
@@ -78,7 +66,7 @@ void Profile::phase(std::optional<Phase> phase) {
 void Profile::task(std::size_t index, bool begins) {
   // Both are written between loops only. Loops outside of phases (hashes) are not the tick's.
   if (!recording_ || !current_) return;
-  Track& track = own_track();
+  Track& track = tracks_.own();
   if (begins)
     track.begin = Clock::now();
   else
@@ -115,7 +103,7 @@ void Profile::observe(const Simulation& simulation) {
 std::string Profile::load(Phase phase) const {
   double most = 0;
   double sum = 0;
-  for (const Track& track : tracks_) {
+  for (const Track& track : tracks_.all()) {
     double busy = 0;
     for (const Task& task : track.tasks)
       if (task.phase == phase) busy += microseconds(task.span.end - task.span.begin);
@@ -128,14 +116,14 @@ std::string Profile::load(Phase phase) const {
 
 void Profile::write_tasks() {
   std::size_t count = 0;
-  for (const Track& track : tracks_) count += track.tasks.size();
+  for (const Track& track : tracks_.all()) count += track.tasks.size();
   const bool shown = count <= tasks_left_;
   if (shown)
     tasks_left_ -= count;
   else if (left_out_.empty())
     left_out_ = fmt::format("tasks from tick {} on, where they would be too many", tick_);
-  for (std::size_t t = 0; t < tracks_.size(); ++t) {
-    Track& track = tracks_[t];
+  for (std::size_t t = 0; t < tracks_.all().size(); ++t) {
+    Track& track = tracks_.all()[t];
     if (!std::exchange(track.named, true))
       add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{0},"args":{{"name":"worker {0}"}}}})",
                       t + 1));

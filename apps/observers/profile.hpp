@@ -1,16 +1,15 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
+#include "apps/per_thread.hpp"
 #include "troupe/simulation.hpp"
 
 #include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -74,7 +73,6 @@ class Profile : public Observer {
     bool named = false;
   };
 
-  Track& own_track();
   void add(const std::string& event);
   void add_span(const std::string& name, const Span& span, std::size_t track, const std::string& arguments);
   void add_counter(const std::string& name, Clock::time_point at, std::uint64_t value);
@@ -103,9 +101,7 @@ class Profile : public Observer {
   std::optional<Phase> current_;
   std::array<Span, k_phases> phases_{};
   unsigned threads_;
-  std::uint64_t generation_;  // tells the profiles of a process apart
-  std::mutex mutex_;          // of tracks_, as threads add their own
-  std::deque<Track> tracks_;
+  PerThread<Track> tracks_;
 };
 
 }  // namespace troupe::apps

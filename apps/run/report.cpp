@@ -68,7 +68,8 @@ std::string summary_text(const Report& report) {
     shares +=
         fmt::format("{} {}, ", phase_name(static_cast<Phase>(i)), percent(report.phase_s[i], report.wall_s));
   line("phases", shares + "observe " + percent(report.observe_s(), report.wall_s));
-  line("threads", fmt::format("{}", report.threads));
+  line("threads", fmt::format("{}, serial share {:.1f} %, imbalance {:.2f}", report.threads,
+                              100 * report.serial_share, report.imbalance));
   line("peak memory",
        fmt::format("{:.1f} MiB", static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0)));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
@@ -107,6 +108,8 @@ std::string summary_json(const Report& report) {
         ratio(report.phase_s[i], report.wall_s);
   json["share_observe"] = ratio(report.observe_s(), report.wall_s);
   json["threads"] = report.threads;
+  json["serial_share"] = report.serial_share;
+  json["imbalance"] = report.imbalance;
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["stalled"] = s.stalled;
   json["held_at_bounds"] = s.held_at_bounds;

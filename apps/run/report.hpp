@@ -28,6 +28,8 @@ struct Report {
   double waited_s = 0;  ///< part of wall_s in which it was held back
   /// Part of wall_s in each phase; the rest went into watching.
   std::array<double, k_phases> phase_s{};
+  double serial_share = 0;  ///< of the ticks' wall time: LoadClock
+  double imbalance = 0;     ///< of the workers' load: LoadClock
   std::uint64_t peak_rss_bytes = 0;
   std::string checkpoint;  ///< where the last state was saved; empty: nowhere
   std::vector<std::pair<std::string, std::string>> options;  ///< as they took effect

@@ -141,9 +141,14 @@ void WorldRun::print_options() const {
 void WorldRun::begin() {
   simulation_.on_phase([this](std::optional<Phase> phase) {
     phases_(phase);
+    load_.tick(phase.has_value());
     if (profile_) profile_->phase(phase);
   });
-  if (profile_) simulation_.on_task([this](std::size_t task, bool begins) { profile_->task(task, begins); });
+  simulation_.on_loop([this](bool begins) { load_.loop(begins); });
+  simulation_.on_task([this](std::size_t task, bool begins) {
+    load_.task(begins);
+    if (profile_) profile_->task(task, begins);
+  });
   for (const auto& observer : observers_) observer->observe(simulation_);
 }
 
@@ -159,8 +164,11 @@ void WorldRun::step() {
 void WorldRun::finish() {
   for (const auto& observer : observers_) observer->finish(simulation_);
   simulation_.on_phase(nullptr);
+  simulation_.on_loop(nullptr);
   simulation_.on_task(nullptr);
   report_.phase_s = phases_.seconds();
+  report_.serial_share = load_.serial_share();
+  report_.imbalance = load_.imbalance(report_.threads);
   report_.stopped = !is_done();
   report_.stopped_by = simulation_.stopped().value_or("");
   report_.statistics = simulation_.statistics();

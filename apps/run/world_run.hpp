@@ -2,6 +2,7 @@
 
 #include "apps/observers/observer.hpp"
 #include "apps/observers/profile.hpp"
+#include "apps/run/load_clock.hpp"
 #include "apps/run/phase_clock.hpp"
 #include "apps/run/report.hpp"
 #include "apps/run/run_options.hpp"
@@ -80,6 +81,7 @@ class WorldRun {
   const Pacer* pacer_ = nullptr;
   Snapshots* snapshots_ = nullptr;  // it draws the last tick, too
   PhaseClock phases_;
+  LoadClock load_;
   bool is_intact_ = true;  // false after a step that failed: its state is of no use
 };
 

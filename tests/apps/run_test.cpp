@@ -76,6 +76,15 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   for (const char* phase : {"sense", "decide", "move", "index"})
     shares += json.at(std::string("share_") + phase).get<double>();
   EXPECT_NEAR(shares, 1, 1e-6);
+  EXPECT_GT(json.at("serial_share"), 0);
+  EXPECT_LT(json.at("serial_share"), 1);
+  EXPECT_GE(json.at("imbalance"), 1 - 1e-9);
+  EXPECT_LE(json.at("imbalance").get<double>(), json.at("threads").get<double>() + 1e-9);
+}
+
+TEST_F(Run, OneWorkerIsNeverOutOfBalance) {
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--threads", "1", "--json"});
+  EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("imbalance").get<double>(), 1, 1e-9);
 }
 
 constexpr std::string_view k_runner = R"({"troupe": 1, "bounds_m": [[-1, -1], [20, 1]],

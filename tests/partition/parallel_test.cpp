@@ -138,6 +138,18 @@ TEST_P(ParallelOf, TellsOfEachTaskAsItBeginsAndEnds) {
   EXPECT_EQ(begun, std::vector<int>(k_tasks, 1));
 }
 
+TEST_P(ParallelOf, TellsOfEachLoopAsItBeginsAndEnds) {
+  Parallel parallel(GetParam());
+  std::vector<bool> told;
+  parallel.on_loop([&](bool begins) { told.push_back(begins); });
+  const auto fail = [](std::size_t i) {
+    if (i == 7) throw std::runtime_error("seven");
+  };
+  EXPECT_THROW(parallel.for_each(10, fail), std::runtime_error);
+  parallel.for_each(1, [&](std::size_t) { EXPECT_EQ(told, (std::vector<bool>{true, false, true})); });
+  EXPECT_EQ(told, (std::vector<bool>{true, false, true, false}));
+}
+
 #ifdef __SSE__
 TEST_P(ParallelOf, PutsEachThreadsArithmeticRight) {
   _mm_setcsr(_mm_getcsr() |

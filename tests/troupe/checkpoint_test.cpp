@@ -116,6 +116,40 @@ TEST_P(CheckpointOf, GoesOnAsIfTheRunHadNeverStopped) {
   }
 }
 
+/// Robots with odometry: one from the start, one that is added after a second, one that a spawner makes then.
+std::string world_of_births(const std::string& odom_error) {
+  return R"({"troupe": 1, "at": [{"time_s": 1, "add": {"population": "p", "count": 1, "pose": {"x_m": 3}}}],
+ "types": {
+  "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff", "localization": "odom")" +
+         odom_error + R"(},
+          "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 0.3, "turn_radps": 0.1}]}},
+  "door": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1,
+           "devices": [{"name": "sp", "kind": "spawner", "population": "q", "every_s": 1}]}},
+ "models": [{"name": "door", "type": "door", "pose": {"x_m": 6}}],
+ "populations": [
+  {"name": "p", "type": "bot", "count": 1, "reserve": 1,
+   "place": {"rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 1}},
+  {"name": "q", "type": "bot", "count": 0, "reserve": 1,
+   "place": {"rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 1}}]})";
+}
+
+TEST_F(Checkpoint, GoesOnWithTheOdometryOfRobotsThatWereBornBeforeIt) {
+  for (const char* error : {"", R"(, "odom_error": [0.01, -0.02, 0.03])"}) {
+    Simulation straight = Simulation::from_text(world_of_births(error), "births.json");
+    log_of(straight, 12);
+    ASSERT_EQ(straight.robots(), 3u);
+    fs::remove(file_);
+    straight.save(file_);
+    Simulation resumed = Simulation::resume(file_);
+    EXPECT_EQ(log_of(resumed, 30), log_of(straight, 30)) << "odometry" << error;
+    const auto off = [&straight](const char* name) {
+      const Model robot = straight.find(name);
+      return (robot.pose().position() - robot.estimate().position()).norm();
+    };
+    EXPECT_GT(off("p1"), 1.0) << "its odometry begins at 0, where it was added is elsewhere";
+  }
+}
+
 TEST_F(Checkpoint, OfTickZeroIsTheWholeRun) {
   Simulation straight(k_worlds / "crowd.json");
   straight.save(file_);

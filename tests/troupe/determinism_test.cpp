@@ -4,6 +4,8 @@
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/remade_world.hpp"
+#include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
@@ -17,6 +19,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <locale>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -73,6 +76,27 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
   ASSERT_TRUE(golden.contains(run)) << "no line in worlds/golden_hashes.txt: scripts/prove --golden makes it";
   EXPECT_EQ(state_of(expected.back()), golden.at(run))
       << "results have changed; if that was meant, scripts/prove --golden, and docs/decisions.md says why";
+}
+
+// The amnesia test: whatever influences a later tick is in a state table, or derived from tables, spec and
+// tick. One run has all else overwritten with junk after each tick, the other goes on as a new world each
+// tick.
+TEST_P(SameBits, WithNothingKeptButTheState) {
+  const GoldenRun& run = GetParam();
+  Simulation whole(k_worlds / run.file(), options_of(run, 1));
+  Simulation forgetful(k_worlds / run.file(), options_of(run, 2));
+  std::unique_ptr<engine::World> remade =
+      engine::remade_world(whole.world(), whole.registry(), {.threads = 2, .tile_size_m = 1.7});
+  forgetful.world().forget();
+  while (whole.tick() < run.ticks) {
+    whole.step();
+    forgetful.step();
+    forgetful.world().forget();
+    remade->step();
+    ASSERT_EQ(forgetful.hash_log_line(), whole.hash_log_line());
+    ASSERT_EQ(hex(remade->hashes().state), hex(whole.state_hash())) << "tick " << whole.tick();
+    remade = engine::remade_world(*remade, whole.registry(), {.threads = 2, .tile_size_m = 1.7});
+  }
 }
 
 std::vector<GoldenRun> runs() {
