@@ -160,9 +160,9 @@ bool World::links_hold() const {
 
 void World::derive_links() {
   Links& links = links_;
-  if (!links.any()) return;
   links.carried = 0;
   links.asked = false;
+  if (!links.any()) return;
   std::ranges::fill(links.first_cargo, Links::k_none);
   for (std::uint32_t r = 0; r < rows(); ++r) links.roots[r] = r;
   for (const std::uint32_t r : links.composites) rest_joints(Row(r));  // before any tree's shape is made
