@@ -13,6 +13,7 @@ namespace troupe::apps {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -88,7 +89,7 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
       "room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
             "troupe check: error: one variant has nothing to be compared with: give several --threads or "
-            "--tile-size, or --controllers\n");
+            "--tile-size, --amnesia, or --controllers\n");
 }
 
 /// With kinds of our own, which the program does not have.
@@ -154,6 +155,28 @@ TEST_F(Check, AnHonestControllerPasses) {
   const Outcome outcome = check(watched);
   EXPECT_EQ(outcome.code, 0) << outcome.out;
   EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("200 decisions, thrice +5  same bits  -"));
+}
+
+TEST_F(Check, AmnesiaFindsWhatIsRememberedOutsideOfTheState) {
+  CheckOptions forgetful = options("changes_a_member");
+  forgetful.threads = {1};
+  forgetful.amnesia = true;
+  const Outcome outcome = check(forgetful);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, ContainsRegex("made again +[0-9]+  DIFFERS"));
+}
+
+TEST_F(Check, AmnesiaPassesWhereAllIsState) {
+  CheckOptions forgetful = options("honest");
+  forgetful.threads = {2};
+  forgetful.amnesia = true;
+  const Outcome outcome = check(forgetful);
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(
+      lines_of(outcome.out),
+      ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, tiles as chosen +5  same bits  .*"),
+                  MatchesRegex("2 threads, tiles as chosen, forgetful +5  same bits  .*"),
+                  MatchesRegex("2 threads, tiles as chosen, made again +5  same bits  .*")));
 }
 
 struct Rogue {

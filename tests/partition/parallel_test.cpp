@@ -142,7 +142,7 @@ TEST_P(ParallelOf, TellsOfEachLoopAsItBeginsAndEnds) {
   Parallel parallel(GetParam());
   std::vector<bool> told;
   parallel.on_loop([&](bool begins) { told.push_back(begins); });
-  const auto fail = [](std::size_t i) {
+  auto fail = [](std::size_t i) {
     if (i == 7) throw std::runtime_error("seven");
   };
   EXPECT_THROW(parallel.for_each(10, fail), std::runtime_error);
