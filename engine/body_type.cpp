@@ -145,9 +145,12 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
       shown.push_back(s);
   std::vector<DeviceInfo> infos;
   std::vector<bool> claimed_shown;
+  const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
+  const Mount pose_drive_body = drive ? inverse(Mount(spec.devices[*drive].pose_body_sensor)) : Mount();
   for (const std::size_t s : shown) {
     const BodyType::Device& sensor = type.devices[s];
-    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared});
+    infos.push_back({sensor.name, sensor.kind->name, sensor.prepared,
+                     compose(pose_drive_body, spec.devices[s].pose_body_sensor)});
     claimed_shown.push_back(claimed[s]);
   }
   ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);

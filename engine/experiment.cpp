@@ -69,7 +69,7 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
          a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
          a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
          a.bearings == b.bearings && a.transducers == b.transducers &&  // as controllers have seen them
-         a.transducer_headings == b.transducer_headings;
+         a.transducer_origins == b.transducer_origins;
 }
 
 constexpr std::string_view k_keeps_shape = "what changes while a world runs must keep the shape of its state";

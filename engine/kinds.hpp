@@ -137,9 +137,8 @@ struct DeviceKind {
     double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
     /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
     std::vector<double> bearings;
-    /// First reading of each transducer, with the heading of the transducer itself.
-    std::vector<std::size_t> transducers;
-    std::vector<double> transducer_headings;  ///< heading of each in the sensor's frame, rad
+    std::vector<std::size_t> transducers;  ///< first reading of each transducer
+    std::vector<Vec2> transducer_origins;  ///< where the beams of each start, m, sensor's frame
   };
   /// Pure. Throws nothing of its own: parameters are within the bounds of their table.
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
@@ -372,6 +371,8 @@ struct DeviceInfo {
   std::string_view name;                 ///< DeviceSpec::name
   std::string_view kind;                 ///< DeviceKind::name
   const DeviceKind::Prepared& prepared;  ///< what its kind made of its parameters
+  /// Of the device, with its joints at rest, in the frame of the drive that the controller commands.
+  Pose pose = {};
 };
 
 /// A way to decide: from percepts and memory to commands.

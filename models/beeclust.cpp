@@ -57,7 +57,7 @@ struct Beeclust {
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
   double speed, max_wait, half, meet, min_front;
-  std::size_t samples = 0;
+  Scanner scanner;
   bool has_led = false;
 
   static Beeclust make(const Record& p) {
@@ -67,7 +67,7 @@ struct Beeclust {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(fault);
+    scanner = choice.take_ground_radio_scanner(4, fault);
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }
@@ -85,8 +85,7 @@ struct Beeclust {
       memory.wait_updates = wait(percept);
       if (memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else {
-      const ScanAhead ahead =
-          look_ahead(percept.ranges(k_scanner).first(samples), samples / 4, min_front, min_front);
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool waits = memory.wait_updates > 0;

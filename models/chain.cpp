@@ -85,7 +85,7 @@ struct Chain {
 
   bool is_nest, is_prey;
   double spacing, speed, min_front, joins, leaves;
-  std::size_t samples = 0;
+  Scanner scanner;
   std::size_t led = 0;  // its place among the devices; 0: none
 
   static Chain make(const Record& p) {
@@ -101,8 +101,8 @@ struct Chain {
     });
     if (!has_radio) fault = "needs a radio with a payload of 2 bytes or more";
     if (has_radio && !is_nest && !is_prey) {
-      samples = choice.take_scanner();
-      if (samples == 0) fault = "needs a scanner: a ranger whose first transducer has more than 8 samples";
+      scanner = choice.take_scanner(4);
+      if (!scanner.is_usable()) fault = choice.scanner_fault();
     }
     if (fault.empty() && choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
@@ -258,8 +258,7 @@ struct Chain {
 
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random,
               engine::Command& command) const {
-    const ScanAhead ahead =
-        look_ahead(percept.ranges(k_scanner).first(samples), samples / 4, min_front, min_front);
+    const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
     if (memory.turn_updates == 0 && ahead.obstruction) {
       memory.turn = static_cast<float>(ahead.left < ahead.right ? -k_turn : k_turn);
       memory.turn_updates = 5 + random.below(15);

@@ -49,15 +49,15 @@ struct Clustering {
   };
 
   double speed, back, min_front;
-  std::size_t samples = 0;
+  Scanner scanner;
 
   static Clustering make(const Record& p) { return {p[0].number(), p[1].number(), p[2].number()}; }
 
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    if (samples = choice.take_scanner(); samples == 0)
-      fault = "needs a scanner: a ranger whose first transducer has more than 8 samples";
+    scanner = choice.take_scanner(4);
+    if (!scanner.is_usable()) fault = choice.scanner_fault();
     return choice.chosen();
   }
 
@@ -69,7 +69,7 @@ struct Clustering {
     memory.y = here.y;
     memory.heading = here.heading;
     const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
-    const ScanAhead seen = look_ahead(percept.ranges(0).first(samples), samples / 4, min_front, 0);
+    const ScanAhead seen = scanner.look(percept.ranges(0), min_front, 0);
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // on to the turn
     } else if (is_stuck) {

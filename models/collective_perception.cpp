@@ -77,7 +77,7 @@ struct CollectivePerception {
   double speed, explore, share;
   bool by_majority;
   double min_front;
-  std::size_t samples = 0;
+  Scanner scanner;
   bool has_led = false;
 
   static CollectivePerception make(const Record& p) {
@@ -87,7 +87,7 @@ struct CollectivePerception {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(fault);
+    scanner = choice.take_ground_radio_scanner(4, fault);
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }
@@ -167,8 +167,8 @@ struct CollectivePerception {
   }
 
   void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
-    const auto [obstruction, stop, left, right] = look_ahead(
-        percept.ranges(k_scanner).first(samples), samples / 4, min_front, k_stop_share * min_front);
+    const auto [obstruction, stop, left, right] =
+        scanner.look(percept.ranges(k_scanner), min_front, k_stop_share * min_front);
     if (memory.turn_updates == 0 && obstruction) {
       memory.turn = static_cast<float>(left < right ? -k_turn : k_turn);
       memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));

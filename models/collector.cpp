@@ -72,7 +72,7 @@ struct Collector {
 
   std::string sink;
   std::int32_t puck_mark = 1, charger_mark = 2;
-  std::size_t samples = 0;
+  Scanner scanner;
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
   partition::BoxGrid sinks_about;  // where pucks are delivered
@@ -117,9 +117,9 @@ struct Collector {
 std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                            std::string& fault) {
   DeviceChoice choice(devices, claimed);
-  samples = choice.take_scanner();
-  if (samples == 0)
-    fault = "needs a ranger whose first transducer has more than 8 samples";
+  scanner = choice.take_scanner(k_evasion.window_share);
+  if (!scanner.is_usable())
+    fault = choice.scanner_fault();
   else if (!choice.take_kind("fiducial"))
     fault = "needs a fiducial finder";
   else if (!choice.take_kind("gripper"))
@@ -218,7 +218,7 @@ void Collector::seek(Memory& memory, const engine::Percept& percept, Random& ran
   }
   const std::optional<Puck> puck = puck_in_sight(percept);
   const bool is_near = puck && puck->range < k_creep_within;
-  if (!is_near && k_evasion.avoids(memory, percept.ranges(k_scanner).first(samples), random, actions.command))
+  if (!is_near && k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command))
     return;
   if (!puck) {
     actions.command = {k_cruise, 0, 0};
@@ -244,7 +244,7 @@ void Collector::grip(Memory& memory, const engine::Percept& percept, engine::Act
 
 void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,
                          engine::Actions& actions) const {
-  if (k_evasion.avoids(memory, percept.ranges(k_scanner).first(samples), random, actions.command)) return;
+  if (k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command)) return;
   const double off = bearing_of(percept.estimate, goal);
   actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
 }

@@ -33,41 +33,44 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// A ranger whose first transducer has at least k_least_samples samples; how many those are, 0 where there
-  /// is none.
-  std::size_t take_scanner() {
-    std::size_t samples = 0;
-    const bool has_one = take([&](const engine::DeviceInfo& device) {
-      const auto& layout = device.prepared;
-      if (layout.transducers.empty()) return false;
-      samples = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
-      return samples >= k_least_samples;
-    });
-    return has_one ? samples : 0;
+  /// Claims a ranger that nobody has and by which a controller sees ahead (Scanner::is_usable): the first one
+  /// with a fan of k_least_samples or more, as in Stage; else the first one whose transducers have as many
+  /// together. Where there is none, the scanner is not usable, and scanner_fault() says why.
+  /// share: see Scanner.
+  Scanner take_scanner(std::size_t share) {
+    Scanner scanner;
+    const auto is_usable = [&](const engine::DeviceInfo& device) {
+      scanner = Scanner(device, share);
+      return scanner.is_usable();
+    };
+    const bool has_one =
+        take([&](const engine::DeviceInfo& device) { return has_fan(device) && is_usable(device); }) ||
+        take(is_usable);
+    return has_one ? scanner : Scanner();
   }
-  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order: how many samples that
-  /// has. Where one of them is missing 0, and `fault` says which.
-  std::size_t take_ground_radio_scanner(std::string& fault) {
+  /// What a controller says that needs a scanner and has found none.
+  std::string scanner_fault() const;
+  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order. Where one of them is
+  /// missing the scanner is not usable, and `fault` says which.
+  Scanner take_ground_radio_scanner(std::size_t share, std::string& fault) {
     if (!take_kind("ground")) {
       fault = "needs a ground sensor";
-      return 0;
+      return {};
     }
     if (!take_kind("radio")) {
       fault = "needs a radio";
-      return 0;
+      return {};
     }
-    const std::size_t samples = take_scanner();
-    if (samples == 0) {
-      fault = "needs a scanner: a ranger whose first transducer has more than ";
-      fault += std::to_string(k_least_samples - 1);
-      fault += " samples";
-    }
-    return samples;
+    Scanner scanner = take_scanner(share);
+    if (!scanner.is_usable()) fault = scanner_fault();
+    return scanner;
   }
   /// Indices of what was taken, in this order.
   const std::vector<std::size_t>& chosen() const { return chosen_; }
 
  private:
+  static bool has_fan(const engine::DeviceInfo& device);
+
   std::span<const engine::DeviceInfo> devices_;
   std::vector<bool>& claimed_;
   std::vector<std::size_t> chosen_;

@@ -18,12 +18,14 @@ struct Evasion {
   double stop = 0.5;          ///< below it: on the spot
   double back_speed = 0.1;    ///< while it backs out
   std::uint32_t stuck = 5;    ///< updates: more than it takes from a command to what comes of it
+  static constexpr std::size_t window_share = 4;  ///< of its scanner: see Scanner
 
   /// As `wander`, with a narrower window ahead and for half as long: many meet where they all go. True where
   /// it takes the command.
   template <class Memory>
-  bool avoids(Memory& memory, std::span<const float> scan, Random& random, engine::Command& command) const {
-    const auto [obstruction, is_near, left, right] = look_ahead(scan, scan.size() / 4, min_front, stop);
+  bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
+              engine::Command& command) const {
+    const auto [obstruction, is_near, left, right] = scanner.look(ranges, min_front, stop);
     if (!obstruction && !is_near && memory.avoid_updates == 0) return false;
     command.x = is_near ? 0 : avoid_speed;
     command.y = 0;

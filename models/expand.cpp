@@ -2,12 +2,15 @@
 
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/beams.hpp"
+#include "models/device_choice.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace troupe::models {
 namespace {
@@ -16,6 +19,9 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+
+constexpr double k_even = 1e-6;      // of the sum of the ranges, and rad: less is rounding
+constexpr double k_turn_away = 0.5;  // rad
 
 const FieldTable& expand_fields() {
   static const FieldTable table{{
@@ -34,8 +40,8 @@ const FieldTable& expand_fields() {
        .unit = Unit::meters,
        .fallback = std::vector<double>{},
        .min = 0,
-       .text = "instead of `clearance`: what each transducer must exceed, in their order; 0 or left out: "
-               "anything"},
+       .text = "instead of `clearance`: what the beams of each transducer must exceed, in their order; 0 or "
+               "left out: anything"},
       {.name = "cone",
        .unit = Unit::radians,
        .fallback = 0.5,
@@ -50,9 +56,9 @@ const FieldTable& expand_fields() {
 }
 
 struct Expand {
-  struct Beam {
+  struct Feeler {
     std::size_t reading;
-    double cos, sin;
+    SinCos direction;
     double clearance;  // m; -1: anything goes, as every range is more
   };
 
@@ -60,34 +66,49 @@ struct Expand {
   std::vector<double> clearances;
   double cone;
   bool invert;
-  std::vector<Beam> beams;
+  std::vector<Feeler> feelers;
 
   static Expand make(const Record& p) {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), {}};
   }
 
+  /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
+  bool can_point_ahead(std::span<const Beam> beams) const {
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    for (const Beam& beam : beams) {
+      if (std::abs(beam.bearing) < cone) return true;
+      double& side = beam.bearing > 0 ? left : right;
+      side = beam.bearing > 0 ? std::min(side, beam.bearing) : std::max(side, beam.bearing);
+    }
+    return left - right < k_pi;
+  }
+
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
                                   std::string& fault) {
-    for (std::size_t s = 0; s < sensors.size(); ++s) {
-      const auto& layout = sensors[s].prepared;
-      if (claimed[s] || layout.transducers.empty()) continue;
-      claimed[s] = true;
-      if (clearances.size() > layout.transducers.size()) {
-        fault = fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(),
-                            layout.transducers.size(), sensors[s].name);
-      }
-      for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
-        const SinCos a = sincos(layout.transducer_headings[t]);
-        const double demand = clearances.empty()      ? std::max(0.0, clearance * a.cos)
-                              : t < clearances.size() ? clearances[t]
-                                                      : 0.0;
-        beams.push_back({layout.transducers[t], a.cos, a.sin, demand > 0 ? demand : -1.0});
-      }
-      // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
-      return {s};
+    DeviceChoice choice(sensors, claimed);
+    // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
+    if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); })) {
+      fault = "needs a ranger that no other controller of the robot reads";
+      return {};
     }
-    fault = "needs a ranger that no other controller of the robot reads";
-    return {};
+    const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
+    if (const std::size_t count = ranger.prepared.transducers.size(); clearances.size() > count) {
+      fault = fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(), count,
+                          ranger.name);
+    }
+    const std::vector<Beam> beams = beams_of(ranger);
+    if (!can_point_ahead(beams))
+      fault = fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
+                          "sum of those of \"{}\" never points ahead",
+                          ranger.name);
+    for (const Beam& beam : beams) {
+      const double demand = clearances.empty()                      ? clearance * beam.direction.cos
+                            : beam.transducer < clearances.size() ? clearances[beam.transducer]
+                                                                    : 0.0;
+      feelers.push_back({beam.reading, beam.direction, demand > 0 ? demand : -1.0});
+    }
+    return choice.chosen();
   }
 
   void operator()(const engine::DecideBatch& batch) const {
@@ -103,20 +124,25 @@ struct Expand {
         const std::span<const float> ranges = batch.ranges(0, first + i);
         double sum_x = 0;
         double sum_y = 0;
+        double sum = 0;
         bool all_clear = true;
-        for (const Beam& beam : beams) {
-          const double r = ranges[beam.reading];
-          sum_x += r * beam.cos;
-          sum_y += r * beam.sin;
-          all_clear &= r > beam.clearance;
+        for (const Feeler& feeler : feelers) {
+          const double r = ranges[feeler.reading];
+          sum_x += r * feeler.direction.cos;
+          sum_y += r * feeler.direction.sin;
+          sum += r;
+          all_clear &= r > feeler.clearance;
         }
-        x[i] = sum_x;
-        y[i] = sum_y;
+        // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
+        const bool is_even = sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
+        x[i] = is_even ? 1 : invert ? -sum_x : sum_x;
+        y[i] = is_even ? 0 : invert ? -sum_y : sum_y;
         clear[i] = all_clear;
       }
       for (std::size_t i = 0; i < count; ++i) {
-        if (x[i] == 0 || y[i] == 0) continue;  // no direction to choose: the last command stays
-        const double theta = invert ? atan2(-y[i], -x[i]) : atan2(y[i], x[i]);
+        double theta = atan2(y[i], x[i]);
+        // Straight before a wall nothing would ever turn it.
+        if (!clear[i] && !invert && std::abs(theta) < k_even) theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < cone ? speed : 0.0, 0.0, gain * theta};
       }
     }

@@ -100,7 +100,7 @@ struct Forager {
   std::string map;
   double low = 0;
   bool abandons = false;
-  std::size_t samples = 0;
+  Scanner scanner;
   std::optional<std::size_t> pack, finder;  // among the devices it chose
   FiducialReadings sights;                  // of the finder
   std::vector<Task> tasks;
@@ -133,8 +133,8 @@ struct Forager {
 std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                          std::string& fault) {
   DeviceChoice choice(devices, claimed);
-  samples = choice.take_scanner();
-  if (samples == 0) fault = "needs a ranger whose first transducer has more than 8 samples";
+  scanner = choice.take_scanner(k_evasion.window_share);
+  if (!scanner.is_usable()) fault = choice.scanner_fault();
   if (fault.empty() && !choice.take_kind("flags")) fault = "needs a device of kind \"flags\"";
   if (!fault.empty()) return {};
   const auto last = [&] { return choice.chosen().size() - 1; };
@@ -177,7 +177,7 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
 
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
-  return k_evasion.avoids(memory, percept.ranges(k_scanner).first(samples), random, actions.command);
+  return k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command);
 }
 
 std::uint32_t Forager::nearest_charger(const Pose& from) const {
@@ -283,8 +283,8 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   const double turn = k_turn_gain * sight.bearing;
   const bool is_aligned = std::abs(sight.bearing) < k_aligned;
   // Who stands before it charges there, or is about to: it waits, and leaves room to come out.
-  const std::span<const float> scan = percept.ranges(k_scanner).first(samples);
-  const bool is_taken = scan[samples / 2] < k_room && sight.range > k_creep_within;
+  const bool is_taken =
+      scanner.straight_ahead(percept.ranges(k_scanner)) < k_room && sight.range > k_creep_within;
   if (is_taken)
     actions.command = {is_aligned && sight.range < k_queue ? -k_back_speed : 0, 0, turn};
   else

@@ -12,6 +12,7 @@
 namespace troupe::models {
 namespace {
 
+using engine::DeviceInfo;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
@@ -68,7 +69,7 @@ struct Gradient {
   bool beacon;
   double spacing, speed, min_front;
   std::uint32_t patience;
-  std::size_t samples = 0;
+  Scanner scanner;
   std::size_t led = 0;  // its place among the devices; 0: none
 
   static Gradient make(const Record& p) {
@@ -76,11 +77,16 @@ struct Gradient {
             static_cast<std::uint32_t>(p[4].integer())};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
     if (!choice.take_kind("radio")) fault = "needs a radio";
-    if (!beacon) samples = choice.take_scanner();
+    if (!beacon) {
+      scanner = choice.take_scanner(3);
+      // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say why.
+      for (std::size_t d = 0; d < devices.size() && !scanner.is_usable() && fault.empty(); ++d)
+        if (!claimed[d] && !devices[d].prepared.bearings.empty()) fault = choice.scanner_fault();
+    }
     if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
   }
@@ -107,7 +113,7 @@ struct Gradient {
       memory.hops = 0;
     } else {
       const bool has_room = in_touch && heard.nearest >= spacing;
-      if (samples == 0) memory.settled = 1;
+      if (!scanner.is_usable()) memory.settled = 1;
       // Where it would be out of touch when it has come to a stop it must not settle.
       if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
       if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
@@ -127,7 +133,7 @@ struct Gradient {
       actions.command = {};
       return;
     }
-    roam(memory, percept.ranges(1).first(samples), random, actions.command);
+    roam(memory, percept.ranges(1), random, actions.command);
   }
 
   static void show(const Memory& memory, LedCommand& command) {
@@ -144,14 +150,14 @@ struct Gradient {
     }
   }
 
-  void roam(Memory& memory, std::span<const float> scan, Random& random, engine::Command& command) const {
+  void roam(Memory& memory, std::span<const float> ranges, Random& random, engine::Command& command) const {
     if (memory.alone > 0 && memory.alone <= k_backwards) {
       command = {-speed, 0, 0};
       memory.avoid_updates = 0;
       return;
     }
     const auto [obstruction, stop, left, right] =
-        look_ahead(scan, scan.size() / 3, min_front, k_stop_share * min_front);
+        scanner.look(ranges, min_front, k_stop_share * min_front);
     if (!obstruction && memory.avoid_updates == 0) {
       command = {speed, 0, 0};
       return;

@@ -76,7 +76,7 @@ struct InformedAggregation {
 
   bool stops_on_black, stops_on_white;
   double speed, enter, leave, others, min_front;
-  std::size_t samples = 0;
+  Scanner scanner;
 
   static InformedAggregation make(const Record& p) {
     return {p[0].text() != "white", p[0].text() != "black", p[1].number(), p[2].number(),
@@ -86,7 +86,7 @@ struct InformedAggregation {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
-    samples = choice.take_ground_radio_scanner(fault);
+    scanner = choice.take_ground_radio_scanner(4, fault);
     return choice.chosen();
   }
 
@@ -148,8 +148,7 @@ struct InformedAggregation {
     if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else {
-      const ScanAhead ahead =
-          look_ahead(percept.ranges(k_scanner).first(samples), samples / 4, min_front, min_front);
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool turns = memory.turn_updates > 0;

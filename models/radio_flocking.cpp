@@ -3,6 +3,7 @@
 #include "base/geometry.hpp"
 #include "base/math.hpp"
 #include "engine/controller.hpp"
+#include "models/beams.hpp"
 #include "models/device_choice.hpp"
 #include "models/radio.hpp"
 
@@ -49,7 +50,7 @@ const FieldTable& flocking_fields() {
 
 struct RadioFlocking {
   double speed, distance, spacing_weight, gain, clearance;
-  std::vector<SinCos> beams;
+  std::vector<Beam> beams;
 
   static RadioFlocking make(const Record& p) {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number(), {}};
@@ -63,8 +64,7 @@ struct RadioFlocking {
     });
     if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
     if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
-      for (const double bearing : devices[choice.chosen().back()].prepared.bearings)
-        beams.push_back(sincos(bearing));
+      beams = beams_of(devices[choice.chosen().back()]);
     return choice.chosen();
   }
 
@@ -97,10 +97,10 @@ struct RadioFlocking {
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;
-    for (std::size_t b = 0; b < beams.size(); ++b) {
-      const double range = percept.ranges(1)[b];
+    for (const Beam& beam : beams) {
+      const double range = percept.ranges(1)[beam.reading];
       if (!(range < clearance)) continue;
-      sum -= (1 - range / clearance) * Vec2(beams[b].cos, beams[b].sin);
+      sum -= (1 - range / clearance) * Vec2(beam.direction.cos, beam.direction.sin);
       ++count;
     }
     return count > 0 ? Vec2(k_push / static_cast<double>(count) * sum) : sum;

@@ -1,6 +1,7 @@
 #include "models/wander.hpp"
 
 #include "engine/controller.hpp"
+#include "models/device_choice.hpp"
 #include "models/scan_ahead.hpp"
 
 namespace troupe::models {
@@ -39,31 +40,24 @@ struct Wander {
   };
 
   double cruise, avoid, turn, min_front, stop_distance;
-  std::size_t samples = 0;
+  Scanner scanner;
 
   static Wander make(const Record& p) {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
                                   std::string& fault) {
-    for (std::size_t s = 0; s < sensors.size(); ++s) {
-      const auto& layout = sensors[s].prepared;
-      if (claimed[s] || layout.transducers.empty()) continue;
-      const std::size_t end = layout.transducers.size() > 1 ? layout.transducers[1] : layout.bearings.size();
-      if (end < k_least_samples) continue;
-      claimed[s] = true;
-      samples = end;
-      return {s};
-    }
-    fault = "needs a ranger whose first transducer has more than 8 samples";
-    return {};
+    DeviceChoice choice(devices, claimed);
+    scanner = choice.take_scanner(3);
+    if (!scanner.is_usable()) fault = choice.scanner_fault();
+    return choice.chosen();
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
-    const std::span<const float> scan = percept.ranges(0).first(samples);
-    const auto [obstruction, stop, left, right] = look_ahead(scan, scan.size() / 3, min_front, stop_distance);
+    const auto [obstruction, stop, left, right] =
+        scanner.look(percept.ranges(0), min_front, stop_distance);
     // Whatever was commanded from outside before, it is speeds from now on.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {

@@ -197,7 +197,7 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
                                 record[7].number()};
     add_extras_of(record, transducer, out.bearings.size(), ranger);
     out.transducers.push_back(out.bearings.size());
-    out.transducer_headings.push_back(pose_sensor_transducer.heading);
+    out.transducer_origins.push_back(pose_sensor_transducer.position());
     for (std::size_t i = 0; i < transducer.samples; ++i)
       out.bearings.push_back(pose_sensor_transducer.heading + transducer.bearing(i));
     farthest = std::max(farthest, transducer.range_max);

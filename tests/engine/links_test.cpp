@@ -50,10 +50,11 @@ Vec2 moved(const Pose& rest, const Pose& q, const Vec2& p) {
 }
 
 /// Every obstacle of the world, from nothing but poses and the poses of joints. Joints stand on bodies here.
-std::vector<Block> blocks_of(const World& world) {
+/// bodies: how many are looked at, with the ground.
+std::vector<Block> blocks_of(const World& world, std::size_t bodies) {
   std::vector<Block> blocks;
   const WorldSpec& spec = world.spec();
-  for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
+  for (std::size_t b = 1; b < std::min(bodies, spec.bodies.size()); ++b) {
     const BodyId body(b);
     const Row row = world.row(body);
     BodyId tree = body;
@@ -78,8 +79,8 @@ std::vector<Block> blocks_of(const World& world) {
 }
 
 /// The deepest overlap of blocks of different trees, m; 0 or less: none.
-double deepest(const World& world) {
-  const std::vector<Block> blocks = blocks_of(world);
+double deepest(const World& world, std::size_t bodies = 1000) {
+  const std::vector<Block> blocks = blocks_of(world, bodies);
   double most = -1;
   for (std::size_t i = 0; i < blocks.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -194,6 +195,143 @@ TEST(Links, TheSameOnAnyThreadsAndTiles) {
       EXPECT_EQ(hashes, expected);
     }
   }
+}
+
+/// Adds many small bodies far away: cells are as wide as most bodies are.
+void make_cells_small(SceneBuilder& scene) {
+  const TypeId crumb = scene.type("crumb", {box(0.1, 0.1, 0.1)}, {.pushable = true});
+  for (int i = 0; i < 900; ++i) scene.body(fmt::format("crumb{}", i), crumb, {9 + 0.2 * (i % 30), 0.2 * (i / 30), 0, 0});
+}
+
+/// The rectangle of a block of a body that stands at a pose.
+Ring at(const Pose& pose, Ring ring) {
+  for (Vec2& v : ring) v = moved({}, pose, v);
+  return ring;
+}
+
+/// Sweepers, which turn long arms and push what these meet; machines that stand, slide and grip; and pucks, some
+/// with an arm of their own, which go far in a tick while joints move.
+SceneBuilder sweepers(std::uint64_t seed) {
+  SceneBuilder scene;
+  scene.spec.seed = seed;
+  Random random(seed, 9, 0, 0);
+  std::vector<Ring> taken;
+  const auto place = [&](const std::string& name, TypeId type, const std::vector<Ring>& rings) {
+    for (int tries = 0; tries < 200; ++tries) {
+      const Pose pose{random.uniform(-1.4, 1.4), random.uniform(-1.4, 1.4), 0, random.uniform(-k_pi, k_pi)};
+      std::vector<Ring> placed;
+      for (const Ring& ring : rings) placed.push_back(at(pose, ring));
+      const bool is_free = std::ranges::none_of(placed, [&](const Ring& a) {
+        return std::ranges::any_of(taken, [&](const Ring& b) { return depth(a, b) > -1e-3; });
+      });
+      if (!is_free) continue;
+      taken.insert(taken.end(), placed.begin(), placed.end());
+      scene.body(name, type, pose);
+      return;
+    }
+  };
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = fmt::format("sweeper{}", i);
+    const std::vector<Ring> rings{test::box_ring(0.2, 0.2),
+                                  test::rectangle(0.1, -0.04, random.uniform(0.5, 1.1), 0.04)};
+    const TypeId type = scene.robot(name, {{{rings[0]}, {0, 0.3}}, {{rings[1]}, {0, 0.3}}});
+    std::vector<Record> legs;
+    for (int t = 1; t < 6; ++t)
+      legs.push_back(test::leg(t, i == 0 ? 0 : random.uniform(-0.6, 0.6), random.uniform(-3, 3)));
+    scene[type].controllers.push_back(test::drive_legs(legs));
+    place(name, type, rings);
+  }
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = fmt::format("machine{}", i);
+    const TypeId type = scene.robot(name, {box(0.2, 0.2, 0.3)});
+    const bool slides = i % 2 == 0;
+    if (slides)
+      test::add_arm(scene[type], "part", {0, 0, 0.1, 0},
+                    {Solid{{test::rectangle(-0.05, -0.03, 0.1, 0.03)}, {0, 0.1}}},
+                    {{"max_position", 0.8}, {"max_speed", random.uniform(0.1, 0.8)}});
+    else
+      test::add_device(scene[type], "part", "gripper", {0.2, 0, 0, 0});
+    std::vector<Record> orders;
+    for (int t = 0; t < 8; ++t)
+      orders.push_back(slides ? order(0.1 + 0.7 * t, "part", "speed", t % 2 == 0 ? 1 : -1)
+                              : order(0.1 + 0.9 * t, "part", t % 2 == 0 ? "close" : "open"));
+    scene[type].controllers.push_back(test::operate(orders));
+    std::vector<Ring> rings(1, test::box_ring(0.2, 0.2));
+    if (!slides) rings.push_back(test::rectangle(0.1, -0.15, 0.3, 0.15));
+    place(name, type, rings);
+  }
+  for (int i = 0; i < 14; ++i) {
+    const std::string name = fmt::format("puck{}", i);
+    const double size = random.uniform(0.05, 0.16);
+    const TypeId type = scene.type(name, {box(size, 0.1, 0.2)}, {.gripper = true, .pushable = true});
+    std::vector<Ring> rings(1, test::box_ring(size, 0.1));
+    if (i % 4 == 0) {
+      test::add_arm(scene[type], "arm", {0, 0, 0, 0}, {Solid{{test::rectangle(0, -0.02, 0.06, 0.02)}, {0, 0.1}}},
+                    {{"max_position", 0.5}, {"max_speed", 0.5}});
+      scene[type].controllers.push_back(test::operate({order(0.1, "arm", "speed", 1), order(3, "arm", "speed", -1)}));
+      rings.push_back(test::rectangle(0, -0.02, 0.06, 0.02));
+    }
+    place(name, type, rings);
+  }
+  return scene;
+}
+
+// A body that was pushed lies farther from where the index has it than any robot drove in the tick: a turn alone
+// pushes, too.
+TEST(Links, WhatIsPushedIsMetByJointsOnAnyTiles) {
+  for (std::uint64_t seed = 1; seed <= (test::k_slow_build ? 3u : 60u); ++seed) {
+    SceneBuilder scene = sweepers(seed);
+    const std::size_t bodies = scene.spec.bodies.size();
+    make_cells_small(scene);
+    std::vector<std::uint64_t> expected;
+    for (const WorldOptions& options : {WorldOptions{1, 40}, {1, 0.1}, {2, 0.5}, {1, 0.8}}) {
+      World world = scene.world(options);
+      ASSERT_LT(deepest(world, bodies), 1e-9) << "at the start";
+      for (std::size_t t = 0; t < 40; ++t) {
+        world.step();
+        const std::uint64_t hash = world.hashes().state;
+        if (t == expected.size()) expected.push_back(hash);
+        ASSERT_EQ(hash, expected[t]) << "seed " << seed << ", tick " << t + 1 << ", tiles of "
+                                     << options.tile_size_m;
+        if (options.tile_size_m == 40) continue;
+        ASSERT_LT(deepest(world, bodies), 1e-9)
+            << "seed " << seed << ", tick " << t + 1 << ", tiles of " << options.tile_size_m;
+      }
+    }
+  }
+}
+
+// The sweeper's arm turns by 0.3 rad in the first tick and takes the puck 0.3 m along, to the tip of the slide, which
+// is about to go on by 50 mm.
+TEST(Links, ASlideStopsAtAPuckThatWasJustSweptBeforeIt) {
+  for (int k = 0; k <= 10; ++k)
+    for (int offset = 0; offset < 8; ++offset) {
+      const double x = 0.04 * offset;
+      const double arm = x + 0.74 + 0.01 * k;
+      SceneBuilder scene;
+      const TypeId machine = scene.robot("machine", {box(0.2, 0.2, 0.3)});
+      test::add_arm(scene[machine], "slide", {0, 0, 0.1, 0},
+                    {Solid{{test::rectangle(0, -0.03, 0.29, 0.03)}, {0, 0.1}}},
+                    {{"max_position", 0.4}, {"max_speed", 0.5}});
+      scene[machine].controllers.push_back(test::operate({order(0, "slide", "speed", 0.5)}));
+      scene.body("machine", machine, {x, 0, 0, 0});
+      const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.3)}, {.pushable = true});
+      const BodyId swept = scene.body("puck", puck, {arm - 0.101, 0, 0, 0});
+      const TypeId sweeper = scene.robot(
+          "sweeper", {box(0.2, 0.2, 0.3), Solid{{test::rectangle(0.1, -0.05, 1.2, 0.05)}, {0, 0.3}}});
+      scene[sweeper].controllers.push_back(test::drive_legs({test::leg(0.25, 0, 3)}));
+      scene.body("sweeper", sweeper, {arm, -1, 0, k_pi / 2});
+      make_cells_small(scene);
+      World world = scene.world({1, 0.1});
+      ASSERT_LT(world.geometry().cell_m, 0.35);
+      for (int t = 0; t < 3; ++t) {
+        world.step();
+        EXPECT_LT(deepest(world, 4), 1e-9) << "tick " << world.tick() << ", arm at " << arm << ", offset " << x;
+      }
+      if (k > 3) {
+        EXPECT_LT(world.pose(swept).x - x, 0.5) << "it was swept";
+      }
+    }
 }
 
 TEST(Links, AResetAndAnotherRunAreTheSame) {

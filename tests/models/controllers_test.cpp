@@ -11,7 +11,8 @@ namespace {
 
 using engine::Command;
 
-/// One decision of a controller kind on readings given by hand: a ring of single beams, or one scanner.
+/// One decision of a controller kind on readings given by hand: a ring of single beams, or one scanner of 180
+/// degrees.
 struct Decision {
   engine::DeviceKind::Prepared layout;
   engine::ControllerKind kind;
@@ -26,7 +27,7 @@ struct Decision {
     engine::DeviceKind::Prepared layout;
     for (const double heading : headings) {
       layout.transducers.push_back(layout.bearings.size());
-      layout.transducer_headings.push_back(heading);
+      layout.transducer_origins.push_back(Vec2::Zero());
       layout.bearings.push_back(heading);
     }
     return layout;
@@ -34,8 +35,9 @@ struct Decision {
   static engine::DeviceKind::Prepared scanner(std::size_t samples) {
     engine::DeviceKind::Prepared layout;
     layout.transducers = {0};
-    layout.transducer_headings = {0};
-    layout.bearings.assign(samples, 0);
+    layout.transducer_origins = {Vec2::Zero()};
+    for (std::size_t i = 0; i < samples; ++i)
+      layout.bearings.push_back(k_pi * (static_cast<double>(i) / static_cast<double>(samples - 1) - 0.5));
     return layout;
   }
 
@@ -150,9 +152,54 @@ TEST(Expand, PioneerPresetHasTheNumbersOfTheCaveBenchmark) {
   }
 }
 
-TEST(Expand, ASumOfExactlyZeroLeavesTheLastCommand) {
-  Decision decide(Decision::ring({0}), "expand", preset("expand_swarm"));
-  EXPECT_EQ(decide({1.0f}).x, 9) << "one beam ahead: the sum has no sideways part at all";
+TEST(Expand, WhereAllIsFreeItGoesStraightAhead) {
+  Decision one(Decision::ring({0}), "expand", preset("expand_swarm"));
+  EXPECT_EQ(one({1.0f}).x, 0.3) << "one beam ahead: the sum has no sideways part at all";
+  EXPECT_EQ(one({1.0f}).turn, 0);
+  Decision ring(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
+  const Command c = ring(std::vector<float>(12, 1.9f));
+  EXPECT_EQ(c.x, 0.3) << "what is left of the sum is rounding, which has no direction";
+  EXPECT_EQ(c.turn, 0);
+}
+
+TEST(Expand, StraightBeforeAWallItTurns) {
+  Decision decide(Decision::ring({-0.5, 0, 0.5}), "expand", preset("expand_swarm"));
+  const Command c = decide({1, 0.1f, 1});
+  EXPECT_EQ(c.x, 0);
+  EXPECT_EQ(c.turn, 0.5);
+}
+
+TEST(Expand, EachBeamOfATransducerHasItsClearance) {
+  // Two fans of three beams: only those of the first have a clearance.
+  engine::DeviceKind::Prepared fans;
+  fans.transducers = {0, 3};
+  fans.transducer_origins = {Vec2::Zero(), Vec2::Zero()};
+  fans.bearings = {-0.1, 0, 0.1, -0.3, 0.02, 0.3};
+  const engine::Record params =
+      test::record(test::registry().controller("expand")->params, {{"clearances", std::vector<double>{0.5}}});
+  for (std::size_t near = 0; near < 6; ++near) {
+    Decision decide(fans, "expand", params);
+    std::vector<float> ranges(6, 2.0f);
+    ranges[near] = 0.4f;
+    EXPECT_EQ(decide(ranges).x, near < 3 ? 0 : 0.3) << near;
+  }
+}
+
+TEST(Expand, WhatNeverPointsAheadIsAFault) {
+  const std::string fault =
+      "needs a ranger with a beam ahead, or beams to the left and to the right: the vector sum of those of "
+      "\"sensor\" never points ahead";
+  for (const std::vector<double>& headings :
+       {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
+    EXPECT_EQ(Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
+                  .fault,
+              fault)
+        << headings[0];
+  for (const std::vector<double>& headings : {std::vector{0.4}, {1.5, -1.5}, {k_pi, 0.1}})
+    EXPECT_EQ(Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
+                  .fault,
+              "")
+        << headings[0];
 }
 
 TEST(Expand, InvertTurnsTheSumAround) {
@@ -205,7 +252,9 @@ TEST(Wander, OutsideTheMiddleThirdNothingObstructs) {
 
 TEST(Wander, NeedsMoreThanEightSamples) {
   Decision decide(Decision::scanner(8), "wander", test::registry().controller("wander")->params.defaults());
-  EXPECT_EQ(decide.fault, "needs a ranger whose first transducer has more than 8 samples");
+  EXPECT_EQ(decide.fault,
+            "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
+            "30 degrees of straight ahead; \"sensor\" (8) has too few");
 }
 
 TEST(Script, WaveFollowsItsLaw) {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "base/math.hpp"
+#include "base/pose.hpp"
+#include "engine/kinds.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace troupe::models {
+
+/// Where one reading of a ranger is taken. The frame is that of the drive that the controller commands: x is
+/// straight ahead, y left.
+struct Beam {
+  std::size_t reading = 0;     ///< index in Percept::ranges()
+  std::size_t transducer = 0;  ///< index of its transducer
+  double bearing = 0;          ///< rad, counter-clockwise from straight ahead, within [-pi, pi]
+  SinCos direction;            ///< of the bearing
+  Vec2 origin = Vec2::Zero();  ///< where the beam starts, m
+};
+
+/// The beams of a device, in the order of its readings; empty where it is no ranger.
+inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
+  const engine::DeviceKind::Prepared& layout = device.prepared;
+  const Transform pose_drive_sensor(device.pose);
+  std::vector<Beam> beams(layout.bearings.size());
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const auto next = std::ranges::upper_bound(layout.transducers, i);
+    const auto after = static_cast<std::size_t>(next - layout.transducers.begin());
+    const std::size_t transducer = after > 0 ? after - 1 : 0;
+    const double heading = device.pose.heading + layout.bearings[i];
+    beams[i] = {.reading = i,
+                .transducer = transducer,
+                .bearing = wrap_angle(heading),
+                .direction = sincos(heading),
+                .origin = transducer < layout.transducer_origins.size()
+                              ? pose_drive_sensor * layout.transducer_origins[transducer]
+                              : pose_drive_sensor.position};
+  }
+  return beams;
+}
+
+}  // namespace troupe::models
