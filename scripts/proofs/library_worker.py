@@ -106,16 +106,26 @@ class Job:
         yield lines
 
     def converted(self, check):
+        """Written by `troupe convert`, and read again. In Stage's format without what that cannot say."""
         source, target = self.folder / "source.json", self.folder / f"converted.{check['to']}"
-        # Measures are options of a run where Stage's format is concerned.
-        source.write_text(json.dumps({key: value for key, value in self.world.items() if key != "measures"}))
+        world = self.world
+        options = {}
+        if check["to"] == "world":
+            options = {"ranging": world["ranging"]} if "ranging" in world else {}
+            unsaid = ("measures", "ranging", "resolution_m", "at", "faults", "mortal")
+            world = {key: value for key, value in world.items() if key not in unsaid}
+            world["populations"] = [{key: value for key, value in one.items() if key != "reserve"}
+                                    for one in world.get("populations", ())]
+        source.write_text(json.dumps(world))
         done = subprocess.run([self.program, "convert", source, target, "--force"], capture_output=True, text=True)
-        if done.returncode == 2 and check["to"] == "world":  # Stage's format cannot say everything
-            self.refused.append(done.stderr.strip().splitlines()[0])
+        if done.returncode == 2 and check["to"] == "world":
+            self.refused.append(done.stderr.strip().splitlines()[0].split(": ", 1)[1][:160])
             return
         if done.returncode != 0:
             raise RuntimeError(f"troupe convert: exit code {done.returncode}: {done.stderr.strip()}")
-        yield self.steps(troupe.Simulation(str(target), threads=1), self.ticks)
+        if check["to"] == "world":
+            self.expected = self.steps(troupe.Simulation(str(source), threads=1, **options), self.ticks)
+        yield self.steps(troupe.Simulation(str(target), threads=1, **options), self.ticks)
 
     def program_check(self, check):
         yield from ()
@@ -135,6 +145,7 @@ class Job:
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
                "controllers": self.program_check}[check["check"]]
+        plain = self.expected
         try:
             for lines in run(check):
                 end = int(lines[-1].split()[0])
@@ -144,6 +155,8 @@ class Job:
                     return {"check": check, "tick": found[0], "text": found[1]}
         except (RuntimeError, ValueError, LookupError, TypeError) as error:
             return {"check": check, "tick": None, "text": f"{type(error).__name__}: {error}"}
+        finally:
+            self.expected = plain
         return None
 
     def run(self, checks):

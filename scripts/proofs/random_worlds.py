@@ -20,7 +20,8 @@ SHAPE = {"transducers", "bumpers", "intensity", "width", "height", "payload", "d
          "paddle_size", "size_m", "type", "drive", "role", "informed", "law", "legs", "orders", "plan", "beacon", "task",
          "source", "sink", "map", "count", "reach_m", "population", "stored_J", "yellow", "paddles", "lift",
          "start_position", "start_x_mps", "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused",
-         "puck", "charger", "pushes", "most_heard", "most_targets", "most_blobs"}
+         "puck", "charger", "pushes", "most_heard", "most_targets", "most_blobs", "when_empty", "min_position",
+         "max_position", "axis"}
 
 # The devices that a controller needs, and may take: (kind, parameters on which it insists).
 SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
