@@ -266,7 +266,7 @@ def shrunk(runner, case):
     """The case made small, and how many trials that took. The ticks and the ticks of checkpoints shrink with the world."""
 
     def fails(document):
-        if not isinstance(document.get("ticks"), int) or document["ticks"] < 1 or "check" not in document.get("check", {}):
+        if set(document) != set(case) or document["ticks"] < 1 or "check" not in document["check"]:
             return False
         check = document["check"]
         if check["check"] != case["check"]["check"] or set(check) != set(case["check"]):

@@ -16,11 +16,10 @@ PLAN = "plan.pgm"  # an image of walls, beside the world
 
 # What decides how many numbers the state has, or which state there is: `set` may not change it.
 SHAPE = {"transducers", "bumpers", "intensity", "width", "height", "payload", "directions", "image_width", "image_height",
-         "points_m", "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "most",
-         "paddle_size", "size_m", "type", "drive", "role", "informed", "law", "legs", "orders", "plan", "beacon", "task",
-         "source", "sink", "map", "count", "reach_m", "population", "stored_J", "yellow", "paddles", "lift",
+         "points_m", "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
+         "paddle_size", "size_m", "type", "drive", "count", "reach_m", "source", "sink", "map", "task", "charger", "puck", "task2", "task3", "task4", "task5", "task6", "task7", "task8", "stored_J", "yellow", "paddles", "lift",
          "start_position", "start_x_mps", "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused",
-         "puck", "charger", "pushes", "most_heard", "most_targets", "most_blobs", "when_empty", "min_position",
+         "pushes", "most_heard", "most_targets", "most_blobs", "when_empty", "min_position",
          "max_position", "axis"}
 
 # The devices that a controller needs, and may take: (kind, parameters on which it insists).
@@ -46,7 +45,11 @@ EVERYTHING = [RING, SCANNER, RADIO, ("ground", {}), ("light_sensor", {"direction
 COMPANIONS = {"power_contact": "power_pack", "spawner": "flags"}
 # These stand still, beside a body's own controller or alone.
 STANDS = {"source", "sink"}
-MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink"), "collector": ("sink",)}
+MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink", "green_source", "green_sink"),
+                 "collector": ("sink", "sink1")}
+# What else may be set of a controller: names of models that are there.
+SET_OF = {"fasr2": [{"task2": ""}, {"task": "green"}], "collector": [{"sink": "sink1"}, {"charger": 9}, {"puck": 2}],
+          "fasr": [{"source": "sink", "sink": "source"}]}
 COLORS = ("red", "SteelBlue", "gold", "LimeGreen", "black", "white", "gray40")
 
 
@@ -64,7 +67,9 @@ def pairs_of(kinds):
 
 
 def settable(kind):
-    return [key for key in kind.parameters if key not in SHAPE]
+    """The parameters that may change while a world runs."""
+    return sorted({key for one in SET_OF.get(kind.name, ()) for key in one}
+                  | {key for key in kind.parameters if key not in SHAPE})
 
 
 def rounded(value):
@@ -133,7 +138,7 @@ class Values:
         value = min(max(value, low), high)
         if value == low and "minimum" not in schema:
             value = low + min(0.1, (high - low) / 2)
-        return rounded(value)
+        return min(max(rounded(value), low), high)
 
 
 class Generator:
@@ -330,7 +335,7 @@ class Generator:
 
     def _controller_fasr2(self, chosen, _):
         chosen.clear()
-        chosen["task"] = "red"
+        chosen.update(task="red", task2="green")
 
     def _controller_dynamic(self, chosen, _):
         chosen.update(count=self.draws.randint(1, 4), reach_m=0.1)
@@ -708,13 +713,18 @@ class Generator:
         kind = self.kinds.of(family)[part["kind"]]
         drawn = self.parameters(kind, often=1)
         allowed = [key for key in settable(kind) if key in drawn]
-        if not allowed:
+        if not allowed and kind.name not in SET_OF:
             return None
-        changed = {key: drawn[key] for key in self.draws.sample(allowed, self.draws.randint(1, min(3, len(allowed))))}
+        changed = {key: drawn[key] for key in self.draws.sample(allowed, min(len(allowed), self.draws.randint(1, 3)))}
+        if family == "controller" and kind.name in SET_OF:
+            changed = self.draws.choice(SET_OF[kind.name])
         if family == "device" and kind.name == "spawner":
             changed = {"every_s": rounded(self.tick_s * self.draws.randint(1, 9))}
         if family == "device" and kind.name == "power_pack" and "capacity_J" in changed:
             changed["capacity_J"] = rounded(part["capacity_J"] * self.draws.choice((0.5, 2)))
+        if one.get("drive", {}).get("kind") != "omni":
+            for goal in changed.get("goals", ()):
+                goal.pop("speed_mps", None)
         which = {"kind": part["kind"]} if family == "controller" else {} if family == "drive" else {"name": part["name"]}
         key = "device" if family == "sensor" else family
         return {"set": {"type": name, key: {**which, **changed}}}
