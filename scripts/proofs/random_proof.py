@@ -173,10 +173,11 @@ class Program:
 class RandomProof:
     """Makes worlds and checks them until so many are done, or so much time has passed."""
 
-    def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print):
+    def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
+                 kinds=None):
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
-        self.kinds = kinds_of(runner.program)
+        self.kinds = kinds or kinds_of(runner.program)
         self.coverage = Coverage(self.kinds)
         self.made = self.valid = self.checks = self.stopped = 0
         self.refusals, self.invalid, self.failed = Counter(), Counter(), []
@@ -201,10 +202,10 @@ class RandomProof:
             self.stopped += bool(told["stopped"])
             self.refusals.update(told["refused"])
             self.coverage.add(world, told)
-            for failure in told["failures"]:
-                self._found(index, world, ticks, failure)
+            if told["failures"]:
+                self._found(index, world, ticks, told["failures"])
                 if stop_at_first:
-                    return self.failed
+                    break
             if len(self.failed) >= MOST_KEPT:
                 self.failed.append(f"given up after {MOST_KEPT} differences")
                 break
@@ -234,7 +235,10 @@ class RandomProof:
         for text, times in self.invalid.most_common(5):
             yield f"  not loaded, {times}: {text}"
 
-    def _found(self, index, world, ticks, failure):
+    def _found(self, index, world, ticks, failures):
+        """Keeps a world, made small for the first of the checks in which it differs."""
+        failure = failures[0]
+        others = "".join(f"; also in {other['check']['check']}" for other in failures[1:])
         folder = self.kept / f"{self.seed}-{index}-{failure['check']['check']}"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -244,7 +248,7 @@ class RandomProof:
         trials = 0
         if self.shrink:
             self.say(f"  world {index} differs in {failure['check']['check']}; it is being shrunk ...")
-            case, trials = shrunk(self.runner, case)
+            case, trials = shrunk(self.runner, case, failure["tick"])
             again = self.runner.run(case["world"], case["ticks"], [case["check"]])
             failure = (again.get("failures") or [failure])[0]
         (folder / "world.json").write_text(json.dumps(case["world"], indent=1) + "\n")
@@ -252,7 +256,7 @@ class RandomProof:
                                                       "found": failure["text"]}, indent=1) + "\n")
         where = folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder
         command = f"scripts/prove --random-again {shlex.quote(str(where))}"
-        text = (f"random world {index} of seed {self.seed}, {json.dumps(failure['check'])}: {failure['text']}\n"
+        text = (f"random world {index} of seed {self.seed}, {json.dumps(failure['check'])}: {failure['text']}{others}\n"
                 f"  {trials} trials shrank it to {where}/world.json, {case['ticks']} ticks; again: {command}")
         self.say(text)
         self.failed.append(text)
@@ -262,7 +266,7 @@ def is_same(failure, check):
     return failure["check"]["check"] == check["check"]
 
 
-def shrunk(runner, case):
+def shrunk(runner, case, tick=None):
     """The case made small, and how many trials that took. The ticks and the ticks of checkpoints shrink with the world."""
 
     def fails(document):
@@ -284,6 +288,11 @@ def shrunk(runner, case):
         return any(is_same(failure, check) for failure in told.get("failures", ()))
 
     shrinker = Shrinker(fails)
+    for ticks in (tick, tick + 1) if tick else ():  # no further than to where it differs
+        cut = {**case, "ticks": ticks}
+        if fails(cut):
+            case = cut
+            break
     return shrinker.shrunk(case), shrinker.trials
 
 

@@ -15,12 +15,13 @@ PART_FAMILIES = ("drive", "sensor", "device", "controller")
 PLAN = "plan.pgm"  # an image of walls, beside the world
 
 # What decides how many numbers the state has, or which state there is: `set` may not change it.
-SHAPE = {"transducers", "bumpers", "intensity", "width", "height", "payload", "directions", "image_width", "image_height",
-         "points_m", "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
-         "paddle_size", "size_m", "type", "drive", "count", "reach_m", "source", "sink", "map", "task", "charger", "puck", "task2", "task3", "task4", "task5", "task6", "task7", "task8", "stored_J", "yellow", "paddles", "lift",
-         "start_position", "start_x_mps", "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused",
-         "pushes", "most_heard", "most_targets", "most_blobs", "when_empty", "min_position",
-         "max_position", "axis"}
+SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "image_width", "image_height", "points_m",
+         "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
+         "paddle_size", "size_m", "type", "drive", "source", "sink", "map", "task", "task2", "task3", "task4", "task5", "task6",
+         "task7", "task8", "charger", "puck", "stored_J", "yellow", "paddles", "lift", "start_position", "start_x_mps",
+         "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused", "pushes", "most_heard", "most_targets",
+         "most_blobs", "when_empty", "min_position", "max_position", "axis"}
+SHAPE_OF = {"ranger": {"intensity"}, "dynamic": {"count", "reach_m"}}
 
 # The devices that a controller needs, and may take: (kind, parameters on which it insists).
 SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
@@ -69,7 +70,7 @@ def pairs_of(kinds):
 def settable(kind):
     """The parameters that may change while a world runs."""
     return sorted({key for one in SET_OF.get(kind.name, ()) for key in one}
-                  | {key for key in kind.parameters if key not in SHAPE})
+                  | kind.parameters.keys() - SHAPE - SHAPE_OF.get(kind.name, set()))
 
 
 def rounded(value):
@@ -721,7 +722,7 @@ class Generator:
         if family == "device" and kind.name == "spawner":
             changed = {"every_s": rounded(self.tick_s * self.draws.randint(1, 9))}
         if family == "device" and kind.name == "power_pack" and "capacity_J" in changed:
-            changed["capacity_J"] = rounded(part["capacity_J"] * self.draws.choice((0.5, 2)))
+            changed["capacity_J"] = rounded(part.get("capacity_J", 100) * self.draws.choice((0.5, 2)))
         if one.get("drive", {}).get("kind") != "omni":
             for goal in changed.get("goals", ()):
                 goal.pop("speed_mps", None)

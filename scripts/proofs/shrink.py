@@ -97,19 +97,23 @@ class Shrinker:
         for path, value in list(paths_of(document)):
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not exists(document, path):
                 continue
-            if isinstance(value, int):
-                candidates = [0, 1, value // 4, value // 2, value - 1] if value > 1 else []
-            else:
-                candidates = [number for number in (0, float(round(value)), round(value, 1)) if number != value]
-            for candidate in candidates:
-                if abs(candidate) <= abs(value) + 1 and candidate != value and self._still(put(document, path, candidate)):
-                    document = put(document, path, candidate)
+            while True:
+                smaller = next((candidate for candidate in self._smaller(value) if self._still(put(document, path, candidate))), None)
+                if smaller is None:
                     break
+                document, value = put(document, path, smaller), smaller
         return document
+
+    @staticmethod
+    def _smaller(value):
+        if isinstance(value, int):
+            return dict.fromkeys((0, 1, value // 4, value // 2, value * 3 // 4, value - 1)) if value > 1 else ()
+        return [number for number in (0, float(round(value)), round(value, 1)) if abs(number) < abs(value)]
 
     def shrunk(self, document):
         while True:
             before = repr(document)
+            # Large pieces first: what they take along need not be tried.
             for way in (self._lists, self._keys, self._lists, self._numbers):
                 document = way(document)
             if repr(document) == before or self._left <= 0 or time.monotonic() > self._end:
