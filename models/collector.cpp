@@ -154,6 +154,10 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   const auto& gripper = percept.devices[k_gripper].as<GripperState>();
   const Vec2 here = percept.estimate.position();
   ++memory.updates;
+  // An intervention may have left fewer sinks, or chargers, than there were when one was chosen.
+  if (memory.mode == carrying && memory.goal >= sinks.size()) memory.goal = nearest(sinks, here);
+  if (memory.mode == charging && chargers.empty()) enter(memory, leaving);
+  if (memory.mode == charging && memory.goal >= chargers.size()) memory.goal = nearest(chargers, here);
   if (memory.mode == seeking && !chargers.empty() &&
       percept.devices[k_pack].as<PowerPackState>().proportion_remaining() < k_low) {
     enter(memory, charging);

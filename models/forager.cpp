@@ -198,7 +198,7 @@ Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& per
 
 void Forager::operator()(Memory& memory, const engine::Percept& percept, Random& random,
                          engine::Actions& actions) const {
-  if (memory.started == 0) {
+  if (memory.started == 0 || memory.task >= tasks.size()) {  // an intervention may have left fewer tasks
     memory.started = 1;
     memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
   }

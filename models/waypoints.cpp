@@ -133,6 +133,8 @@ struct Waypoints {
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    // An intervention may have left fewer goals than the robot had passed.
+    memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(goals.size() - 1));
     const Ahead ahead = look_ahead(percept, actions.command);
     if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
     const Goal& goal = goals[memory.goal];

@@ -5,6 +5,7 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import json
 import pathlib
 import subprocess
 import tempfile
@@ -14,7 +15,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 spec = importlib.util.spec_from_loader("prove", importlib.machinery.SourceFileLoader("prove", str(ROOT / "scripts" / "prove")))
 prove = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(prove)
-from proofs import builds, runs, variants  # noqa: E402  (scripts/prove has put its folder on the path)
+# scripts/prove has put its folder on the path
+from proofs import builds, checks, coverage, random_proof, random_worlds, runs, shrink, variants  # noqa: E402
+from proofs.kinds import Kinds  # noqa: E402
 
 WORLD = runs.World("crowd.json")
 LOG = [f"{tick} {tick:016x} pose={1:016x} velocity={2:016x} sensor={3:016x} memory={4:016x}" for tick in range(51)]
@@ -96,6 +99,140 @@ class Planted(unittest.TestCase):
     def test_faults_say_what_they_do(self):
         for name, about in builds.planted_faults():
             self.assertGreater(len(about), 40, name)
+
+
+SCHEMA = json.loads((ROOT / "docs" / "world.schema.json").read_text())
+
+
+class RandomWorlds(unittest.TestCase):
+    def setUp(self):
+        self.kinds = Kinds(json.loads(json.dumps(SCHEMA)))
+        self.pairs = random_worlds.pairs_of(self.kinds)
+
+    def test_a_world_follows_from_its_seed_and_index(self):
+        once, again, other = (random_worlds.make_world(self.kinds, seed, 5, self.pairs) for seed in (1, 1, 2))
+        self.assertEqual(once, again)
+        self.assertNotEqual(once, other)
+
+    def test_every_pair_of_a_kind_and_an_event_is_the_focus_of_a_world(self):
+        foci = {random_worlds.focus_of(self.pairs, 1, i) for i in range(len(self.pairs))}
+        self.assertEqual(foci, set(self.pairs))
+        self.assertIn(("device", "gripper", "carried"), foci)
+        self.assertIn(("sensor", "radio", "born"), foci)
+
+    def test_worlds_have_every_kind_rule_and_intervention_of_the_schema(self):
+        counted = coverage.Coverage(self.kinds)
+        told = {"ticks": 1000, "events": [], "resumed": []}
+        for i in range(400):
+            counted.add(random_worlds.make_world(self.kinds, 1, i, self.pairs)[0], told)
+        missing = [name for name in counted.missing() if ": " not in name]
+        self.assertEqual(missing, [])
+
+    def test_a_kind_that_is_new_to_the_program_is_in_worlds_without_a_line_here(self):
+        schema = json.loads(json.dumps(SCHEMA))
+        schema["definitions"]["sensor"]["anyOf"].insert(0, {"type": "object", "required": ["kind", "grasp_m"], "properties": {
+            "kind": {"const": "whisker"}, "grasp_m": {"type": "number", "minimum": 0.1, "maximum": 0.4, "default": 0.2}}})
+        kinds = Kinds(schema)
+        pairs = random_worlds.pairs_of(kinds)
+        self.assertIn(("sensor", "whisker", "set"), pairs)
+        whiskers = [sensor for i in range(200) for one in random_worlds.make_world(kinds, 1, i, pairs)[0]["types"].values()
+                    for sensor in one.get("sensors", ()) if sensor["kind"] == "whisker"]
+        self.assertTrue(whiskers)
+        self.assertTrue(all(0.1 <= whisker["grasp_m"] <= 0.4 for whisker in whiskers))
+
+    def test_a_kind_that_no_world_has_is_named(self):
+        counted = coverage.Coverage(self.kinds)
+        counted.add({"tick_s": 0.1, "types": {"r": {"drive": {"kind": "diff"}}}, "models": [{"name": "r", "type": "r"}]},
+                    {"ticks": 9, "events": [], "resumed": []})
+        self.assertNotIn("drive diff", counted.missing())
+        self.assertIn("drive omni", counted.missing())
+        self.assertIn("sensor ranger: born", counted.missing())
+
+    def test_what_happened_is_counted_of_what_the_run_told(self):
+        counted = coverage.Coverage(self.kinds)
+        world = {"tick_s": 0.1, "types": {"bot": {"drive": {"kind": "diff"}, "devices": [{"kind": "led", "name": "led0"}]}},
+                 "models": [{"name": "solo", "type": "bot"}],
+                 "populations": [{"name": "r", "type": "bot", "count": 2, "place": {"rule": "grid"}}],
+                 "at": [{"time_s": 0.2, "set": {"type": "bot", "device": {"name": "led0", "intensity": 1}}},
+                        {"time_s": 0.3, "move": {"model": "solo", "pose": {}}}, {"time_s": 99, "remove": {"type": "bot"}}]}
+        counted.add(world, {"ticks": 20, "events": [["birth", "r7", None], ["grip", "x", "solo"]], "resumed": []})
+        led = {event for family, kind, event in counted.pairs if kind == "led"}
+        self.assertEqual(led, {"born", "carried", "moved", "set"})
+        self.assertEqual(counted.actions["remove"], 0)  # after the end
+
+    def test_checkpoints_of_a_plan_lie_within_the_run(self):
+        for i in range(50):
+            for check in checks.plan(1, i, 20):
+                if check["check"] == "checkpoints":
+                    self.assertTrue(all(0 <= tick < 20 for tick in check["at"]))
+                    self.assertGreater(len(check["threads"]), len(check["at"]))
+
+    def test_lines_that_part_are_named_by_tick_and_groups(self):
+        self.assertIsNone(checks.difference(LOG, LOG[7:]))
+        tick, text = checks.difference(LOG, OTHER[7:])
+        self.assertEqual(tick, 50)
+        self.assertIn("from tick 50 on, in pose", text)
+        self.assertIsNotNone(checks.difference(LOG, LOG[7:-1]))
+        self.assertIsNotNone(checks.difference(LOG[:-1], LOG))
+
+
+class Shrink(unittest.TestCase):
+    def test_nothing_is_left_but_what_fails(self):
+        document = {"many": [{"n": i, "text": "x"} for i in range(40)], "other": {"deep": [1, 2, 3]}, "count": 1000}
+        document["many"][17]["needle"] = 80
+        shrinker = shrink.Shrinker(lambda one: any(each.get("needle", 0) >= 7 for each in one.get("many", ())))
+        self.assertEqual(shrinker.shrunk(document), {"many": [{"needle": 7}]})
+        self.assertLess(shrinker.trials, 150)
+
+    def test_it_ends_where_it_may_try_no_more(self):
+        shrinker = shrink.Shrinker(lambda one: len(one.get("a", ())) == 100, most_trials=5)
+        shrinker.shrunk({"a": list(range(100))})
+        self.assertEqual(shrinker.trials, 5)
+
+
+class Runner:
+    """A stand-in for the program: worlds with a fault differ in one check, and worlds of a title do not load."""
+
+    program_only = False
+    program = None
+
+    def __init__(self, folder, invalid=lambda world: False):
+        self.folder, self.invalid = pathlib.Path(folder), invalid
+
+    def run(self, world, ticks, wanted, cover=False):
+        if self.invalid(world):
+            return {"invalid": "world.json:1: error: no such thing"}
+        failures = [{"check": check, "tick": 3, "text": "differs from tick 3 on, in memory"} for check in wanted
+                    if check["check"] == "reset" and world.get("faults") and ticks >= 3]
+        return {"failures": failures, "events": [], "refused": [], "resumed": [], "ticks": ticks, "stopped": ""}
+
+
+class RandomProofs(unittest.TestCase):
+    def prove(self, runner, count, kept, **options):
+        proof = random_proof.RandomProof(runner, 1, count, kept=pathlib.Path(kept), kinds=Kinds(SCHEMA), say=lambda _: None, **options)
+        return proof, proof.run()
+
+    def test_a_world_that_differs_is_made_small_and_kept(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
+            proof, faults = self.prove(Runner(folder), 12, kept)
+            self.assertGreater(len(faults), 1)
+            self.assertIn("differs from tick 3 on, in memory", faults[0])
+            self.assertIn("scripts/prove --random-again", faults[0])
+            first = sorted(pathlib.Path(kept).iterdir())[0]
+            self.assertEqual(set(json.loads((first / "world.json").read_text())), {"faults"})
+            self.assertEqual(json.loads((first / "case.json").read_text())["ticks"], 3)
+            self.assertIn("types", json.loads((first / "original.json").read_text()))
+            self.assertTrue(random_proof.again(Runner(folder), first, say=lambda _: None))
+            self.assertIn("12 of seed 1", next(iter(proof.report())))
+
+    def test_too_many_worlds_that_do_not_load_are_a_fault(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
+            _, faults = self.prove(Runner(folder, lambda world: world["seed"] % 4 == 0), 60, kept, shrink=False)
+            self.assertTrue(any("could be loaded; the first of each sort: error: no such thing" in fault for fault in faults), faults)
+
+    def test_a_folder_that_is_no_case_is_told(self):
+        with tempfile.TemporaryDirectory() as folder, self.assertRaises(runs.Fault):
+            random_proof.again(Runner(folder), folder)
 
 
 if __name__ == "__main__":

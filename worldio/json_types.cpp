@@ -247,7 +247,10 @@ std::string TypeReader::put_on(engine::DeviceSpec& device, const std::string& on
 /// What a device shows of itself: the body of its kind, or one given by `size_m` or `blocks`.
 engine::PartSpec TypeReader::read_device_part(JsonObject& object, const engine::DeviceSpec& device,
                                               const engine::DeviceKind& kind) {
-  engine::PartSpec part{.name = device.name, .kind = device.kind, .where = device.where};
+  // Parts are of model kinds, and not every device that moves something ("wheels") is one.
+  engine::PartSpec part{.name = device.name,
+                        .kind = registry_.model(device.kind) ? device.kind : "model",
+                        .where = device.where};
   part.pose_body_part = device.pose_body_sensor;
   if (const JsonNode* node = object.find("color"))
     part.color = read_color(JsonCursor(object.at(), "color", *node));

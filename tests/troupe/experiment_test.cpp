@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -116,6 +118,80 @@ TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::Values("door.json", "failures.json"));
+
+// A list that a controller's memory points into may become shorter while the world runs.
+
+/// A number of a controller's memory, of each robot that has such a controller.
+std::vector<int> remembered(const Simulation& simulation, std::string_view component, std::string_view field) {
+  std::vector<int> values;
+  for (const engine::StateTable& table : simulation.world().tables()) {
+    if (table.component() != component) continue;
+    for (std::size_t f = 0; f < table.fields().size(); ++f) {
+      if (table.fields()[f].name != field) continue;
+      for (std::size_t row = 0; row < table.rows(); ++row)
+        values.push_back(table.fields()[f].element == engine::Element::u8
+                             ? static_cast<int>(table.cell<std::uint8_t>(row, f)[0])
+                             : static_cast<int>(table.cell<std::uint32_t>(row, f)[0]));
+    }
+  }
+  return values;
+}
+
+TEST(SetOfFewer, GoalsSendARobotToTheLastOfThem) {
+  Simulation simulation = Simulation::from_text(R"({"troupe": 1, "types": {"r": {"size_m": [0.2, 0.2, 0.2],
+      "drive": {"kind": "omni"}, "controller": {"kind": "waypoints", "goals": [{}, {}, {"x_m": -3}]}}},
+    "models": [{"name": "r", "type": "r"}],
+    "at": [{"time_s": 1, "set": {"type": "r", "controller": {"kind": "waypoints", "goals": [{"x_m": 2}]}}}]})",
+                                                "fewer.json");
+  step(simulation, 10);
+  EXPECT_EQ(remembered(simulation, "waypoints/0", "goal"), std::vector<int>{2});
+  step(simulation, 140);
+  EXPECT_EQ(remembered(simulation, "waypoints/0", "goal"), std::vector<int>{0});
+  EXPECT_NEAR(simulation.find("r").pose().x, 2, 0.1);
+}
+
+constexpr std::string_view k_depot = R"({"size_m": [0.5, 0.5, 0.01], "obstacle": false, "ranger_return": -1,
+  "devices": [{"name": "flags", "kind": "flags"}]})";
+
+TEST(SetOfFewer, TasksAreDrawnAmongThem) {
+  Simulation simulation = Simulation::from_text(fmt::format(R"({{"troupe": 1, "types": {{"depot": {},
+      "r": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}},
+        "sensors": [{{"kind": "ranger", "transducers": [{{"samples": 9}}]}}], "devices": [{{"kind": "flags"}}],
+        "controller": {{"kind": "fasr2", "task": "red", "task2": "green"}}}}}},
+    "models": [{{"name": "red_source", "type": "depot", "pose": {{"x_m": 5}}}},
+      {{"name": "red_sink", "type": "depot", "pose": {{"x_m": -5}}}},
+      {{"name": "green_source", "type": "depot", "pose": {{"y_m": 5}}}},
+      {{"name": "green_sink", "type": "depot", "pose": {{"y_m": -5}}}}],
+    "populations": [{{"name": "r", "type": "r", "count": 16,
+      "place": {{"rule": "grid", "region_m": [[-2, -2], [2, 2]], "pitch_m": 1}}}}],
+    "at": [{{"time_s": 0.5, "set": {{"type": "r", "controller": {{"kind": "fasr2", "task2": ""}}}}}}]}})",
+                                                            k_depot),
+                                                "fewer.json");
+  step(simulation, 5);
+  EXPECT_THAT(remembered(simulation, "fasr2/0", "task"), ::testing::Contains(1)) << "of two tasks";
+  step(simulation, 1);
+  EXPECT_THAT(remembered(simulation, "fasr2/0", "task"), ::testing::Each(0)) << "of one";
+}
+
+TEST(SetOfFewer, ACollectorLeavesAChargerThatIsNoneAnyMore) {
+  Simulation simulation = Simulation::from_text(fmt::format(R"({{"troupe": 1, "types": {{"depot": {},
+      "pad": {{"size_m": [0.5, 0.5, 0.01], "obstacle": false, "ranger_return": -1, "fiducial_return": 2}},
+      "r": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}},
+        "sensors": [{{"kind": "ranger", "transducers": [{{"samples": 9}}]}}, {{"kind": "fiducial"}}],
+        "devices": [{{"kind": "gripper", "pose": {{"x_m": 0.2}}}},
+                    {{"kind": "power_pack", "capacity_J": 1000, "stored_J": 100}}],
+        "controller": {{"kind": "collector"}}}}}},
+    "models": [{{"name": "sink", "type": "depot", "pose": {{"x_m": -5}}}},
+      {{"name": "pad", "type": "pad", "pose": {{"x_m": 5}}}}, {{"name": "r", "type": "r"}}],
+    "at": [{{"time_s": 0.5, "set": {{"type": "r", "controller": {{"kind": "collector", "charger": 9}}}}}}]}})",
+                                                            k_depot),
+                                                "fewer.json");
+  constexpr int k_leaving = 4, k_charging = 5;  // models/collector.cpp
+  step(simulation, 5);
+  EXPECT_EQ(remembered(simulation, "collector/0", "mode"), std::vector<int>{k_charging});
+  step(simulation, 1);
+  EXPECT_EQ(remembered(simulation, "collector/0", "mode"), std::vector<int>{k_leaving});
+}
 
 class StopWhen : public test::ScratchTest {
  protected:

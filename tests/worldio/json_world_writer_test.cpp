@@ -238,6 +238,22 @@ TEST(JsonWorldWriter, RandomWorldsComeBackToTheLastBit) {
   }
 }
 
+// "wheels" are a device with a body, but no model kind: the part that stands for them must be of one.
+TEST(JsonWorldWriter, WheelsAmongTheDevicesComeBack) {
+  constexpr std::string_view k_text = R"({"troupe": 1, "types": {"cart": {"size_m": [0.5, 0.5, 0.3],
+    "devices": [{"name": "feet", "kind": "wheels", "pose": {"z_m": 0.5}, "size_m": [0.1, 0.1, 0.1]}]}},
+    "models": [{"name": "cart", "type": "cart"}]})";
+  Diagnostics read;
+  const WorldSpec spec = load_json_world("out/cart.json", std::string(k_text), registry(), {}, read);
+  ASSERT_FALSE(read.has_errors()) << read.text(read.findings().front());
+  Diagnostics diagnostics;
+  const auto document = write_json_world(spec, "out/cart.json", registry(), diagnostics);
+  ASSERT_TRUE(document) << diagnostics.text(diagnostics.findings().front());
+  const WorldSpec back = load_json_world("out/cart.json", json_text(*document), registry(), {}, read);
+  ASSERT_FALSE(read.has_errors()) << read.text(read.findings().front());
+  EXPECT_EQ(spec_difference(spec, back), "") << json_text(*document);
+}
+
 TEST(JsonWorldWriter, SeesThatSomethingIsNotSaid) {
   WorldSpec spec = RandomWorld(1).make();
   spec.types[1].parts[0].alias = "roots have no other name";

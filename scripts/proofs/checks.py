@@ -1,0 +1,54 @@
+"""What is done to a random world that must not change a bit of it, as plain data: a world that fails is run again from these.
+
+A check is {"check": name, ...}. Whoever runs it compares lines of hash logs, one for each tick, with those of the plain run: one
+thread, tiles as chosen, one step after another.
+"""
+
+import random
+
+THREADS = (1, 2, 3, 8)
+TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: as chosen
+# Those that the Python module runs in one process, and those that take the program.
+LIBRARY = ("threads", "checkpoints", "reset", "steps", "observed", "converted")
+PROGRAM = ("program", "program_checkpoints")
+
+
+def plan(seed, index, ticks, program_only=False, controllers=False):
+    """The checks of the world of this index."""
+    draws = random.Random(f"checks {seed} {index}")
+    chain = {"at": sorted(draws.sample(range(ticks), min(ticks, draws.choice((1, 2, 2, 3, 5))))),
+             "threads": [draws.choice(THREADS) for _ in range(6)], "tiles": [draws.choice(TILES) for _ in range(6)]}
+    program = {"check": "program", "threads": sorted(draws.sample(THREADS, 2)), "tiles": [0, draws.choice(TILES[1:])]}
+    if program_only:
+        checks = [{**program, "threads": list(THREADS)}, {"check": "program_checkpoints", **{**chain, "at": chain["at"][:2]}}]
+    else:
+        checks = [{"check": "threads", "threads": n, "tile": draws.choice(TILES)} for n in draws.sample(THREADS, 2)]
+        checks.append({"check": "checkpoints", **chain})
+        checks.append({"check": "reset", "at": draws.randint(1, ticks), "threads": draws.choice(THREADS)})
+        checks.append({"check": "steps", "of": draws.randint(2, 9), "threads": draws.choice(THREADS)})
+        checks.append({"check": "observed", "threads": draws.choice(THREADS), "picture": draws.random() < 0.03})
+        if draws.random() < 0.3:
+            checks.append({"check": "converted", "to": draws.choice(("json", "json", "world"))})
+        if draws.random() < 0.1:
+            checks.append(program)
+    if controllers:
+        checks.append({"check": "controllers"})
+    return checks
+
+
+def difference(expected, got, whole=True):
+    """Where lines part: (tick, words), or nothing. The lines say "TICK STATE group=... group=..."; `got` may begin later."""
+    start = 0
+    if got and expected:
+        first = int(got[0].split()[0])
+        start = next((i for i, line in enumerate(expected) if int(line.split()[0]) == first), 0)
+    for a, b in zip(expected[start:], got):
+        if a == b:
+            continue
+        tick = int(a.split()[0])
+        groups = [x.split("=")[0] for x, y in zip(a.split()[2:], b.split()[2:]) if x != y]
+        return tick, f"differs from tick {tick} on, in {', '.join(groups) or 'its form'}: expected {a}; got {b}"
+    if whole and len(expected) - start != len(got):
+        tick = int((expected[start:] or expected)[min(len(got), len(expected) - start - 1)].split()[0])
+        return tick, f"has {len(got)} lines from tick {start} on, the plain run {len(expected) - start}"
+    return None

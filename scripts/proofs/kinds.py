@@ -1,0 +1,86 @@
+"""What a world may be made of, as the program itself lists it: every kind, with the schema of its parameters."""
+
+import json
+import subprocess
+
+from .runs import Fault
+
+FAMILIES = ("drive", "sensor", "device", "controller", "measure", "fault")
+# Keys that every sensor, device or controller has besides its own parameters.
+COMMON = {"kind", "name", "pose", "active", "joint", "on", "color", "obstacle", "ranger_return", "fiducial_return",
+          "fiducial_key", "gripper_return", "blob_return", "pushable", "blocks", "of", "update_period_s", "update_period_ms"}
+
+
+class Kind:
+    """A kind: its family, its name, and the schemas of its parameters by their JSON keys, each quantity in one unit."""
+
+    def __init__(self, family, name, schema):
+        self.family, self.name = family, name
+        self.required = [key for key in schema.get("required", []) if key not in COMMON]
+        other_units = set()
+        for group in schema.get("allOf", []):
+            alternatives = [one["required"][0] for one in group.get("oneOf", []) if len(one.get("required", ())) == 1]
+            other_units.update(alternatives[1:])
+            if len(alternatives) == len(group.get("oneOf", [])) and alternatives:
+                self.required.append(alternatives[0])  # one of them must be given
+        parameters = {key: value for key, value in schema.get("properties", {}).items()
+                      if key not in COMMON and key not in other_units}
+        # Between two updates; of a device with a period of its own (update_period_s) it is a parameter.
+        own_period = "update_period_s" in schema.get("properties", {})
+        if family not in ("measure", "fault") and not own_period:
+            parameters.pop("period_s", None)
+        self.parameters = parameters
+
+    def __repr__(self):
+        return f"{self.family} {self.name}"
+
+
+class Kinds:
+    """All kinds, by family and name, and the placement rules and interventions."""
+
+    def __init__(self, schema):
+        self.schema = schema
+        definitions = schema["definitions"]
+        self._families = {family: {} for family in FAMILIES}
+        for family in ("drive", "sensor", "device", "controller"):
+            for one in definitions[family]["anyOf"]:
+                self._add(family, one)
+        for one in schema["properties"]["measures"]["items"]["anyOf"]:
+            self._add("measure", one)
+        faults = schema["properties"]["faults"]["items"]["properties"]
+        whom = set(definitions["group"]["properties"]) | {"from_s", "from_ms"}
+        for name, one in faults.items():
+            if name not in whom:
+                self._families["fault"][name] = Kind("fault", name, one)
+        places = schema["properties"]["populations"]["items"]["properties"]["place"]["anyOf"]
+        self.rules = [one["properties"]["rule"]["const"] for one in places]
+        actions = schema["properties"]["at"]["items"]["properties"]
+        self.actions = [name for name in actions if not name.startswith("time_")]
+        self.ranging = schema["properties"]["ranging"]["enum"]
+        for family, kinds in self._families.items():
+            if not kinds:
+                raise Fault(f"the schema of worlds lists no kind of the family {family}")
+
+    def _add(self, family, schema):
+        name = schema.get("properties", {}).get("kind", {}).get("const")
+        if name is not None:  # else what a plug-in may bring
+            self._families[family][name] = Kind(family, name, schema)
+
+    def of(self, family):
+        return self._families[family]
+
+    def all(self):
+        return [kind for kinds in self._families.values() for kind in kinds.values()]
+
+    def resolve(self, schema):
+        """The schema behind a reference."""
+        reference = schema.get("$ref")
+        return self.schema["definitions"][reference.rsplit("/", 1)[1]] if reference else schema
+
+
+def kinds_of(program):
+    """The kinds that a program knows: `troupe describe --schema`."""
+    done = subprocess.run([str(program), "describe", "--schema"], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Fault(f"{program} describe --schema failed: {done.stderr.strip()}")
+    return Kinds(json.loads(done.stdout))

@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Runs checks of worlds with Troupe's Python module, all variants in one process: a JSON text a line comes in, one goes out.
+
+    in   {"world": {...}, "folder": "...", "program": "...", "ticks": 40, "checks": [...], "cover": true}
+    out  {"invalid": "..."}, or {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
+          "refused": [...], "alive": [names at each checkpoint]}
+
+A process of its own, since a world may end it. scripts/proofs/random_proof.py starts it.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import troupe
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from checks import difference  # noqa: E402
+
+
+class Job:
+    def __init__(self, request):
+        self.world, self.ticks = request["world"], request["ticks"]
+        self.folder = pathlib.Path(request["folder"])
+        self.program = request["program"]
+        self.cover = request.get("cover", False)
+        self.name = str(self.folder / "world.json")
+        self.events, self.refused, self.resumed = [], [], []
+        self.expected = []
+
+    def simulation(self, threads=1, tile=0.0, **options):
+        return troupe.Simulation(self.world, threads=threads, tile_size_m=tile or 0.0, name=self.name, **options)
+
+    def steps(self, simulation, ticks, each=None):
+        """The lines of the ticks from here to `ticks`; a step that fails ends them with a line that says so."""
+        lines = [simulation.hash_log_line().strip()]
+        while simulation.tick < ticks:
+            tick = simulation.tick
+            try:
+                simulation.step()
+            except troupe.StepError as error:
+                return [*lines, f"{tick + 1} error {error}"]
+            if each:
+                each()
+            lines.append(simulation.hash_log_line().strip())
+        return lines
+
+    # ---- each returns its lines, or a list of several
+
+    def threads(self, check):
+        yield self.steps(self.simulation(check["threads"], check["tile"]), self.ticks)
+
+    def checkpoints(self, check):
+        """Saved and gone on with, saved and resumed, again and again."""
+        file = self.folder / "chain.h5"
+        simulation = self.simulation(check["threads"][0], check["tiles"][0])
+        for i, at in enumerate(check["at"]):
+            lines = self.steps(simulation, at)
+            yield lines
+            if "error" in lines[-1].split()[1:2]:
+                return
+            simulation.save(file)
+            if i == 0:  # what saves is not changed by it
+                yield self.steps(simulation, self.ticks)
+            simulation = troupe.Simulation.resume(file, threads=check["threads"][i + 1], tile_size_m=check["tiles"][i + 1])
+            if self.cover:
+                swarm = simulation.swarm()
+                self.resumed += [name for name, alive in zip(swarm.names, swarm.alive()) if alive]
+        yield self.steps(simulation, self.ticks)
+
+    def reset(self, check):
+        simulation = self.simulation(check["threads"])
+        self.steps(simulation, check["at"])
+        simulation.reset()
+        yield self.steps(simulation, self.ticks)
+
+    def steps_of(self, check):
+        """Several ticks in a call: only the last of each is compared."""
+        simulation = self.simulation(check["threads"])
+        while simulation.tick < self.ticks:
+            try:
+                simulation.step(min(check["of"], self.ticks - simulation.tick))
+            except troupe.StepError:
+                return
+            yield [simulation.hash_log_line().strip()]
+
+    def observed(self, check):
+        simulation = self.simulation(check["threads"])
+        events = troupe.Events(simulation)
+        measures = troupe.Measures(simulation, self.world.get("measures") or ["stalls"])
+        recording = self.folder / "observed.h5"
+        simulation.record(recording, fields=["all"], every_s=simulation.tick_s, replace=True)
+
+        def look():
+            measures.see()
+            measures.values()
+            self.events += [(event.type, event.robot, event.other) for event in events.see()]
+
+        lines = self.steps(simulation, self.ticks, look)
+        if check.get("picture"):
+            simulation.picture(80, 60, layers="scans,beams,grips,links,names,energy")
+            lines[-1] = simulation.hash_log_line().strip() if " error " not in lines[-1] else lines[-1]
+        simulation.stop_recording()
+        yield lines
+
+    def converted(self, check):
+        """Written by `troupe convert`, and read again. In Stage's format without what that cannot say."""
+        source, target = self.folder / "source.json", self.folder / f"converted.{check['to']}"
+        world = self.world
+        options = {}
+        if check["to"] == "world":
+            options = {"ranging": world["ranging"]} if "ranging" in world else {}
+            unsaid = ("measures", "ranging", "resolution_m", "at", "faults", "mortal")
+            world = {key: value for key, value in world.items() if key not in unsaid}
+            world["populations"] = [{key: value for key, value in one.items() if key != "reserve"}
+                                    for one in world.get("populations", ())]
+        source.write_text(json.dumps(world))
+        done = subprocess.run([self.program, "convert", source, target, "--force"], capture_output=True, text=True)
+        if done.returncode == 2 and check["to"] == "world":
+            self.refused.append(done.stderr.strip().splitlines()[0].split(": ", 1)[1][:160])
+            return
+        if done.returncode != 0:
+            raise RuntimeError(f"troupe convert: exit code {done.returncode}: {done.stderr.strip()}")
+        if check["to"] == "world":
+            self.expected = self.steps(troupe.Simulation(str(source), threads=1, **options), self.ticks)
+        yield self.steps(troupe.Simulation(str(target), threads=1, **options), self.ticks)
+
+    def program_check(self, check):
+        yield from ()
+        command = [self.program, "check", self.folder / "world.json", "--for", repr(self.ticks * self.world.get("tick_s", 0.1))]
+        if check["check"] == "controllers":
+            command += ["--threads", "1", "--tile-size", "auto", "--controllers"]
+        else:
+            command += ["--threads", ",".join(map(str, check["threads"])),
+                        "--tile-size", ",".join(str(tile) if tile else "auto" for tile in check["tiles"])]
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+        if done.returncode != 0:
+            told = done.stdout[done.stdout.find("differs at"):] if "differs at" in done.stdout else done.stdout
+            raise RuntimeError(f"troupe check: exit code {done.returncode}: {(told + done.stderr).strip()[:1500]}")
+
+    def failure(self, check):
+        """None, or what is wrong: {"check", "tick", "text"}."""
+        run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
+               "observed": self.observed, "converted": self.converted, "program": self.program_check,
+               "controllers": self.program_check}[check["check"]]
+        plain = self.expected
+        try:
+            for lines in run(check):
+                end = int(lines[-1].split()[0])
+                last = next((i for i, line in enumerate(self.expected) if int(line.split()[0]) == end), len(self.expected))
+                found = difference(self.expected[:last + 1], lines)
+                if found:
+                    return {"check": check, "tick": found[0], "text": found[1]}
+        except (RuntimeError, ValueError, LookupError, TypeError) as error:
+            return {"check": check, "tick": None, "text": f"{type(error).__name__}: {error}"}
+        finally:
+            self.expected = plain
+        return None
+
+    def run(self, checks):
+        (self.folder / "world.json").write_text(json.dumps(self.world, indent=1) + "\n")
+        try:
+            plain = self.simulation()
+        except troupe.InputError as error:
+            return {"invalid": "\n".join(error.findings) or str(error)}
+        self.expected = self.steps(plain, self.ticks)
+        failures = [found for found in map(self.failure, checks) if found]
+        return {"failures": failures, "events": sorted(set(self.events), key=repr), "refused": self.refused,
+                "resumed": sorted(set(self.resumed)), "ticks": len(self.expected) - 1,
+                "stopped": self.expected[-1] if " error " in self.expected[-1] else ""}
+
+
+def main():
+    # What a library prints must not stand among the answers.
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    print(json.dumps({"ready": troupe.version_line()}), file=answers, flush=True)
+    for line in sys.stdin:
+        request = json.loads(line)
+        print(json.dumps(Job(request).run(request["checks"])), file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,783 @@
+"""Random worlds: small ones, of everything that worlds may be made of (kinds.py).
+
+A world follows from (seed, index) alone. Each has a focus: a kind of part (drive, sensor, device or controller) and something
+that is to happen to a body that carries it; the foci go round, so that every pair comes up. All else is drawn.
+"""
+
+import math
+import random
+
+TICKS = (15, 90)
+TICK_S = (0.1, 0.1, 0.05, 0.02, 0.25, 1.0)
+MOST_BODIES = 30
+EVENTS = ("born", "dies", "disabled", "enabled", "moved", "set", "carried", "resumed")
+PART_FAMILIES = ("drive", "sensor", "device", "controller")
+PLAN = "plan.pgm"  # an image of walls, beside the world
+
+# What decides how many numbers the state has, or which state there is: `set` may not change it.
+SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "image_width", "image_height", "points_m",
+         "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
+         "paddle_size", "size_m", "type", "drive", "source", "sink", "map", "task", "task2", "task3", "task4", "task5", "task6",
+         "task7", "task8", "charger", "puck", "stored_J", "yellow", "paddles", "lift", "start_position", "start_x_mps",
+         "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused", "pushes", "most_heard", "most_targets",
+         "most_blobs", "when_empty", "min_position", "max_position", "axis"}
+SHAPE_OF = {"ranger": {"intensity"}, "dynamic": {"count", "reach_m"}}
+
+# The devices that a controller needs, and may take: (kind, parameters on which it insists).
+SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
+RING = ("ranger", {"transducers": [{"pose": {"heading_deg": 45 * i}, "range_max_m": 2} for i in range(8)]})
+RING_OF_12 = ("ranger", {"transducers": [{"pose": {"heading_deg": 30 * i}, "range_max_m": 2} for i in range(12)]})
+RADIO = ("radio", {"payload": 8})
+GROUND_RADIO_SCANNER = [("ground", {}), RADIO, SCANNER]
+FORAGER = [SCANNER, ("flags", {}), ("power_pack", {}), ("power_contact", {})]
+NEEDS = {
+    "expand": [SCANNER], "expand_pioneer": [RING], "expand_swarm": [RING_OF_12], "wander": [SCANNER], "script": [], "waypoints": [],
+    "source": [("flags", {})], "sink": [("flags", {})], "fasr": FORAGER, "fasr2": [*FORAGER, ("fiducial", {})],
+    "pioneer_flocking": [RING, ("fiducial", {})], "dynamic": [], "lasernoise": [SCANNER], "rasterize": [],
+    "operate": [("gripper", {})], "collector": [SCANNER, ("fiducial", {}), ("gripper", {}), ("power_pack", {})],
+    "gradient": [RADIO, SCANNER, ("led", {})], "radio_flocking": [RADIO, SCANNER],
+    "collective_perception": [*GROUND_RADIO_SCANNER, ("led", {})], "beeclust": GROUND_RADIO_SCANNER,
+    "chain": [RADIO, SCANNER, ("led", {})], "brazil_nut": [("light_sensor", {"directions": 8}), RADIO],
+    "clustering": [SCANNER], "informed_aggregation": GROUND_RADIO_SCANNER,
+}
+# A controller that is not listed above gets one of everything.
+EVERYTHING = [RING, SCANNER, RADIO, ("ground", {}), ("light_sensor", {"directions": 8}), ("fiducial", {}), ("flags", {}),
+              ("power_pack", {}), ("gripper", {}), ("led", {})]
+COMPANIONS = {"power_contact": "power_pack", "spawner": "flags"}
+# These stand still, beside a body's own controller or alone.
+STANDS = {"source", "sink"}
+MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink", "green_source", "green_sink"),
+                 "collector": ("sink", "sink1")}
+# What else may be set of a controller: names of models that are there.
+SET_OF = {"fasr2": [{"task2": ""}, {"task": "green"}], "collector": [{"sink": "sink1"}, {"charger": 9}, {"puck": 2}],
+          "fasr": [{"source": "sink", "sink": "source"}]}
+COLORS = ("red", "SteelBlue", "gold", "LimeGreen", "black", "white", "gray40")
+
+
+def focus_of(pairs, seed, index):
+    """The pair (kind, event) that the world of this index is to show: all of them, in an order that follows from the seed."""
+    order = list(range(len(pairs)))
+    random.Random(f"foci {seed} {index // len(pairs)}").shuffle(order)
+    return pairs[order[index % len(pairs)]]
+
+
+def pairs_of(kinds):
+    """Every (family, kind, event) that can be: nothing is set of a kind that has nothing to set."""
+    return [(family, name, event) for family in PART_FAMILIES for name, kind in sorted(kinds.of(family).items())
+            for event in EVENTS if event != "set" or settable(kind)]
+
+
+def settable(kind):
+    """The parameters that may change while a world runs."""
+    return sorted({key for one in SET_OF.get(kind.name, ()) for key in one}
+                  | kind.parameters.keys() - SHAPE - SHAPE_OF.get(kind.name, set()))
+
+
+def rounded(value):
+    return float(f"{value:.4g}")
+
+
+class Values:
+    """Values that fit a schema."""
+
+    def __init__(self, kinds, draws):
+        self._kinds, self._draws = kinds, draws
+
+    def of(self, schema, key=""):
+        draws = self._draws
+        if "$ref" in schema:
+            if schema["$ref"].endswith("/pose"):
+                return self.small_pose()
+            if schema["$ref"].endswith("/color"):
+                return draws.choice(COLORS)
+            schema = self._kinds.resolve(schema)
+        if "const" in schema:
+            return schema["const"]
+        if "enum" in schema:
+            return draws.choice(schema["enum"])
+        if "anyOf" in schema:
+            return self.of(draws.choice(schema["anyOf"]), key)
+        kind = schema.get("type")
+        if kind == "boolean":
+            return draws.random() < 0.5
+        if kind == "integer":
+            return self._integer(schema)
+        if kind == "number":
+            return self._number(schema)
+        if kind == "array":
+            least = schema.get("minItems", 0)
+            count = draws.randint(least, max(least, min(schema.get("maxItems", 3), 3)))
+            return [self.of(schema["items"]) for _ in range(count)]
+        if kind == "object":
+            required = set(schema.get("required", ()))
+            return {name: self.of(value, name) for name, value in schema.get("properties", {}).items() if name in required}
+        return schema.get("default", "")
+
+    def small_pose(self):
+        draws = self._draws
+        return {"x_m": rounded(draws.uniform(-0.1, 0.1)), "y_m": rounded(draws.uniform(-0.1, 0.1)),
+                "z_m": rounded(draws.uniform(0.05, 0.3)), "heading_deg": draws.choice((0, 0, 30, -90, 180))}
+
+    def _bounds(self, schema):
+        low = schema.get("minimum", schema.get("exclusiveMinimum", -math.inf))
+        return low, schema.get("maximum", schema.get("exclusiveMaximum", math.inf))
+
+    def _integer(self, schema):
+        low, high = self._bounds(schema)
+        default = schema.get("default", 1)
+        return int(self._draws.randint(max(low, 0), max(low, min(high, max(3, 2 * default)))))
+
+    def _number(self, schema):
+        """Mostly near the default; the bounds, too, where they are near and belong to the range."""
+        low, high = self._bounds(schema)
+        default = schema.get("default", 0.5)
+        default = default if isinstance(default, (int, float)) else 0.5
+        low_ends = [low] if "minimum" in schema and abs(low) <= 1000 else []
+        high_ends = [high] if "maximum" in schema and abs(high) <= 10 else []
+        near = default * self._draws.uniform(0.3, 1.7) if default else self._draws.uniform(0.01, 0.5)
+        value = self._draws.choice([near] * 6 + low_ends + high_ends)
+        value = min(max(value, low), high)
+        if value == low and "minimum" not in schema:
+            value = low + min(0.1, (high - low) / 2)
+        return min(max(rounded(value), low), high)
+
+
+class Generator:
+    """One world. `world` is the document, `ticks` how far it is to run, `notes` what was meant to happen to what."""
+
+    def __init__(self, kinds, seed, index, focus):
+        self.kinds = kinds
+        self.draws = random.Random(f"world {seed} {index}")
+        self.values = Values(kinds, self.draws)
+        self.focus = focus
+        self.ticks = self.draws.randint(*TICKS)
+        self.tick_s = self.draws.choice(TICK_S)
+        self.half = rounded(self.draws.uniform(3.5, 6))
+        self.bodies = 0
+        self.world = {"troupe": 1, "seed": self.draws.randint(0, 2**63), "tick_s": self.tick_s,
+                      "types": {}, "models": [], "populations": [], "at": [], "faults": [], "measures": []}
+        self._spots = self._ring()
+        self._build()
+
+    # ---- parts
+
+    def chance(self, p):
+        return self.draws.random() < p
+
+    def parameters(self, kind, given=None, often=0.35):
+        """Of a kind: the required ones, and some others."""
+        chosen = {key: self.values.of(schema, key) for key, schema in kind.parameters.items()
+                  if key in kind.required or self.chance(often)}
+        chosen.update(given or {})
+        return self._mended(kind, chosen, given or {})
+
+    def _mended(self, kind, chosen, given):
+        """What no schema says: limits that belong together, names of what is in this world, and sizes that keep worlds small."""
+        draws = self.draws
+        for key in list(chosen):
+            if "_min_" in key or key.startswith("turn_min"):
+                chosen[key] = -abs(chosen[key]) - 0.1
+            elif "_max_" in key or key.startswith("turn_max"):
+                chosen[key] = abs(chosen[key]) + 0.1
+        for key in ("start_x_mps", "start_y_mps", "start_turn_radps"):
+            if key in chosen:
+                chosen[key] = rounded(draws.uniform(-0.3, 0.3))
+        if "localization_origin_m" in chosen:
+            chosen["localization_origin_m"] = draws.choice(([], [0, 0], [1, -0.5]))
+        if "localization_origin_heading_rad" in chosen:
+            chosen.setdefault("localization_origin_m", [0.5, 0.5])
+        if "odom_error" in chosen:
+            chosen["odom_error"] = draws.choice(([], [], [0.01, -0.02, 0.05]))
+        if kind.family == "drive" and "localization" not in chosen:
+            chosen["localization"] = draws.choice(("odom", "odom", "gps"))
+        if "wheelbase_m" in chosen:
+            chosen["wheelbase_m"] = rounded(draws.uniform(0.1, 0.6))
+        special = getattr(self, f"_{kind.family}_{kind.name}", None)
+        if special:
+            special(chosen, given)
+        return chosen
+
+    def _sensor_ranger(self, chosen, given):
+        if "transducers" not in given:
+            fans = []
+            for _ in range(self.draws.choice((1, 1, 2, 3))):
+                fan = {"samples": self.draws.choice((1, 3, 9)), "range_max_m": rounded(self.draws.uniform(0.5, 4))}
+                schema = self.kinds.of("sensor")["ranger"].parameters["transducers"]["items"]["properties"]
+                for key in ("fov_rad", "noise_stddev_m", "noise_proportional", "noise_angular_rad", "apply_range_min",
+                            "range_min_m", "beam_width_rad", "noise_relative", "pose"):
+                    if key in schema and self.chance(0.3):
+                        fan[key] = self.values.of(schema[key], key)
+                if "range_min_m" in fan:
+                    fan["range_min_m"] = rounded(self.draws.uniform(0, 0.3))
+                if fan["samples"] == 1:
+                    fan.pop("fov_rad", None)
+                elif "fov_rad" in fan:
+                    fan["fov_rad"] = rounded(self.draws.uniform(0.2, 6))
+                for key in ("noise_angular_rad", "beam_width_rad"):
+                    if key in fan:
+                        fan[key] = rounded(self.draws.uniform(0, 0.3))
+                fans.append(fan)
+            chosen["transducers"] = fans
+
+    def _sensor_fiducial(self, chosen, _):
+        chosen["most_targets"] = self.draws.randint(1, 6)
+        if "key" in chosen:
+            chosen["key"] = self.draws.choice((0, 0, 3))
+        if "range_min_m" in chosen:
+            chosen["range_min_m"] = rounded(self.draws.uniform(0, 0.5))
+
+    def _sensor_blobfinder(self, chosen, _):
+        chosen.update(image_width=self.draws.randint(1, 24), image_height=self.draws.randint(1, 24),
+                      most_blobs=self.draws.randint(1, 5))
+
+    def _sensor_bumper(self, chosen, _):
+        chosen["bumpers"] = [{"pose": {"x_m": 0.12, "z_m": 0.1}, "length_m": 0.2},
+                             {"pose": {"x_m": -0.12, "z_m": 0.1, "heading_deg": 180}, "length_m": 0.1}][:self.draws.randint(1, 2)]
+        if "thickness_m" in chosen:
+            chosen["thickness_m"] = rounded(self.draws.uniform(0, 0.1))
+
+    def _sensor_camera(self, chosen, _):
+        chosen.update(width=self.draws.randint(1, 8), height=self.draws.randint(1, 8))
+        chosen.pop("range_near_m", None)
+        if "range_far_m" in chosen:
+            chosen["range_far_m"] = rounded(self.draws.uniform(1, 6))
+
+    def _sensor_radio(self, chosen, given):
+        chosen["payload"] = given.get("payload", self.draws.randint(4, 16))
+        chosen["range_m"] = rounded(self.draws.uniform(0.5, 6))
+        chosen["most_heard"] = self.draws.randint(1, 6)
+        if "drop_rate" in chosen:
+            chosen["drop_rate"] = self.draws.choice((0, 0.1, 0.5))
+        for key in ("power_dBm", "sensitivity_dBm", "frequency_GHz", "channel"):
+            chosen.pop(key, None)
+        if self.chance(0.2):
+            chosen["channel"] = "b"
+
+    def _sensor_ground(self, chosen, _):
+        if "points_m" in chosen:
+            chosen["points_m"] = self.draws.choice(([0, 0], [0.1, 0, -0.1, 0.05]))
+
+    def _sensor_light_sensor(self, chosen, given):
+        chosen["directions"] = given.get("directions", self.draws.randint(1, 9))
+
+    def _device_power_pack(self, chosen, _):
+        chosen.pop("stored_J", None)
+        chosen["capacity_J"] = self.draws.choice((20, 200, 5000, 5000))
+        if self.chance(0.5):
+            chosen["stored_J"] = rounded(chosen["capacity_J"] * self.draws.uniform(0.1, 1))
+        if "mass_kg" in chosen:
+            chosen["mass_kg"] = rounded(self.draws.uniform(0, 2))
+        if "draw_W" in chosen:
+            chosen["draw_W"] = rounded(self.draws.uniform(0, 3))
+
+    def _device_power_contact(self, chosen, _):
+        for key in ("give_W", "take_W"):
+            if self.chance(0.7):
+                chosen[key] = rounded(self.draws.uniform(0, 80))
+
+    def _device_flags(self, chosen, _):
+        chosen["most"] = self.draws.randint(2, 12)
+        if "yellow" in chosen:
+            chosen["yellow"] = self.draws.randint(0, chosen["most"])
+
+    def _device_actuator(self, chosen, _):
+        chosen.update(min_position=0, max_position=rounded(self.draws.uniform(0.05, 0.3)), size_m=[0.1, 0.05, 0.05],
+                      start_position=0)
+        chosen["axis"] = self.draws.choice(([1, 0, 0], [0, 0, 1], [0, 0, 0]))
+
+    def _device_gripper(self, chosen, _):
+        chosen.pop("paddle_size", None)
+        chosen["size_m"] = [0.2, 0.3, 0.2]
+        chosen["pose"] = {"x_m": 0.3}
+
+    def _device_wheels(self, chosen, _):
+        chosen["size_m"] = [0.1, 0.1, 0.1]
+        chosen["pose"] = {"z_m": 0.5}
+
+    def _device_spawner(self, chosen, _):
+        if self.reserves:
+            chosen["population"] = self.draws.choice(self.reserves)
+            chosen["every_s"] = rounded(self.tick_s * self.draws.randint(1, 12))
+            chosen["within_m"] = self.draws.choice((0, 1.0, 2.5))
+        else:
+            chosen.clear()
+        if "per_flags" in chosen:
+            chosen["per_flags"] = self.draws.randint(0, 2)
+
+    def _device_remover(self, chosen, _):
+        chosen["radius_m"] = rounded(self.draws.uniform(0.1, 0.6))
+        if self.chance(0.3):
+            chosen["of"] = self.draws.choice(list(self.world["types"]) or [""])
+
+    def _controller_script(self, chosen, _):
+        chosen["law"] = self.draws.choice(("timed", "timed", "timed", "wave", "line"))
+        if chosen["law"] != "timed":
+            chosen.pop("legs", None)
+            return
+        chosen["legs"] = []
+        until = 0
+        for _ in range(self.draws.randint(1, 4)):
+            until = rounded(until + self.tick_s * self.draws.randint(2, 40))
+            chosen["legs"].append({"until_s": until, "forward_mps": rounded(self.draws.uniform(-0.2, 0.6)),
+                                   "turn_radps": rounded(self.draws.uniform(-1, 1))})
+
+    def _controller_waypoints(self, chosen, _):
+        chosen["goals"] = [{"x_m": rounded(self.draws.uniform(-2, 2)), "y_m": rounded(self.draws.uniform(-2, 2)),
+                            **({"wait_s": self.tick_s} if self.chance(0.3) else {}),
+                            **({"speed_mps": 0.3} if self.chance(0.3) else {})} for _ in range(self.draws.randint(1, 4))]
+        if "near_m" in chosen:
+            chosen["near_m"] = rounded(self.draws.uniform(0.03, 0.4))
+
+    def _controller_source(self, chosen, _):
+        chosen["capacity"] = self.draws.randint(1, 2)
+
+    def _controller_fasr(self, chosen, _):
+        chosen.clear()
+
+    def _controller_fasr2(self, chosen, _):
+        chosen.clear()
+        chosen.update(task="red", task2="green")
+
+    def _controller_dynamic(self, chosen, _):
+        chosen.update(count=self.draws.randint(1, 4), reach_m=0.1)
+
+    def _controller_operate(self, chosen, _):
+        chosen.pop("plan", None)
+        chosen["orders"] = []
+
+    def _controller_collector(self, chosen, _):
+        chosen.clear()
+
+    def _controller_brazil_nut(self, chosen, _):
+        chosen["radius_m"] = rounded(self.draws.uniform(0.1, 0.5))
+
+    def _controller_expand_pioneer(self, chosen, _):
+        chosen.pop("clearances_m", None)
+
+    _controller_expand_swarm = _controller_expand = _controller_expand_pioneer
+
+    def _controller_chain(self, chosen, _):
+        chosen["role"] = self.draws.choice(("robot", "robot", "nest", "prey"))
+
+    # ---- types
+
+    def device(self, family, name, given=()):
+        kind = self.kinds.of(family)[name]
+        one = {"kind": name, **self.parameters(kind, dict(given))}
+        if "pose" not in one and family == "sensor":
+            one["pose"] = {"x_m": 0.05, "z_m": rounded(self.draws.uniform(0.05, 0.25))}
+        if self.chance(0.25):
+            key = "update_period_s" if "period_s" in kind.parameters else "period_s"
+            one[key] = rounded(self.tick_s * self.draws.choice((1, 2, 3, 2.5, 7)))
+        if self.chance(0.04):
+            one["active"] = False
+        return one
+
+    def body(self):
+        if self.chance(0.7):
+            edge = self.draws.choice((0.1, 0.2, 0.2, 0.3, 0.45))
+            return {"size_m": [edge, rounded(edge * self.draws.uniform(0.6, 1)), rounded(self.draws.uniform(0.1, 0.4))]}
+        if self.chance(0.5):
+            return {"blocks": [{"points_m": [[-0.1, -0.1], [0.15, -0.1], [0.15, 0.1], [0, 0.02], [-0.1, 0.1]], "z_m": [0.01, 0.2]}]}
+        return {"blocks": [{"points_m": [[-0.15, -0.1], [0.05, -0.1], [0.05, 0.1], [-0.15, 0.1]], "z_m": [0, 0.15]},
+                           {"points_m": [[0.05, 0.07], [0.12, 0.07], [0.12, 0.1], [0.05, 0.1]], "z_m": [0, 0.05]}]}
+
+    def wanted_devices(self, controller):
+        """(kind, parameters) of what a controller needs, and of some more."""
+        wanted = list(NEEDS.get(controller, EVERYTHING)) if controller else []
+        rest = [*self.kinds.of("sensor"), *self.kinds.of("device")]
+        for _ in range(self.draws.choice((0, 1, 1, 2, 3))):
+            wanted.append((self.draws.choice(rest), {}))
+        return wanted
+
+    def _with_companions(self, devices):
+        """What a kind cannot do without on its own body, before it."""
+        for kind, given in devices:
+            if kind in COMPANIONS:
+                yield COMPANIONS[kind], {}
+            yield kind, given
+
+    def robot(self, name, part=None, mortal_pack=False):
+        """Adds a type that drives, unless its controller stands; with this part, (family, kind), among others."""
+        family, wanted = part or (None, None)
+        controllers = self.kinds.of("controller")
+        controller = wanted if family == "controller" else self.draws.choice([*controllers, None, "waypoints", "wander", "script"])
+        moves = controller not in STANDS
+        body = self.body()
+        one = {**body, "color": self.draws.choice(COLORS)}
+        if moves:
+            kind = wanted if family == "drive" else self.draws.choice(list(self.kinds.of("drive")))
+            one["drive"] = {"kind": kind, **self.parameters(self.kinds.of("drive")[kind])}
+            if self.chance(0.15):
+                one["drive"]["period_s"] = rounded(self.tick_s * self.draws.choice((1, 2, 3.5)))
+        devices = self.wanted_devices(controller)
+        if family in ("sensor", "device"):
+            devices.append((wanted, {}))
+        if mortal_pack:
+            devices.append(("power_pack", {"when_empty": "die"}))
+        one["sensors"], one["devices"] = [], []
+        for number, (kind, given) in enumerate(self._fitting(self._with_companions(devices))):
+            where = "sensor" if kind in self.kinds.of("sensor") else "device"
+            made = self.device(where, kind, given)
+            if kind == "spawner" and "population" not in made:
+                continue
+            made["name"] = f"{kind}{number}"
+            one[f"{where}s"].append(made)
+        self._mount(one)
+        if controller:
+            one["controllers"] = self.controllers(controller, one)
+        self._marks(one)
+        self.world["types"][name] = {key: value for key, value in one.items() if value != []}
+        return name
+
+    def _fitting(self, devices):
+        """What fits on one body: one of what has a body of its own, as they would be in each other's way, and one pack and list
+        of flags."""
+        alone = set()
+        for kind, given in devices:
+            group = "body" if kind in ("gripper", "wheels", "actuator") else kind
+            if group in ("body", "power_pack", "flags", "led", "brush"):
+                if group in alone:
+                    continue
+                alone.add(group)
+            yield kind, given
+
+    def _mount(self, one):
+        """A sensor on an actuator, now and then."""
+        actuators = [device["name"] for device in one["devices"] if device["kind"] == "actuator"]
+        if actuators and one["sensors"] and self.chance(0.5):
+            self.draws.choice(one["sensors"])["on"] = actuators[0]
+
+    def controllers(self, controller, one):
+        made = []
+        if controller in self.kinds.of("controller"):
+            made.append({"kind": controller, **self.parameters(self.kinds.of("controller")[controller])})
+            if one.get("drive", {}).get("kind") != "omni":
+                for goal in made[0].get("goals", ()):  # others do not go straight
+                    goal.pop("speed_mps", None)
+        operable = [device for device in one["devices"] if device["kind"] in ("gripper", "actuator")]
+        if operable and controller != "collector" and (controller == "operate" or self.chance(0.6)):
+            orders, at = [], 0
+            for _ in range(self.draws.randint(1, 4)):
+                device = self.draws.choice(operable)
+                at = rounded(at + self.tick_s * self.draws.randint(0, 15))
+                order = self.draws.choice(("open", "close", "up", "down") if device["kind"] == "gripper" else ("go_to", "speed"))
+                orders.append({"at_s": at, "device": device["name"], "order": order,
+                               **({"value": rounded(self.draws.uniform(0, 0.3))} if order in ("go_to", "speed") else {})})
+            if controller == "operate":
+                made[0]["orders"] = orders
+            else:
+                made.append({"kind": "operate", "orders": orders})
+        if controller is not None and self.chance(0.08):
+            made.append({"kind": "rasterize"})
+        if made and "drive" not in one and self.chance(0.2):
+            made[0]["period_s"] = rounded(2 * self.tick_s)
+        return [each for each in made if each["kind"] != "operate" or each["orders"]]
+
+    def _marks(self, one):
+        if self.chance(0.3):
+            one["fiducial_return"] = self.draws.choice((1, 2, 7))
+        if self.chance(0.1):
+            one["fiducial_key"] = 3
+        if self.chance(0.25):
+            one["gripper_return"] = True
+        if self.chance(0.05):
+            one["obstacle"] = False
+        if self.chance(0.1):
+            one["ranger_return"] = self.draws.choice((-1, 0.5, 2))
+
+    # ---- the scene
+
+    def _ring(self):
+        """Spots for single models, 1.4 m apart, outside of where populations are placed."""
+        edge = self.half - 0.9
+        count = max(1, int(2 * edge / 1.4))
+        line = [-edge + 2 * edge * i / count for i in range(count)]
+        spots = [(x, -edge) for x in line] + [(edge, y) for y in line] + [(-x, edge) for x in line] + [(-edge, -y) for y in line]
+        self.draws.shuffle(spots)
+        return spots
+
+    def model(self, name, of_type, heading=None):
+        """A single body, at the next spot; nothing where there is none left."""
+        if not self._spots or self.bodies >= MOST_BODIES:
+            return None
+        x, y = self._spots.pop()
+        one = {"name": name, "type": of_type, "pose": {"x_m": rounded(x), "y_m": rounded(y),
+               "heading_deg": self.draws.choice((0, 90, 37, -120)) if heading is None else heading}}
+        self.world["models"].append(one)
+        self.bodies += 1
+        return one
+
+    def _surround(self):
+        world, half = self.world, self.half
+        how = self.draws.choice(("bounds", "walls", "walls", "plan"))
+        self.inner = half - 1.7
+        if how == "bounds":
+            world["bounds_m"] = [[-half, -half], [half, half]]
+        elif how == "walls":
+            world["types"]["wall"] = {"size_m": [rounded(2 * half + 0.3), 0.1, 0.5], "color": "gray30"}
+            for i in range(4):
+                angle = i * math.pi / 2
+                world["models"].append({"name": f"wall{i}", "type": "wall", "pose": {
+                    "x_m": rounded(half * math.cos(angle)), "y_m": rounded(half * math.sin(angle)), "heading_deg": 90 * i + 90}})
+            if self.chance(0.5):
+                world["bounds_m"] = [[-half - 1, -half - 1], [half + 1, half + 1]]
+        else:
+            world["floorplans"] = [{"name": "cave", "bitmap": PLAN, "size_m": [2 * half, 2 * half, 0.6], "boundary": self.chance(0.5)}]
+
+    def place(self):
+        """A rule with what it needs, for bodies near the middle."""
+        rule = self.draws.choice(self.kinds.rules)
+        inner = self.inner
+        region = [[rounded(-inner), rounded(-inner)], [rounded(inner), rounded(inner)]]
+        one = {"rule": rule, "region_m": region}
+        if rule == "grid":
+            one["pitch_m"] = rounded(self.draws.uniform(0.75, 0.95))
+            if self.chance(0.3):
+                one["jitter_m"] = 0.05
+            one["spill_m"] = region
+        elif rule == "gaussian":
+            one.update(mean_m=[0, 0], deviation_m=[rounded(inner / 2), rounded(inner / 2)])
+        elif rule == "poisson_disc":
+            one["distance_m"] = rounded(self.draws.uniform(0.2, 0.7))
+        elif rule == "free_floor":
+            one["cell_m"] = 0.1
+            one["from_m"] = [0, 0] if self.chance(0.3) else [rounded(inner), rounded(-inner)]
+        if self.chance(0.2):
+            one["polygon_m"] = [[-inner, -inner], [inner, -inner], [inner, 0.5 * inner], [0, inner], [-inner, inner]]
+            one["polygon_m"] = [[rounded(x), rounded(y)] for x, y in one["polygon_m"]]
+        if self.chance(0.3):
+            one["heading_deg"] = self.draws.choice((0, 45, -170))
+        elif self.chance(0.3):
+            one["heading"] = "random"
+        return one
+
+    def population(self, name, of_type, count, reserve):
+        count = min(count, MOST_BODIES - self.bodies)
+        self.bodies += count
+        one = {"name": name, "type": of_type, "count": count, "place": self.place()}
+        if reserve:
+            one["reserve"] = reserve
+        if self.chance(0.2):
+            one["color"] = "random"
+        self.world["populations"].append(one)
+
+    def _build(self):
+        world, draws = self.world, self.draws
+        self._surround()
+        if self.chance(0.4):
+            world["ranging"] = draws.choice(self.kinds.ranging)
+            if self.chance(0.3):
+                world["resolution_m"] = draws.choice((0.02, 0.1))
+        family, kind, event = self.focus
+        reserve = draws.randint(2, 6) if event in ("born", "resumed") or kind == "spawner" or self.chance(0.6) else 0
+        self.reserves = ["f"] if reserve else []
+        swarm = self.robot("focus", (family, kind), mortal_pack=event == "dies" and self.chance(0.2))
+        self.population("f", swarm, draws.randint(1, 6), reserve)
+        for i in range(draws.choice((0, 1, 1, 2))):
+            other = self.robot(f"other{i}")
+            self.population(f"o{i}", other, draws.randint(0, 5), draws.choice((0, 0, 2, 4)))
+        if self.chance(0.4):
+            world["types"]["puck"] = {"size_m": [0.1, 0.1, 0.1], "color": "gold", "fiducial_return": 1, "gripper_return": True,
+                                      "pushable": self.chance(0.7)}
+            self.population("p", "puck", draws.randint(1, 8), draws.choice((0, 3)))
+        self._fixtures()
+        if event == "carried" or self.chance(0.15):
+            self._grips("focus" if event == "carried" else draws.choice([name for name in world["types"] if name != "wall"]))
+        self._happenings(event)
+        self._faults()
+        self._measures()
+        if self.chance(0.2):
+            world["mortal"] = True
+        world["overlaps"] = "warn"
+        for key in ("at", "faults", "measures", "models", "populations"):
+            if not world[key]:
+                del world[key]
+
+    def _fixtures(self):
+        """What controllers look for, and what bears, kills, charges and shines."""
+        world = self.world
+        used = {controller["kind"] for one in world["types"].values() for controller in one.get("controllers", ())}
+        flat = {"size_m": [0.5, 0.5, 0.01], "obstacle": False, "ranger_return": -1}
+        for controller in sorted(used & MODELS_NEEDED.keys()):
+            for name in MODELS_NEEDED[controller]:
+                if any(model["name"] == name for model in world["models"]):
+                    continue
+                kind = "source" if "source" in name else "sink"
+                world["types"].setdefault(kind, {**flat, "devices": [{"name": "flags", "kind": "flags", "most": 10}],
+                                                 "controllers": [{"kind": kind}]})
+                self.model(name, kind)
+        if self.reserves and self.chance(0.5):
+            world["types"]["nest"] = {**flat, "devices": [{"name": "flags", "kind": "flags"}, {
+                "name": "nest", "kind": "spawner", **self.parameters(self.kinds.of("device")["spawner"])}]}
+            self.model("nest", "nest")
+        if self.chance(0.2):
+            world["types"]["pit"] = {**flat, "devices": [{"name": "pit", "kind": "remover", "radius_m": 0.5}]}
+            self.model("pit", "pit")
+        if self.chance(0.3):
+            world["types"]["pad"] = {**flat, "fiducial_return": 2, "devices": [
+                {"name": "mains", "kind": "power_pack", "infinite": True}, {"name": "plug", "kind": "power_contact", "give_W": 60}]}
+            self.model("pad", "pad")
+        if self.chance(0.3):
+            world["types"]["lamp"] = {"size_m": [0.1, 0.1, 0.4], "devices": [
+                {"name": "lamp", "kind": self.draws.choice(("blinkenlight", "lightindicator"))}]}
+            self.model("lamp", "lamp")
+        if self.chance(0.3):
+            world["types"]["tile"] = {**flat, "color": "black", "devices": [{"name": "led", "kind": "led"}]}
+            self.model("tile", "tile")
+
+    def _grips(self, of_type):
+        """Up to two catchers with a body of the type between their paddles, on which these close."""
+        world = self.world
+        world["types"][of_type]["gripper_return"] = True
+        world["types"]["catcher"] = {
+            "size_m": [0.2, 0.2, 0.3], "drive": {"kind": self.draws.choice(("diff", "omni"))}, "devices": [
+                {"name": "hand", "kind": "gripper", "pose": {"x_m": 0.55, "z_m": 0.02}, "size_m": [0.9, 1.0, 0.3], "autosnatch": True}],
+            "controllers": [{"kind": "script", "legs": [{"until_s": rounded(self.tick_s * self.ticks), "forward_mps": 0.02}]}]}
+        for i in range(self.draws.choice((1, 1, 2))):
+            catcher = self.model(f"catcher{i}", "catcher", heading=0)
+            if catcher is None or self.bodies >= MOST_BODIES:
+                return
+            # The paddles reach from 0.1 + 0.306 = 0.406 m to 1 m before the catcher's origin, 0.8 m apart.
+            x, y = catcher["pose"]["x_m"], catcher["pose"]["y_m"]
+            if x > 0:
+                catcher["pose"]["heading_deg"] = 180
+            world["models"].append({"name": f"prey{i}", "type": of_type, "pose": {
+                "x_m": rounded(x + (-0.72 if x > 0 else 0.72)), "y_m": y}})
+            self.bodies += 1
+
+    # ---- what happens
+
+    def time(self, low=1, high=None):
+        return rounded(self.tick_s * self.draws.randint(low, max(low, high or self.ticks - 2)))
+
+    def whom(self, many=True):
+        """Mostly bodies of the focus."""
+        populations = [each["name"] for each in self.world["populations"] if each["count"]]
+        whom = {"population": "f"} if self.chance(0.7) else {"population": self.draws.choice(populations)}
+        if self.chance(0.15):
+            whom = {"type": "focus"}
+        if many and self.chance(0.6):
+            whom.update({"count": self.draws.randint(1, 3)} if self.chance(0.5) else {"share": self.draws.choice((0.3, 0.5, 1))})
+        return whom
+
+    def _happenings(self, focus):
+        """Entries of `at`: that of the focus, and others."""
+        actions = self.kinds.actions
+        meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
+                 "set": ["set"]}.get(focus, [])
+        wanted = meant + [self.draws.choice(actions) for _ in range(self.draws.choice((0, 1, 2, 3, 5)))]
+        entries = []
+        for number, action in enumerate(wanted):
+            make = getattr(self, f"_at_{action}", None)
+            entry = make(number < len(meant)) if make else {action: self.whom()}
+            if entry:
+                time = self.time(1, self.ticks // 2) if action == "disable" else self.time(3)
+                entries.append({"time_s": time, **entry})
+        for entry in entries:  # what was disabled earlier is enabled later
+            if "enable" in entry:
+                entry["time_s"] = self.time(self.ticks // 2)
+        self.draws.shuffle(entries)
+        self.world["at"] = entries
+
+    def _at_add(self, meant):
+        populations = [each["name"] for each in self.world["populations"] if each.get("reserve")]
+        if not populations:
+            return None
+        name = "f" if meant or "f" in populations and self.chance(0.5) else self.draws.choice(populations)
+        inner = rounded(self.inner)
+        return {"add": {"population": name, "count": self.draws.randint(1, 3), "region_m": [[-inner, -inner], [inner, inner]]}}
+
+    def _at_enable(self, meant):
+        return {"enable": {"type": "focus"} if meant else self.whom(many=False)}
+
+    def _at_move(self, _):
+        count = self.world["populations"][0]["count"]
+        pose = {"x_m": rounded(self.draws.uniform(-self.inner, self.inner)), "y_m": rounded(self.draws.uniform(-self.inner, self.inner)),
+                "heading_deg": self.draws.choice((0, 77, -135))}
+        return {"move": {"model": f"f{self.draws.randrange(count)}", "pose": pose}} if count else None
+
+    def _at_set(self, meant):
+        types = self.world["types"]
+        name = "focus" if meant or self.chance(0.6) else self.draws.choice(list(types))
+        one = types[name]
+        choices = []
+        for family, key in (("sensor", "sensors"), ("device", "devices"), ("controller", "controllers")):
+            choices += [(family, part) for part in one.get(key, ())]
+        if "drive" in one:
+            choices.append(("drive", one["drive"]))
+        choices = [(family, part) for family, part in choices if settable(self.kinds.of(family)[part["kind"]])]
+        of_focus = [(family, part) for family, part in choices if (family, part["kind"]) == self.focus[:2]]
+        if not choices:
+            return None
+        family, part = self.draws.choice(of_focus if meant and of_focus else choices)
+        kind = self.kinds.of(family)[part["kind"]]
+        drawn = self.parameters(kind, often=1)
+        allowed = [key for key in settable(kind) if key in drawn]
+        if not allowed and kind.name not in SET_OF:
+            return None
+        changed = {key: drawn[key] for key in self.draws.sample(allowed, min(len(allowed), self.draws.randint(1, 3)))}
+        if family == "controller" and kind.name in SET_OF:
+            changed = self.draws.choice(SET_OF[kind.name])
+        if family == "device" and kind.name == "spawner":
+            changed = {"every_s": rounded(self.tick_s * self.draws.randint(1, 9))}
+        if family == "device" and kind.name == "power_pack" and "capacity_J" in changed:
+            changed["capacity_J"] = rounded(part.get("capacity_J", 100) * self.draws.choice((0.5, 2)))
+        if one.get("drive", {}).get("kind") != "omni":
+            for goal in changed.get("goals", ()):
+                goal.pop("speed_mps", None)
+        which = {"kind": part["kind"]} if family == "controller" else {} if family == "drive" else {"name": part["name"]}
+        key = "device" if family == "sensor" else family
+        return {"set": {"type": name, key: {**which, **changed}}}
+
+    def _faults(self):
+        for _ in range(self.draws.choice((0, 0, 1, 2))):
+            name = self.draws.choice(list(self.kinds.of("fault")))
+            kind = self.kinds.of("fault")[name]
+            one = self.world["types"]["focus"]
+            if name == "slow_wheels" and "drive" not in one or name == "dead_sensors" and not one.get("sensors"):
+                continue
+            parameters = self.parameters(kind)
+            if name == "dead_sensors":
+                parameters = {"sensors": one["sensors"][0]["name"]} if self.chance(0.5) else {}
+            if name == "drop_out":
+                parameters["rate_per_s"] = rounded(self.draws.uniform(0.05, 1) / (self.tick_s * self.ticks / 2))
+                parameters["for_s"] = rounded(self.tick_s * self.draws.randint(0, 10))
+            self.world["faults"].append({"population": "f", **({"share": 0.6} if self.chance(0.5) else {}),
+                                         "from_s": self.time(1, self.ticks // 2), name: parameters})
+
+    def _measures(self):
+        for name in self.draws.sample(list(self.kinds.of("measure")), 3):
+            one = {"kind": name, **self.parameters(self.kinds.of("measure")[name])}
+            if name == "deaths":
+                one["type"] = "focus"
+            elif name == "state_mean":
+                one.update(component="pose", field="x")
+                one.pop("column", None)
+            elif name == "rank_errors":
+                one["center_m"] = [0, 0]
+            elif name == "coverage" and "cell_m" in one:
+                one["cell_m"] = rounded(self.draws.uniform(0.3, 1))
+            if name not in ("clusters", "largest_cluster", "deaths") and "drive" in self.world["types"]["focus"] and self.chance(0.3):
+                one["of"] = "focus"
+            one["name"] = f"m{len(self.world['measures'])}"
+            self.world["measures"].append(one)
+
+
+def make_world(kinds, seed, index, pairs=None):
+    """(world, ticks, focus) of an index."""
+    focus = focus_of(pairs or pairs_of(kinds), seed, index)
+    made = Generator(kinds, seed, index, focus)
+    return made.world, made.ticks, focus
+
+
+def plan_image():
+    """The bytes of the image that worlds have as a floor plan: free but for its edge and two short walls."""
+    size = 64
+    pixels = bytearray([255] * size * size)
+    for i in range(size):
+        for at in (i, (size - 1) * size + i, i * size, i * size + size - 1):
+            pixels[at] = 0
+    for i in range(3):
+        pixels[32 * size + 4 + i] = pixels[(60 - i) * size + 32] = 0
+    return b"P5 %d %d 255\n" % (size, size) + bytes(pixels)

@@ -1,0 +1,120 @@
+"""Makes a world that fails as small as it can while it still fails: delta debugging (Zeller and Hildebrandt, 2002) on the lists
+of its document, then each key and each number by itself."""
+
+import copy
+import time
+
+
+def paths_of(value, path=()):
+    """(path, value) of everything within, outermost first."""
+    yield path, value
+    if isinstance(value, dict):
+        for key in list(value):
+            yield from paths_of(value[key], (*path, key))
+    elif isinstance(value, list):
+        for i, member in enumerate(value):
+            yield from paths_of(member, (*path, i))
+
+
+def at(document, path):
+    for token in path:
+        document = document[token]
+    return document
+
+
+def put(document, path, value):
+    """A copy with another value there."""
+    changed = copy.deepcopy(document)
+    at(changed, path[:-1])[path[-1]] = value
+    return changed
+
+
+def without(document, path, count=1):
+    """A copy without this key, or without so many members of a list from here on."""
+    changed = copy.deepcopy(document)
+    holder = at(changed, path[:-1])
+    if isinstance(holder, list):
+        del holder[path[-1]:path[-1] + count]
+    else:
+        del holder[path[-1]]
+    return changed
+
+
+def exists(document, path):
+    try:
+        at(document, path)
+    except (KeyError, IndexError, TypeError):
+        return False
+    return True
+
+
+class Shrinker:
+    """`fails(document)` says whether a document still fails; it is asked `most_trials` times, or for `most_s` seconds, at most."""
+
+    def __init__(self, fails, most_trials=1500, most_s=120):
+        self._fails, self._left, self._end = fails, most_trials, time.monotonic() + most_s
+        self.trials = 0
+        self._known = set()
+
+    def _still(self, document):
+        if self._left <= 0 or time.monotonic() > self._end:
+            return False
+        text = repr(document)
+        if text in self._known:
+            return False
+        self._known.add(text)
+        self._left -= 1
+        self.trials += 1
+        return self._fails(document)
+
+    def _lists(self, document):
+        """Removes members of lists, many at once where that goes."""
+        for path, value in list(paths_of(document)):
+            if not isinstance(value, list) or not exists(document, path):
+                continue
+            size = max(1, len(value) // 2)
+            while size >= 1:
+                i = 0
+                while i < len(at(document, path)):
+                    smaller = without(document, (*path, i), size)
+                    if self._still(smaller):
+                        document = smaller
+                    else:
+                        i += size
+                size //= 2
+        return document
+
+    def _keys(self, document):
+        for path, _ in list(paths_of(document)):
+            if path and isinstance(path[-1], str) and exists(document, path):
+                smaller = without(document, path)
+                if self._still(smaller):
+                    document = smaller
+        return document
+
+    def _numbers(self, document):
+        """Whole numbers towards 0, others rounded."""
+        for path, value in list(paths_of(document)):
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not exists(document, path):
+                continue
+            while True:
+                smaller = next((candidate for candidate in self._smaller(value) if self._still(put(document, path, candidate))), None)
+                if smaller is None:
+                    break
+                document, value = put(document, path, smaller), smaller
+        return document
+
+    @staticmethod
+    def _smaller(value):
+        if isinstance(value, int):
+            return dict.fromkeys((0, 1, value // 4, value // 2, value * 3 // 4, value - 1)) if value > 1 else ()
+        return [number for number in (0, float(round(value)), round(value, 1)) if abs(number) < abs(value)]
+
+    def shrunk(self, document):
+        while True:
+            before = repr(document)
+            # Large pieces first: what they take along need not be tried.
+            for way in (self._lists, self._keys, self._lists, self._numbers):
+                document = way(document)
+            if repr(document) == before or self._left <= 0 or time.monotonic() > self._end:
+                return document

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, again and again, in one process that
+never ends by itself. Prints a line of counts, as JSON, about once a second; scripts/soak starts it.
+
+    soak_worker.py WORLDS FOLDER    WORLDS: the folder of the worlds; FOLDER: for its files
+"""
+
+import json
+import pathlib
+import sys
+import time
+
+import troupe
+
+# Worlds that are small, and all together have everything: lives, faults, interventions, grippers, pushing, packs, radios, goals.
+WORLDS = ("colony.json", "failures.json", "pucks.json", "energy.json", "gripper.json", "clustering.json", "door.json",
+          "errands.json", "perception.json")
+RESETS = 400  # of a world, until the next one has its turn
+TICKS = 12
+
+
+class Soaker:
+    def __init__(self, worlds, folder):
+        self.worlds, self.folder = pathlib.Path(worlds), pathlib.Path(folder)
+        self.counts = {"resets": 0, "saves": 0, "recordings_cut": 0}
+        self.differences = []
+        self.next_line = 0.0
+
+    def tell(self):
+        if time.monotonic() < self.next_line and not self.differences:
+            return
+        self.next_line = time.monotonic() + 1
+        print(json.dumps({**self.counts, "differences": self.differences}), flush=True)
+        self.differences = []
+
+    def expect(self, what, expected, simulation):
+        if simulation.state_hash() != expected:
+            self.differences.append(f"{what}: tick {simulation.tick} has the state {simulation.state_hash():016x}, not {expected:016x}")
+
+    def soak(self, name, turn):
+        simulation = troupe.Simulation(self.worlds / name, threads=1 + turn % 3)
+        measures = troupe.Measures(simulation, ["coverage", "path_length", "stalls"])
+        begins = simulation.state_hash()
+        simulation.step(TICKS)
+        middle = simulation.state_hash()
+        simulation.step(TICKS)
+        ends = simulation.state_hash()
+        for i in range(RESETS):
+            simulation.reset()
+            self.counts["resets"] += 1
+            self.expect(f"{name}, reset", begins, simulation)
+            if i % 4 == 0:
+                simulation.step(TICKS)
+                measures.see()
+                self.expect(f"{name}, {TICKS} ticks after a reset", middle, simulation)
+            if i % 100 == 0:
+                self.save(name, simulation, turn, ends)
+            self.tell()
+
+    def save(self, name, simulation, turn, ends):
+        """Saves, and goes on with what was saved, with its recording, which was cut off."""
+        checkpoint, recording = self.folder / "checkpoint.h5", self.folder / "recording.h5"
+        simulation.reset()
+        self.counts["resets"] += 1
+        with troupe.Recording(recording, simulation, fields=["all"], replace=True) as frames:
+            frames.observe()
+            for _ in range(TICKS):
+                simulation.step()
+                frames.observe()
+            simulation.save(checkpoint)
+            simulation.step()
+            frames.observe()  # beyond the checkpoint: it is taken back
+        resumed = troupe.Simulation.resume(checkpoint, threads=1 + (turn + 1) % 3)
+        self.counts["saves"] += 1
+        with troupe.Recording.resume(recording, resumed) as frames:
+            self.counts["recordings_cut"] += 1
+            for _ in range(TICKS):
+                resumed.step()
+                frames.observe()
+        self.expect(f"{name}, resumed", ends, resumed)
+
+
+def main():
+    soaker = Soaker(*sys.argv[1:])
+    turn = 0
+    while True:
+        soaker.soak(WORLDS[turn % len(WORLDS)], turn)
+        turn += 1
+
+
+if __name__ == "__main__":
+    main()
