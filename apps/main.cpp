@@ -15,6 +15,7 @@
 #include "apps/run/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
 #include "base/diagnostics.hpp"
+#include "partition/simd_target.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
@@ -78,7 +79,16 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: error: {}; see {} --help\n", name, message, name);
 }
 
+/// What --version prints.
+std::string version_text() {
+  std::string usable;
+  for (const std::string& name : partition::simd_targets().usable)
+    usable += fmt::format("{}{}", usable.empty() ? "" : " ", name);
+  return fmt::format("{} simd {} (of {})", version_line(), partition::simd_target(), usable);
+}
+
 int troupe_main(int argc, char** argv) {
+  obey_simd_variable();
   CLI::App app(
       "Troupe simulates very large swarms of mobile robots, the same to the last bit on any number of "
       "threads.",
@@ -86,7 +96,7 @@ int troupe_main(int argc, char** argv) {
   app.get_formatter()->column_width(26);
   app.footer(k_troupe_footer);
   app.set_version_flag(
-      "--version", [] { return version_line(); }, "Print version, compiler, flags and instruction set");
+      "--version", [] { return version_text(); }, "Print version, compiler, flags and instruction sets");
 
   RunOptions options;
   const CLI::App* run_command = add_run_command(app, options);

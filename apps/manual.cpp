@@ -72,7 +72,8 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
   }
   text +=
       ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with controllers, separated by colons.\n"
-      ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n";
+      ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n"
+      ".TP\n.B TROUPE_SIMD\nInstruction set that finds ranges, as \\-\\-simd takes it.\n";
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include "apps/options.hpp"
 
 #include "base/diagnostics.hpp"
+#include "partition/simd_target.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 namespace troupe::apps {
@@ -116,6 +118,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable",
                  options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);
+  add_simd_option(app);
 }
 
 void add_end_option(CLI::App& app, WorldOptions& options) {
@@ -140,6 +143,29 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
                                options.is_checkpoint ? "--set /quit_time_s=SECONDS"
                                : json                ? "set quit_time_s in the world"
                                                      : "set quit_time in the world"));
+}
+
+void add_simd_option(CLI::App& app) {
+  add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve",
+            "Instruction set that ranges are found with (default: TROUPE_SIMD, else the processor's best)",
+            [](const std::string& text) {
+              try {
+                partition::use_simd_target(text);
+              } catch (const std::invalid_argument& error) {
+                throw CLI::ValidationError("--simd", error.what());
+              }
+            })
+      ->group("Advanced");
+}
+
+void obey_simd_variable() {
+  const std::string name = variable("TROUPE_SIMD");
+  if (name.empty()) return;
+  try {
+    partition::use_simd_target(name);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("TROUPE_SIMD: error: {}", error.what()));
+  }
 }
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {

@@ -52,7 +52,7 @@ struct WorldOptions {
 };
 /// Adds WORLD and add_run_settings(); `options` must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
-/// Adds --for, --seed, --raytracer, --robots, --set and --plugin-path.
+/// Adds --for, --seed, --raytracer, --robots, --set, --plugin-path and --simd.
 void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Of these, what a run that is resumed takes too.
 void add_end_option(CLI::App& app, WorldOptions& options);
@@ -60,6 +60,10 @@ void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::
 
 /// Where the run ends, s: --for, else where the world asks to. Throws InputError when neither says so.
 double end_of(const WorldOptions& options, const Simulation& simulation);
+/// Adds --simd, which is obeyed in the whole process as soon as it is read.
+void add_simd_option(CLI::App& app);
+/// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one. Throws InputError.
+void obey_simd_variable();
 /// Adds --plugin-path, which adds to `path`; that must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
 /// The folders given, then those of TROUPE_PLUGIN_PATH, then those of STAGEPATH, where Stage's users have

@@ -68,15 +68,15 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, Met
                                                LoadU(k_f, &met.radius[i]), fan, limits);
     const auto meets = Ne(beams, Zero(k_u));
     const auto rows = LoadU(k_u, &met.row[i]);
-    StoreU(Compress(rows, meets), k_u, &met.row[kept]);
-    StoreU(Compress(beams, meets), k_u, &met.beams[kept]);
-    kept += CountTrue(k_u, meets);
+    StoreU(compress(rows, meets), k_u, &met.row[kept]);
+    StoreU(compress(beams, meets), k_u, &met.beams[kept]);
+    kept += count_true(k_u, meets);
   }
   return kept;
 }
 
 /// Circles whose nearest point lies from low to high away, relative to the reference and with their margins;
-/// padded with one vector that nothing meets.
+/// padded with one vector that nothing meets. `kept` has room for them and two vectors more.
 HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
                                     const Vec2& reference, float low, float high, MetCircles& kept) {
   const Floats rx = Set(k_f, static_cast<float>(reference.x()));
@@ -88,7 +88,6 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
   const Floats margin = Set(k_f, slack(high));
   const Floats farthest = Set(k_f, high + slack(high));
   const Floats nearest = Set(k_f, low + slack(low));
-  kept.make_room(end - begin + 2 * k_circle_padding);
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; i += Lanes(k_f)) {
     const Floats x = Sub(LoadU(k_f, &circles.x[i]), rx);
@@ -100,11 +99,11 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
     const Floats inner = Max(Add(wider, nearest), Zero(k_f));
     const auto here = And(Le(distance2, Mul(outer, outer)), Ge(distance2, Mul(inner, inner)));
     if (AllFalse(k_f, here)) continue;
-    StoreU(Compress(x, here), k_f, &kept.x[count]);
-    StoreU(Compress(y, here), k_f, &kept.y[count]);
-    StoreU(Compress(radius, here), k_f, &kept.radius[count]);
-    StoreU(Compress(LoadU(k_u, &circles.row[i]), RebindMask(k_u, here)), k_u, &kept.row[count]);
-    count += CountTrue(k_f, here);
+    StoreU(compress(x, here), k_f, &kept.x[count]);
+    StoreU(compress(y, here), k_f, &kept.y[count]);
+    StoreU(compress(radius, here), k_f, &kept.radius[count]);
+    StoreU(compress(LoadU(k_u, &circles.row[i]), RebindMask(k_u, here)), k_u, &kept.row[count]);
+    count += count_true(k_f, here);
   }
   for (std::size_t i = count; i < count + k_circle_padding; ++i)
     kept.radius[i] = -std::numeric_limits<float>::infinity();
@@ -130,11 +129,11 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     angles.beams(from, to, Ge(radius, distance), first, last);
     const auto circle = Ge(radius, Zero(k_f));  // what fills up the last vector is none
     const auto spans = And(Le(first, last), circle);
-    StoreU(Compress(first, spans), k_f, &met.x[spanning]);
-    StoreU(Compress(last, spans), k_f, &met.y[spanning]);
-    StoreU(Compress(Sub(distance, radius), spans), k_f, &met.radius[spanning]);
-    StoreU(Compress(rows, RebindMask(k_u, spans)), k_u, &met.row[spanning]);
-    spanning += CountTrue(k_f, spans);
+    StoreU(compress(first, spans), k_f, &met.x[spanning]);
+    StoreU(compress(last, spans), k_f, &met.y[spanning]);
+    StoreU(compress(Sub(distance, radius), spans), k_f, &met.radius[spanning]);
+    StoreU(compress(rows, RebindMask(k_u, spans)), k_u, &met.row[spanning]);
+    spanning += count_true(k_f, spans);
   }
   const auto lanes = static_cast<std::int32_t>(Lanes(k_f));
   const std::int32_t highest = static_cast<std::int32_t>(fan.padded()) - lanes;
@@ -201,6 +200,7 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met) {
+  met.make_room(end - begin + 2 * k_circle_padding);
   return HWY_DYNAMIC_DISPATCH(fan_may_meet)(circles, begin, end, reference, fan, limits, low, high, met);
 }
 

@@ -270,8 +270,8 @@ HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size
 /// Writes the steps at `where`, and returns their number.
 HWY_INLINE std::size_t note(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
                             const Mask<decltype(k_i)>& where, std::int32_t* steps) {
-  StoreU(Compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);
-  return CountTrue(k_i, where);
+  StoreU(compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);
+  return count_true(k_i, where);
 }
 
 /// The beams of a scan that edges span. Most span few, one vector of them or two. Vectors begin at multiples

@@ -4,6 +4,7 @@
 //   build/release/bin/perf_paper --help
 
 #include "base/diagnostics.hpp"
+#include "partition/simd_target.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "perf/paper_cases.hpp"
@@ -24,6 +25,7 @@
 #include <optional>
 #include <regex>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -48,6 +50,7 @@ struct Options {
   std::size_t repeat = 0;  // 0: not given
   std::string only;
   std::vector<unsigned> threads;
+  std::vector<std::string> simd;  // the first is that of all rows but those that compare them
   fs::path out;
   fs::path markdown;
   fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
@@ -147,6 +150,7 @@ std::vector<ChildTiming> time_children(const Plan& plan, const Plan& whole, cons
         whole.children, [&](const Child& other) { return row_name(other) == row_name(child); });
     std::vector<std::string> arguments{"--child", fmt::format("{}", index - whole.children.begin())};
     if (options.quick) arguments.emplace_back("--quick");
+    arguments.insert(arguments.end(), {"--simd", options.simd.front()});
     if (child.as_text) {
       const fs::path world = scratch.file("robots.world");
       write_as_text(child.scene, world, registry);
@@ -166,6 +170,16 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
+/// What is wrong with the name of an instruction set; nothing where kernels can run on it.
+std::string simd_fault(const std::string& name) {
+  try {
+    partition::use_simd_target(name);
+    return {};
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
 int measure(Options& options) {
   if (options.repeat == 0) options.repeat = options.quick || options.write_hashes ? 1 : 5;
   if (options.threads.empty()) {
@@ -173,8 +187,10 @@ int measure(Options& options) {
     if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1)
       options.threads.push_back(cores);
   }
+  if (options.simd.empty()) options.simd = partition::simd_targets().usable;
+  partition::use_simd_target(options.simd.front());
   const engine::Registry registry = make_registry();
-  const Plan whole = make_plan(options.quick, options.threads);
+  const Plan whole = make_plan(options.quick, options.threads, options.simd);
   if (options.child) {
     Scene scene = whole.children.at(*options.child).scene;
     if (!options.child_world.empty()) {
@@ -247,6 +263,11 @@ int paper_main(int argc, char** argv) {
                  "Numbers of threads, as in 1,2,4 (default: 1 and one for each core)")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
+  app.add_option("--simd", options.simd,
+                 "Instruction sets, as in avx2,sse4: all rows are measured on the first, and their own table "
+                 "on each (default: all that this processor has, the best first)")
+      ->delimiter(',')
+      ->check(simd_fault, "");
   app.add_option("--out", options.out, "Write everything that was measured as JSON");
   app.add_option("--markdown", options.markdown,
                  "Write the tables into this file, between its marks where it has them");

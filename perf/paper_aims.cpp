@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace troupe::perf {
@@ -29,7 +30,8 @@ class Aims {
     std::optional<double> found;
     for (const CaseTiming& one : report_.cases)
       for (const Timing& timing : one.timings)
-        if (timing.run.scene.name == scene && !timing.run.frames && timing.run.watch == Watch::nothing)
+        if (timing.run.scene.name == scene && !timing.run.frames && timing.run.watch == Watch::nothing &&
+            timing.run.simd.empty())
           if (const auto v = value(one, timing)) found = std::max(found.value_or(*v), *v);
     return found;
   }
@@ -85,6 +87,35 @@ void add_costs(Aims& aims) {
   for (const char* scene : {"cave-simple-laser/100", "cave-complex-laser/100"})
     aims.at_most(fmt::format("{}, one thread", scene), 5000, "ns a robot and tick", aims.ns(scene));
   aims.at_most("grid-hospital/1000, one thread", 10000, "ns a robot and tick", aims.ns("grid-hospital/1000"));
+}
+
+void add_instruction_sets(Aims& aims) {
+  struct Aim {
+    const char* scene;
+    double avx512_ns;
+    double avx2_ns;
+  };
+  constexpr Aim k_aims[] = {{"hospital-10cm/10000", 700, 1100},
+                            {"hospital/2000", 900, 1400},
+                            {"cave-complex/100", 2000, 3000},
+                            {"cave-simple-laser/100", 4500, 7000},
+                            {"cave-complex-laser/100", 6000, 9000}};
+  const auto ns = [&](const char* scene, std::string_view simd) -> std::optional<double> {
+    for (const CaseTiming& one : aims.report().cases)
+      for (const Timing& timing : one.timings)
+        if (timing.run.scene.name == scene && timing.run.simd == simd)
+          return timing.ns(median(timing.wall_s));
+    return std::nullopt;
+  };
+  for (const Aim& aim : k_aims) {
+    aims.at_most(fmt::format("{}, avx512", aim.scene), aim.avx512_ns, "ns a robot and tick",
+                 ns(aim.scene, "avx512"));
+    aims.at_most(fmt::format("{}, avx2", aim.scene), aim.avx2_ns, "ns a robot and tick",
+                 ns(aim.scene, "avx2"));
+    const auto sse4 = ns(aim.scene, "sse4");
+    const auto avx2 = ns(aim.scene, "avx2");
+    if (sse4 && avx2) aims.at_most(fmt::format("{}, sse4 by avx2", aim.scene), 1.8, "times", *sse4 / *avx2);
+  }
 }
 
 void add_devices(Aims& aims) {
@@ -168,6 +199,7 @@ void add_memory_and_loading(Aims& aims) {
 Sheet aims_sheet(const Report& report) {
   Aims aims(report);
   add_costs(aims);
+  add_instruction_sets(aims);
   add_devices(aims);
   add_threads(aims);
   add_clusters(aims);

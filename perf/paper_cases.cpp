@@ -15,6 +15,8 @@ constexpr double k_table_3_s = 60;
 // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
 constexpr double k_campus_s = 5;
 constexpr double k_radios_s = 10;
+// Portable kernels take some ten times as long as the best ones.
+constexpr double k_simd_s = 60;
 // Clusters are timed after a minute, when they are tight, in pieces of 2 s.
 constexpr double k_cluster_skip_s = 60;
 constexpr double k_cluster_s = 2;
@@ -84,7 +86,7 @@ std::string missing(const Scene& scene) {
   return {};
 }
 
-Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
+Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd) {
   Plan plan;
   plan.tables = {
       {"1", "Table 1: Pioneers in the cave",
@@ -94,6 +96,9 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
       {"2", "Table 2: minibots of 0.2 m in the hospital", "12 infrared beams of 2 m each."},
       {"3", "Table 3: minibots of 0.1 m in the hospital",
        "`stage` is Stage's own `hospital.world` with its 1,000 robots."},
+      {"simd", "Instruction sets, one beside the other",
+       "ns a robot and tick on one thread, each row's sets in turn; every one ends with the same hash. "
+       "docs/determinism.md says how a run is given another than the processor's best."},
       {"clusters", "Clusters",
        "With `invert` robots gather. Both behaviours are timed after the time that dispersal takes, as "
        "consecutive pieces of one run."},
@@ -138,6 +143,18 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads) {
             .world = stage_worlds() / "benchmark/hospital.world",
             .robots = 1000,
             .for_s = times * k_table_3_s});
+
+  for (const Scene& scene :
+       {population("hospital", quick ? 50 : 2000, times * k_simd_s),
+        population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s),
+        population("cave-simple", quick ? 10 : 100, times * k_simd_s),
+        population("cave-complex", quick ? 10 : 100, times * k_simd_s),
+        population("cave-simple-laser", quick ? 10 : 100, times * k_simd_s),
+        population("cave-complex-laser", quick ? 10 : 100, times * k_simd_s)}) {
+    Case sets{"simd", {}};
+    for (const std::string& name : simd) sets.runs.push_back({.scene = scene, .threads = 1, .simd = name});
+    plan.cases.push_back(std::move(sets));
+  }
 
   for (const Scene& scene : {population("hospital", quick ? 200 : 2000, 0),
                              population("hospital-10cm", quick ? 500 : 100000, 0)}) {

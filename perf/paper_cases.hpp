@@ -28,6 +28,7 @@ struct Run {
   unsigned threads = 1;
   bool frames = false;  ///< a picture every 0.1 s of wall time: the paper's "graphics"
   Watch watch = Watch::nothing;
+  std::string simd = {};  ///< instruction set of the kernels, where it is not the whole report's
 };
 
 /// Runs that are timed in turn (A B A B ...), so that what else the machine does meets them alike.
@@ -59,7 +60,8 @@ struct Plan {
 /// quick: the same kinds of rows with few robots and short times.
 /// threads: the numbers of threads that rows without pictures are run with; those with pictures take the
 /// first.
-Plan make_plan(bool quick, const std::vector<unsigned>& threads);
+/// simd: the instruction sets that are compared, by the names of partition::simd_targets().
+Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
 
 /// Where Stage's own worlds are looked for: beside the source tree.
 std::filesystem::path stage_worlds();

@@ -1,5 +1,6 @@
 #include "perf/paper_report.hpp"
 
+#include "partition/simd_target.hpp"
 #include "troupe/simulation.hpp"
 #include "perf/paper_aims.hpp"
 
@@ -116,6 +117,38 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
   return sheet;
 }
 
+/// What the report says of the machine under this name; nothing where it says nothing.
+std::string of_machine(const Report& report, std::string_view name) {
+  for (const auto& [key, value] : report.machine)
+    if (key == name) return value;
+  return {};
+}
+
+/// A column for each instruction set.
+Sheet simd_sheet(const Report& report, const Table& table) {
+  Sheet sheet{table.title, table.note, {"world", "robots", "beams a tick"}, {}};
+  if (const std::string processor = of_machine(report, "processor"); !processor.empty())
+    sheet.title += ": " + processor;
+  for (const CaseTiming& one : report.cases) {
+    if (one.table != table.id) continue;
+    const Timing& first = one.timings.front();
+    if (sheet.rows.empty()) {
+      for (const Timing& timing : one.timings) sheet.header.push_back(timing.run.simd);
+      for (std::size_t i = 1; i < one.timings.size(); ++i)
+        sheet.header.push_back(fmt::format("{} by {}", one.timings[i].run.simd, first.run.simd));
+      sheet.header.emplace_back("state hash");
+    }
+    std::vector<std::string> row{first.run.scene.name.substr(0, first.run.scene.name.rfind('/')),
+                                 grouped(static_cast<double>(first.robots)), grouped(first.beams_per_tick)};
+    for (const Timing& timing : one.timings) row.push_back(grouped(median(costs(timing))));
+    for (std::size_t i = 1; i < one.timings.size(); ++i)
+      row.push_back(fmt::format("{:.2f}", median(costs(one.timings[i])) / median(costs(first))));
+    row.push_back(hash_text(first.hash));
+    sheet.rows.push_back(std::move(row));
+  }
+  return sheet;
+}
+
 Sheet scaling_sheet(const Report& report) {
   Sheet sheet{"Threads",
               "`probe`: the same number of threads that share nothing, timed between the repetitions: what "
@@ -184,19 +217,14 @@ std::vector<std::pair<std::string, std::string>> describe_machine() {
   std::vector<std::pair<std::string, std::string>> out;
   std::ifstream cpuinfo("/proc/cpuinfo");
   std::string model;
-  std::string flags;
-  for (std::string line; std::getline(cpuinfo, line);) {
-    const auto value = [&] { return line.substr(std::min(line.size(), line.find(':') + 2)); };
-    if (model.empty() && line.starts_with("model name")) model = value();
-    if (flags.empty() && line.starts_with("flags")) flags = value();
-  }
+  for (std::string line; model.empty() && std::getline(cpuinfo, line);)
+    if (line.starts_with("model name")) model = line.substr(std::min(line.size(), line.find(':') + 2));
   if (!model.empty()) out.emplace_back("processor", model);
-  std::string known;
-  std::istringstream words(flags);
-  for (std::string word; words >> word;)
-    if (word == "ssse3" || word == "sse4_2" || word == "avx2" || word == "avx512f")
-      known += (known.empty() ? "" : " ") + word;
-  if (!known.empty()) out.emplace_back("instruction sets", known);
+  std::string usable;
+  for (const std::string& name : partition::simd_targets().usable)
+    usable += (usable.empty() ? "" : " ") + name;
+  out.emplace_back("instruction sets", usable);
+  out.emplace_back("kernels run on", partition::simd_target());
   out.emplace_back("cores", fmt::format("{}", std::thread::hardware_concurrency()));
   std::ifstream meminfo("/proc/meminfo");
   std::string name;
@@ -223,7 +251,9 @@ Reference read_reference(const std::filesystem::path& file) {
 std::vector<Scaling> scalings(const Report& report) {
   std::vector<Scaling> out;
   for (const CaseTiming& one : report.cases) {
-    if (one.table == "clusters" || one.table == "watching" || one.table == "grid") continue;
+    if (one.table == "clusters" || one.table == "watching" || one.table == "grid" ||
+        one.table == "simd")
+      continue;
     const Timing& single = one.timings.front();
     if (single.run.threads != 1) continue;
     for (const Timing& timing : one.timings) {
@@ -239,7 +269,8 @@ std::vector<Scaling> scalings(const Report& report) {
 std::vector<Sheet> sheets(const Report& report, const Reference& reference) {
   std::vector<Sheet> out;
   if (!report.quick) out.push_back(aims_sheet(report));
-  for (const Table& table : report.tables) out.push_back(timing_sheet(report, table, reference));
+  for (const Table& table : report.tables)
+    out.push_back(table.id == "simd" ? simd_sheet(report, table) : timing_sheet(report, table, reference));
   out.push_back(scaling_sheet(report));
   out.push_back(loading_sheet(report));
   std::erase_if(out, [](const Sheet& sheet) { return sheet.rows.empty(); });
@@ -302,6 +333,7 @@ std::string json(const Report& report) {
       row["frames"] = timing.run.frames;
       row["frames_drawn"] = timing.frames;
       row["with"] = watch_name(timing.run.watch);
+      row["simd"] = timing.run.simd.empty() ? of_machine(report, "kernels run on") : timing.run.simd;
       row["ticks"] = timing.ticks;
       row["tick_s"] = timing.tick_s;
       row["beams_per_tick"] = timing.beams_per_tick;

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "partition/simd_target.hpp"
 
 #ifdef TROUPE_HAS_RENDER
 #include "render/draw.hpp"
@@ -195,9 +196,11 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
     timing.hash_tick = engine::ticks_until(run.scene.skip_s, timing.tick_s) + timing.ticks;
     out.timings.push_back(std::move(timing));
   }
+  const std::string simd = partition::simd_target();
   for (std::size_t repetition = 0; repetition < repeat; ++repetition) {
     for (std::size_t r = 0; r < one.runs.size(); ++r) {
       const Run& run = one.runs[r];
+      partition::use_simd_target(run.simd.empty() ? simd : run.simd);
       Timing& timing = out.timings[r];
       std::unique_ptr<engine::World>& world = worlds[r];
       progress(fmt::format("{}: {} thread{}{}, {} of {}", run.scene.name, run.threads,
@@ -218,11 +221,13 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
       if (out.probe_s[run.threads].size() == repetition)
         out.probe_s[run.threads].push_back(probe_s(run.threads));
   }
+  partition::use_simd_target(simd);
   return out;
 }
 
 std::string with_text(const Run& run) {
   if (run.frames) return ", frames";
+  if (!run.simd.empty()) return fmt::format(", {}", run.simd);
   return run.watch == Watch::nothing ? std::string() : fmt::format(", {}", watch_name(run.watch));
 }
 

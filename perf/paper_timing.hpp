@@ -50,7 +50,7 @@ struct CaseTiming {
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 
-/// `, frames`, `, hashes`: what a run is with, for messages; empty where it is plain.
+/// `, frames`, `, hashes`, `, avx2`: what a run is with, for messages; empty where it is plain.
 std::string with_text(const Run& run);
 
 /// What looking on takes of the time that the same run takes without: the median over the repetitions. None

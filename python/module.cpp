@@ -1,10 +1,12 @@
 #include "engine/world.hpp"
+#include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -98,10 +100,26 @@ void bind_errors(py::module_& module) {
   });
 }
 
+namespace troupe::python {
+namespace {
+
+/// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one.
+void obey_simd_variable() {
+  const char* name = std::getenv("TROUPE_SIMD");
+  if (name == nullptr || *name == '\0') return;
+  try {
+    partition::use_simd_target(name);
+  } catch (const std::invalid_argument& error) {
+    throw py::import_error(std::string("TROUPE_SIMD: error: ") + error.what());
+  }
+}
+
+}  // namespace
 }  // namespace troupe::python
 
 PYBIND11_MODULE(_core, module) {
   using namespace troupe::python;
+  obey_simd_variable();
   module.doc() = "The C++ part of troupe; see there.";
   module.attr("__version__") = troupe::k_version;
   module.def("version_line", &troupe::version_line,

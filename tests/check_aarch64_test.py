@@ -3,7 +3,6 @@
 
 import pathlib
 import sys
-import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -29,25 +28,11 @@ class FusedInstructions(unittest.TestCase):
 
 
 class Processors(unittest.TestCase):
-    def proof(self, kernels_that_ran):
-        with tempfile.TemporaryDirectory() as folder:
-            proof = aarch64.proof_of(aarch64.PROCESSORS[1], pathlib.Path(folder))
-            for variant in proof.variants:
-                told = next(word for word in variant.emulator if str(word).startswith("TROUPE_INSTRUCTION_SET_FILE="))
-                self.assertNotIn(",", str(told), "qemu's -E takes a comma for the end of a variable")
-                if kernels_that_ran:
-                    pathlib.Path(told.partition("=")[2]).write_text(kernels_that_ran)
-            return proof, proof.verify()
-
-    def test_run_their_own_kernels(self):
-        proof, fault = self.proof("SVE")
-        self.assertEqual(fault, "")
+    def test_must_run_their_own_kernels(self):
+        proof = aarch64.proof_of(aarch64.PROCESSORS[1])
         self.assertEqual([variant.threads for variant in proof.variants], [1, 2])
+        self.assertEqual({variant.simd for variant in proof.variants}, {"sve"})
         self.assertIn("a64fx", proof.variants[0].emulator)
-
-    def test_that_run_others_are_a_fault(self):
-        self.assertEqual(self.proof("NEON")[1], "SVE was asked for, NEON ran")
-        self.assertEqual(self.proof("")[1], "SVE was asked for, nothing ran")
 
 
 if __name__ == "__main__":

@@ -74,6 +74,34 @@ class Paper(unittest.TestCase):
             self.assertAlmostEqual(speed["max"] * min(row["wall_s"]), 6)
         self.assertEqual([point["threads"] for point in data["scaling"]], [3])
 
+    def run_sets(self, *options):
+        return subprocess.run([PROGRAM, "--quick", "--only", "^simd/cave-simple/10$", *options], capture_output=True, text=True,
+                              check=False)
+
+    def test_instruction_sets_stand_side_by_side_with_one_hash(self):
+        out = self.folder / "paper.json"
+        run = self.run_sets("--out", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        data = json.loads(out.read_text(encoding="utf-8"))
+        sets = data["machine"]["instruction sets"].split()
+        self.assertEqual([row["simd"] for row in data["rows"]], sets)
+        self.assertEqual(len({row["state_hash"] for row in data["rows"]}), 1)
+        header = next(line for line in run.stdout.splitlines() if line.startswith("world "))
+        self.assertEqual(header.split()[5:5 + len(sets)], sets)  # behind "world robots beams a tick"
+        self.assertIn("one beside the other: " + data["machine"].get("processor", ""), run.stdout)
+
+    def test_rows_are_measured_on_the_first_set_that_is_given(self):
+        out = self.folder / "paper.json"
+        self.assertEqual(self.run_row("--simd", "scalar", "--out", out).returncode, 0)
+        data = json.loads(out.read_text(encoding="utf-8"))
+        self.assertEqual({row["simd"] for row in data["rows"]}, {"scalar"})
+        self.assertEqual(data["machine"]["kernels run on"], "scalar")
+
+    def test_an_unknown_set_is_wrong_usage(self):
+        run = self.run_sets("--simd", "scalar,avx9")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn('"avx9" is not an instruction set that this program is compiled for', run.stderr)
+
     def test_tables_land_between_their_marks(self):
         page = self.folder / "page.md"
         page.write_text("before\n<!-- perf_paper: begin -->\nold\n<!-- perf_paper: end -->\nafter\n", encoding="utf-8")

@@ -76,9 +76,23 @@ class Proofs(unittest.TestCase):
         found, _ = self.hold(variants.Proof("a", "one", (Given("x", LOG),)), golden={})
         self.assertIn("no golden hash of tick 50", found["a"][0])
 
-    def test_what_was_to_be_verified_and_was_not_is_a_fault(self):
-        found, _ = self.hold(variants.Proof("a", "one", (Given("x", LOG),), lambda: "AVX2 was asked for, SSE4 ran"))
-        self.assertEqual(found["a"], ["crowd, a: AVX2 was asked for, SSE4 ran"])
+    def test_kernels_of_another_instruction_set_than_asked_for_are_a_fault(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            for ran, asked, fault in (("sse4", "sse4", None), ("avx2", "sse4", "must run on sse4, they ran on avx2"),
+                                      ("", "sse4", "must run on sse4, they ran on an unknown one")):
+                program = folder / "program"
+                head = f"# simd: {ran}\n" if ran else ""
+                log = "\n".join(LOG)
+                program.write_text(f"#!/bin/sh\nprintf '%s\\n' '{head}{log}' > {folder}/run.log\n")
+                program.chmod(0o755)
+                variant = runs.Variant("x", program, simd=asked)
+                with self.subTest(ran=ran):
+                    if fault is None:
+                        self.assertEqual(variant.lines(WORLD, 50, folder), LOG)
+                    else:
+                        with self.assertRaisesRegex(runs.Fault, fault):
+                            variant.lines(WORLD, 50, folder)
 
 
 class Planted(unittest.TestCase):

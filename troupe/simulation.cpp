@@ -10,6 +10,7 @@
 #include "models/flags.hpp"
 #include "models/power.hpp"
 #include "models/wheels.hpp"
+#include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
@@ -578,6 +579,7 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
       {"robots", fmt::format("{}", impl_->world->robots_at_start())},
       {"threads", fmt::format("{}", threads())},
       {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
+      {"simd", partition::simd_target()},
   };
   if (spec.ranging == RangingEngine::grid)
     out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));

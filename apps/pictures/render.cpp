@@ -164,6 +164,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
   add_film_options(*command, options.pictures);
   add_look_options(*command, options.pictures.look);
   add_plugin_path_option(*command, options.plugin_path);
+  add_simd_option(*command);
   command->final_callback([&options] {
     if (options.pictures.snapshot.empty() && options.pictures.film.empty())
       throw CLI::RequiredError("--output or --film");

@@ -29,7 +29,7 @@ name: --hash-log {world}.log. The summaries follow one another, with --json a li
 A run is as fast as it can be. --rate 1 holds it back to real time, --rate world to what the world asks for (speedup).
 
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
-The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads or --tile-size.
+The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads, --tile-size or --simd.
 
 A checkpoint holds the state and the whole world; troupe resume needs nothing else to go on, with the same bits as a run
 that never stopped. It is written beside its name and renamed when it is whole: whenever the program is killed, the last
@@ -300,6 +300,7 @@ CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
                  "Though another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
   add_plugin_path_option(*resume, options.simulation.plugin_path);
+  add_simd_option(*resume);
   resume
       ->add_flag("--across-plugins", options.across_plugins,
                  "Though its plug-ins have been built anew since it was written")

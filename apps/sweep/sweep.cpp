@@ -306,6 +306,7 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
   command->add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
   command->add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
   add_plugin_path_option(*command, options.plugin_path);
+  add_simd_option(*command);
   return command;
 }
 

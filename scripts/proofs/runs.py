@@ -21,8 +21,6 @@ class World:
     weight: float = 1.0
     # Ray engine, where it is not the world's own.
     ranging: str = ""
-    # Whether its robots cast rays: where none do, no kernels are dispatched.
-    casts: bool = True
 
     @property
     def key(self):
@@ -51,6 +49,7 @@ class Variant:
     folder: pathlib.Path = None  # to run in
     restarts: tuple = ()  # ticks at which the run is saved, and resumed by another process
     emulator: tuple = ()  # what runs the program
+    simd: str = ""  # instruction set that its kernels must run on
 
     def lines(self, world, ticks, folder, robots=None):
         """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
@@ -61,6 +60,8 @@ class Variant:
             save = ["--checkpoint", checkpoint, "--force"] if end != ticks else []
             self._call([*source, "--for", f"{end * world.tick_s:.9g}", "--hash-log", log, *save])
             source = ["resume", checkpoint]  # the log goes on, too
+        if self.simd and self.simd != (ran := simd_of(log)):
+            raise Fault(f"{self.label}: kernels must run on {self.simd}, they ran on {ran}")
         lines = read_log(log)
         if len(lines) != ticks + 1:
             raise Fault(f"{world.file}: {ticks} ticks were asked for, the hash log has {len(lines)} lines")
@@ -78,6 +79,12 @@ class Variant:
 
 def read_log(log):
     return [line for line in pathlib.Path(log).read_text().splitlines() if not line.startswith("#")]
+
+
+def simd_of(log):
+    """The instruction set that a hash log's header names."""
+    head = (line for line in pathlib.Path(log).read_text().splitlines() if line.startswith("# simd: "))
+    return next(head, "# simd: an unknown one").removeprefix("# simd: ")
 
 
 def state_of(line):

@@ -108,6 +108,12 @@ TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
   EXPECT_EQ(diff(header() + lines(0, 3), header("assertions off", "assertions on") + lines(0, 3)).code, 0);
 }
 
+TEST_F(Diff, AnotherInstructionSetOfTheKernelsIsNoOtherDomainOrRun) {
+  const Outcome outcome = diff(header() + "# simd: avx2\n" + lines(0, 3), header() + "# simd: neon\n" + lines(0, 3));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(diff(header() + lines(0, 3), header() + "# simd: neon\n" + lines(0, 3)).code, 0);
+}
+
 TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
   const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
   EXPECT_EQ(error_of(seed),

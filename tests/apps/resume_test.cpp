@@ -88,7 +88,7 @@ TEST_F(Resume, LeavesTheLogOfAnotherRunAlone) {
            {"seed.log",
             "seed.log:4: error: seed is \"9\", the checkpoint's is \"1\": this is the log of another run"},
            {"other.log",
-            "other.log:20: error: tick 10 has another state than the checkpoint: this is the log of "
+            "other.log:21: error: tick 10 has another state than the checkpoint: this is the log of "
             "another run"},
            {"short.log", "short.log: error: the log ends before tick 10, at which the checkpoint was saved"},
            {"notes.txt", "notes.txt:1: error: this is no hash log"}}) {

@@ -1,5 +1,7 @@
 #include "tests/apps/program.hpp"
 
+#include "partition/simd_target.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -85,6 +87,34 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
 TEST_F(Run, OneWorkerIsNeverOutOfBalance) {
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--threads", "1", "--json"});
   EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("imbalance").get<double>(), 1, 1e-9);
+}
+
+TEST_F(Run, OnEveryInstructionSetGivesTheSameBitsAndNamesIt) {
+  std::vector<std::string> expected;
+  for (const std::string& name : partition::simd_targets().usable) {
+    const nlohmann::json summary = json({"--for", "2", "--simd", name, "--hash-log", name + ".log"});
+    EXPECT_EQ(summary.at("simd"), name);
+    EXPECT_THAT(lines_of(read(name + ".log")), Contains("# simd: " + name));
+    if (expected.empty()) expected = ticks(name + ".log");
+    EXPECT_EQ(ticks(name + ".log"), expected) << name;
+  }
+  EXPECT_EQ(expected.size(), 21u);
+}
+
+TEST_F(Run, TheInstructionSetOfTheEnvironmentHoldsUnlessAnotherIsGiven) {
+  const std::string worst = partition::simd_targets().usable.back();
+  const std::string best = partition::simd_targets().usable.front();
+  setenv("TROUPE_SIMD", worst.c_str(), 1);
+  EXPECT_EQ(json({"--for", "1"}).at("simd"), worst);
+  EXPECT_EQ(json({"--for", "1", "--simd", best}).at("simd"), best);
+  EXPECT_THAT(troupe({"--version"}).out, HasSubstr(" simd " + worst + " (of " + best));
+  setenv("TROUPE_SIMD", "avx9", 1);
+  const Outcome refused = troupe({"run", "room.world", "--for", "1"});
+  setenv("TROUPE_SIMD", "", 1);
+  EXPECT_EQ(json({"--for", "1"}).at("simd"), best);
+  unsetenv("TROUPE_SIMD");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, StartsWith("TROUPE_SIMD: error: \"avx9\" is not an instruction set that this program is"));
 }
 
 constexpr std::string_view k_runner = R"({"troupe": 1, "bounds_m": [[-1, -1], [20, 1]],

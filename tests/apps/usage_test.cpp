@@ -1,5 +1,7 @@
 #include "tests/apps/program.hpp"
 
+#include "partition/simd_target.hpp"
+
 namespace troupe::apps {
 namespace {
 
@@ -16,7 +18,8 @@ class Usage : public ProgramTest {};
 TEST_F(Usage, VersionIsOneLine) {
   const Outcome outcome = troupe({"--version"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(lines_of(outcome.out), ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"))));
+  EXPECT_THAT(lines_of(outcome.out), ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"),
+                                                      HasSubstr(" simd " + partition::simd_target() + " (of "))));
   EXPECT_THAT(outcome.err, IsEmpty());
 }
 
@@ -28,7 +31,7 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
         "--robots",  "--set",           "--tile-size",  "--hash-log", "--snapshot", "--snapshot-at",
         "--film",    "--camera",        "--layers",     "[scans]",    "--color-by", "--size",
         "--profile", "--profile-ticks", "--camera-png", "--json",     "--quiet",    "--camera-every",
-        "quit_time", "Exit codes",      "Examples"})
+        "quit_time", "Exit codes",      "Examples",     "Advanced:", "--simd scalar|ssse3|sse4|avx2|avx512|neon|sve"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }
@@ -89,6 +92,15 @@ std::vector<std::string> room(std::vector<std::string> options) {
   return options;
 }
 
+/// As texts name them: "avx2, sse4 and scalar".
+std::string usable_targets() {
+  const std::vector<std::string>& names = partition::simd_targets().usable;
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Usage, WrongUsages,
     ::testing::Values(
@@ -134,6 +146,13 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--set", "/count"}),
                    in_run("--set: \"/count\" is not a JSON pointer and a value, as in --set "
                           "/populations/0/count=500")},
+        WrongUsage{room({"--simd", "avx9"}), in_run("--simd: \"avx9\" is not an instruction set that this "
+                                                    "program is compiled for; this processor can use " +
+                                                    usable_targets())},
+        WrongUsage{{"resume", "room.h5", "--simd", ""},
+                   in_command("resume", "--simd: \"\" is not an instruction set that this program is compiled "
+                                        "for; this processor can use " +
+                                            usable_targets())},
         WrongUsage{room({"--raytracer", "Grid"}), in_run("--raytracer: \"Grid\" is not exact or grid")},
         WrongUsage{room({"--tile-size", "0"}), in_run("--tile-size: \"0\" is not a length in metres, above 0 "
                                                       "(tiles are never smaller than the cells they hold)")},

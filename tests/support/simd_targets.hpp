@@ -1,24 +1,21 @@
 #pragma once
 
-#include <hwy/highway.h>
+#include "partition/simd_target.hpp"
 
 #include <string>
 
 namespace troupe {
 
-/// Runs test(name) with the kernels of each instruction set that this processor has, and with the portable
-/// ones.
+/// Runs test(name) with the kernels of each instruction set that this processor has, the portable ones among
+/// them.
 template <class Test>
 void for_each_simd_target(Test&& test) {
-  const auto run_with = [&](std::int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    test(std::string(hwy::TargetName(target)));
-  };
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) run_with(target);
-  run_with(HWY_EMU128);
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
+  const std::string before = partition::simd_target();
+  for (const std::string& name : partition::simd_targets().usable) {
+    partition::use_simd_target(name);
+    test(name);
+  }
+  partition::use_simd_target(before);
 }
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 #include "base/hash.hpp"
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
+#include "partition/simd_target.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -181,7 +182,8 @@ TEST_F(SimulationTest, EffectiveOptionsSayWhatWasUsed) {
   EXPECT_THAT(simulation.effective_options(),
               ElementsAre(Pair("world", (folder_ / "room.json").string()), Pair("seed", "99"),
                           Pair("tick_s", "0.05"), Pair("ranging", "exact"), Pair("robots", "2"),
-                          Pair("threads", "3"), Pair("tile_m", "6.5"), Pair("set /tick_s", "0.05")));
+                          Pair("threads", "3"), Pair("tile_m", "6.5"), Pair("simd", partition::simd_target()),
+                          Pair("set /tick_s", "0.05")));
 }
 
 TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
@@ -522,7 +524,7 @@ TEST_F(SimulationTest, HashLogHasTheAgreedForm) {
     keys.push_back(line.substr(2, line.find(':') - 2));
   }
   EXPECT_THAT(keys, ElementsAre("troupe hash log 1", "version", "world", "seed", "tick_s", "ranging",
-                                "robots", "threads", "tile_m"));
+                                "robots", "threads", "tile_m", "simd"));
   EXPECT_THAT(simulation.hash_log_header(), HasSubstr("# version: " + version_line() + "\n"));
   simulation.step();
   const std::regex form(

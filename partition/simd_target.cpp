@@ -1,0 +1,92 @@
+// The instruction sets of the kernels by their names. This file is compiled for each of them, too, so that what
+// it says of the dispatch is what the dispatch does.
+
+#include "partition/simd_target.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "partition/simd_target.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace troupe::partition::HWY_NAMESPACE {
+namespace {
+
+std::int64_t compiled_for() { return HWY_TARGET; }
+
+}  // namespace
+}  // namespace troupe::partition::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace troupe::partition {
+namespace {
+
+HWY_EXPORT(compiled_for);
+
+/// What Highway calls AVX3 is AVX-512, and its two portable targets never meet in one program.
+std::string name_of(std::int64_t target) {
+  if (target == HWY_SCALAR || target == HWY_EMU128) return "scalar";
+  std::string name = hwy::TargetName(target);
+  std::ranges::transform(name, name.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return name.starts_with("avx3") ? "avx512" + name.substr(4) : name;
+}
+
+/// The bits of a set of targets; the lowest is the best.
+std::vector<std::int64_t> each_of(std::int64_t targets) {
+  std::vector<std::int64_t> list;
+  for (; targets != 0; targets &= targets - 1) list.push_back(targets & -targets);
+  return list;
+}
+
+/// Highway finds out what the processor has by dispatching to it, which undoes a choice: so it is asked once.
+std::int64_t usable() {
+  static const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  return targets;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i)
+    text += fmt::format("{}{}", i + 1 < names.size() ? ", " : " and ", names[i]);
+  return text;
+}
+
+}  // namespace
+
+const SimdTargets& simd_targets() {
+  static const SimdTargets targets = [] {
+    SimdTargets out;
+    for (const std::int64_t target : each_of(HWY_TARGETS))
+      ((usable() & target) != 0 ? out.usable : out.missing).push_back(name_of(target));
+    return out;
+  }();
+  return targets;
+}
+
+std::string simd_target() { return name_of(HWY_DYNAMIC_DISPATCH(compiled_for)()); }
+
+void use_simd_target(std::string_view name) {
+  for (const std::int64_t target : each_of(usable())) {
+    if (name_of(target) != name) continue;
+    hwy::GetChosenTarget().Update(target);
+    return;
+  }
+  const SimdTargets& targets = simd_targets();
+  const bool is_compiled = std::ranges::find(targets.missing, name) != targets.missing.end();
+  throw std::invalid_argument(fmt::format(
+      "\"{}\" is not an instruction set {}; {} {}", name,
+      is_compiled ? "of this processor" : "that this program is compiled for",
+      is_compiled ? "it has" : "this processor can use", list_of(targets.usable)));
+}
+
+}  // namespace troupe::partition
+#endif
