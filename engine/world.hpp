@@ -36,7 +36,7 @@ struct FrameType;
 
 /// What a run is given beside its world. Nothing here changes a result.
 struct WorldOptions {
-  unsigned threads = 0;    ///< 0: one for each core
+  unsigned threads = 0;    ///< 0: one for each processor that it may use; see partition::Parallel
   double tile_size_m = 0;  ///< 0: chosen from body sizes and sensor ranges
 };
 

@@ -4,6 +4,7 @@
 //   build/release/bin/perf_paper --help
 
 #include "base/diagnostics.hpp"
+#include "partition/processors.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "perf/paper_cases.hpp"
@@ -25,7 +26,6 @@
 #include <regex>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace troupe::perf {
@@ -170,8 +170,7 @@ int measure(Options& options) {
   if (options.repeat == 0) options.repeat = options.quick || options.write_hashes ? 1 : 5;
   if (options.threads.empty()) {
     options.threads = {1};
-    if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1)
-      options.threads.push_back(cores);
+    if (const unsigned cores = partition::processors_allowed(); cores > 1) options.threads.push_back(cores);
   }
   const engine::Registry registry = make_registry();
   const Plan whole = make_plan(options.quick, options.threads);

@@ -1,5 +1,6 @@
 #include "perf/paper_report.hpp"
 
+#include "partition/processors.hpp"
 #include "troupe/simulation.hpp"
 #include "perf/paper_aims.hpp"
 
@@ -12,7 +13,6 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 namespace troupe::perf {
 namespace {
@@ -197,7 +197,7 @@ std::vector<std::pair<std::string, std::string>> describe_machine() {
     if (word == "ssse3" || word == "sse4_2" || word == "avx2" || word == "avx512f")
       known += (known.empty() ? "" : " ") + word;
   if (!known.empty()) out.emplace_back("instruction sets", known);
-  out.emplace_back("cores", fmt::format("{}", std::thread::hardware_concurrency()));
+  out.emplace_back("cores", fmt::format("{}", partition::processors_allowed()));
   std::ifstream meminfo("/proc/meminfo");
   std::string name;
   if (double kib = 0; meminfo >> name >> kib)

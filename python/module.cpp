@@ -1,4 +1,5 @@
 #include "engine/world.hpp"
+#include "partition/processors.hpp"
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"
 
@@ -113,3 +114,5 @@ PYBIND11_MODULE(_core, module) {
   bind_observers(module);
   bind_math(module);
 }
+  module.def("processors_allowed", &troupe::partition::processors_allowed,
+             "Processors that this thread may use: its affinity mask, and the quota of its control groups.");

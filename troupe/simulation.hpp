@@ -33,7 +33,8 @@ using engine::RangingEngine;
 
 /// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots` and `set` changes a result.
 struct SimulationOptions {
-  /// Worker threads; 0: one for each core.
+  /// Worker threads, at most 1,024; 0: one for each processor that the process may use, by its affinity mask
+  /// and its control groups. More throw std::invalid_argument.
   unsigned threads = 0;
   /// Edge of the tiles that are the unit of parallel work, m; 0: chosen from body sizes and sensor ranges.
   double tile_size_m = 0;
