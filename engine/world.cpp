@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/frame.hpp"
+#include "engine/kind_errors.hpp"
 #include "engine/shown_color.hpp"
 #include "partition/ranging.hpp"
 
@@ -328,6 +329,7 @@ void World::build_tables() {
 
 void World::start() {
   tick_ = 0;
+  const Completion completion(*this);
   begin_experiment(0);
   effects_.clear();
   begin_placing();
@@ -347,7 +349,9 @@ void World::start() {
 void World::start(Row row, const Pose& p) {
   const BodyType& type = this->type(row);
   for (const BodyType::Device& device : type.devices)
-    if (device.kind->start) device.kind->start(device.prepared.data, tables_[device.table], slot(row));
+    if (device.kind->start)
+      call_kind(*this, {&row, 1}, device,
+                [&] { device.kind->start(device.prepared.data, tables_[device.table], slot(row)); });
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
     const std::vector<Pose>& joints = device.prepared.joints;
@@ -355,7 +359,9 @@ void World::start(Row row, const Pose& p) {
       tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) = joints[n];
   }
   for (const BodyType::Controller& controller : type.controllers)
-    if (controller.table) controller.kind->start(tables_[*controller.table].row(slot(row)));
+    if (controller.table)
+      call_kind(*this, {&row, 1}, controller,
+                [&] { controller.kind->start(tables_[*controller.table].row(slot(row))); });
   as<Pose>(k_pose)[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
   if (type.drive) start(row, *type.drive);
 }
@@ -526,6 +532,7 @@ void World::set_poses(std::span<const Placed> placed) {
   }
   for (const auto& [row, p] : placed) {
     const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+  require_whole();
     as<Pose>(k_pose)[row.index()] = pose;
     stall()[row.index()] = k_free;
     motions_[row.index()] = Motion();
@@ -536,6 +543,7 @@ void World::set_poses(std::span<const Placed> placed) {
   for (const Placed& place : placed) remember_placed(place.row);
   for (std::size_t r = 0; links_.carried > 0 && r < rows(); ++r)
     if (carrier(Row(r))) remember_placed(Row(r));
+  require_whole();
   count_stalls();
   index_bodies();
 }
@@ -586,6 +594,7 @@ bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 void World::reset() {
   restore_fp_environment();  // as before a step
   start();
+  require_whole();
 }
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
@@ -611,6 +620,11 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
       !links_hold()) {
     start();
     return false;
+void World::throw_half_made() const {
+  throw std::logic_error(fmt::format(
+      "the step to tick {} threw, and left a state of no use: call reset() before anything else", tick_));
+}
+
   }
   tick_ = tick;
   begin_experiment(tick);
@@ -619,6 +633,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
   derive();
   return true;
 }
+  is_half_made_ = false;
 
 std::vector<BodyId> World::subscribed() const {
   std::vector<BodyId> bodies;
@@ -657,6 +672,7 @@ Hashes World::hashes() {
 
 double World::mean_displacement() const {
   double sum = 0;
+  require_whole();
   for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in the order of the ids: a sum depends on it
     if (const Row r = body_rows_[b]; r.valid() && type(r).drive && is_there(r))
       sum += (transform(r).position - origin(r)).norm();
@@ -668,6 +684,7 @@ FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
   for (const PartSpec& part : spec_.types[t].parts)
     for (const Solid& solid : part.solids) {
+  require_whole();
       look.shapes.push_back({solid, part.color});
       if (part.joint == k_rigid || !row.valid()) continue;
       const Mount& now = joints(row)[static_cast<std::size_t>(part.joint)].now;
@@ -684,6 +701,7 @@ FrameScene World::frame_scene() const {
   FrameScene scene;
   scene.title = spec_.title;
   for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
+  require_whole();
   scene.bounds = scene_.bounds();
   scene.tile_m = geometry_.tile_m();
   scene.cell_m = geometry_.cell_m;
@@ -719,3 +737,4 @@ Frame World::frame() const {
 }
 
 }  // namespace troupe::engine
+  require_whole();
