@@ -201,5 +201,8 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     fmt::print(stderr, "troupe: error: {}\n", error.what());
     return troupe::apps::k_failed;
+  } catch (...) {  // a plug-in may throw anything
+    fmt::print(stderr, "troupe: error: an exception that is no std::exception\n");
+    return troupe::apps::k_failed;
   }
 }

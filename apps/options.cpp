@@ -1,6 +1,7 @@
 #include "apps/options.hpp"
 
 #include "base/diagnostics.hpp"
+#include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
 
 #include <CLI/CLI.hpp>
@@ -18,7 +19,6 @@ namespace {
 
 // Longer than the age of the universe, and ticks of a microsecond still count in 64 bits.
 constexpr double k_max_seconds = 1e12;
-constexpr unsigned k_max_threads = 1024;
 
 std::pair<std::string, std::size_t> population_size(const std::string& text) {
   const auto equals = text.rfind('=');
@@ -76,8 +76,9 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
 
 unsigned thread_count(std::string_view text) {
   const auto threads = number<unsigned>(text);
-  if (!threads || *threads < 1 || *threads > k_max_threads)
-    refuse("--threads", text, fmt::format("a number of threads, 1 to {}", k_max_threads));
+  if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)
+    refuse("--threads", text,
+           fmt::format("a number of threads, 1 to {}", partition::Parallel::k_most_threads));
   return *threads;
 }
 

@@ -1,8 +1,11 @@
 #include "engine/add_device.hpp"
 
+#include "engine/kind_errors.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace troupe::engine {
 
@@ -34,7 +37,13 @@ void add_device_body(TypeSpec& type, std::size_t d, const DeviceKind& kind) {
     part.solids.clear();
     moving.push_back(std::move(part));
   }
-  for (DeviceKind::Fixture& fixture : kind.body(device.params)) {
+  std::vector<DeviceKind::Fixture> fixtures;
+  try {
+    fixtures = kind.body(device.params);
+  } catch (...) {
+    throw std::runtime_error(fmt::format("device \"{}\" ({}) {}", device.name, kind.name, thrown_text()));
+  }
+  for (DeviceKind::Fixture& fixture : fixtures) {
     PartSpec& part =
         fixture.joint < 0 ? type.parts[device.part] : moving[static_cast<std::size_t>(fixture.joint)];
     part.solids.push_back(placed(std::move(fixture.solid), device.pose_body_sensor));

@@ -10,7 +10,7 @@ namespace troupe::engine {
 std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind);
 
 /// Adds the body that the kind of a device brings along: what is rigid to the device's own part, and a part
-/// for each joint that moves some of it.
+/// for each joint that moves some of it. Throws std::runtime_error where the kind throws.
 void add_device_body(TypeSpec& type, std::size_t device, const DeviceKind& kind);
 
 }  // namespace troupe::engine

@@ -1,7 +1,7 @@
 #include "engine/body_type.hpp"
 
 #include "engine/conflicts.hpp"
-
+#include "engine/kind_errors.hpp"
 #include "engine/placement.hpp"
 #include "engine/ticks.hpp"
 
@@ -135,10 +135,23 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
   return sum;
 }
 
+DeviceKind::Prepared prepare_device(const DeviceKind& kind, const DeviceSpec& device, const WorldSpec& world,
+                                    const TypeSpec& spec, std::string& fault) {
+  DeviceKind::Prepared prepared;
+  try {
+    prepared = kind.prepare(device.params, device.pose_body_sensor);
+    if (kind.mount) fault = kind.mount(prepared.data, spec, device.part);
+    if (fault.empty() && kind.look) fault = kind.look(prepared.data, world);
+  } catch (...) {
+    fault = fmt::format("({}) {}", kind.name, thrown_text());
+  }
+  return prepared;
+}
+
 ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
                                             const WorldSpec& world, const TypeSpec& spec,
                                             const BodyType& type, std::vector<bool>& claimed,
-                                            std::string& fault) {
+                                            std::string& fault) try {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
     if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
@@ -163,6 +176,9 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
   }
   if (fault.empty() && kind.look) fault = kind.look(prepared.data, world, spec, controller.part);
   return prepared;
+} catch (...) {
+  fault = thrown_text();
+  return {};
 }
 
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
@@ -244,17 +260,12 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
           fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
-    DeviceKind::Prepared prepared = kind->prepare(sensor.params, sensor.pose_body_sensor);
-    if (kind->mount)
-      if (const std::string fault = kind->mount(prepared.data, spec, sensor.part); !fault.empty()) {
-        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
-        continue;
-      }
-    if (kind->look)
-      if (const std::string fault = kind->look(prepared.data, world); !fault.empty()) {
-        diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
-        continue;
-      }
+    std::string fault;
+    DeviceKind::Prepared prepared = prepare_device(*kind, sensor, world, spec, fault);
+    if (!fault.empty()) {
+      diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+      continue;
+    }
     type.devices.push_back({name,
                             kind,
                             std::move(prepared),

@@ -107,8 +107,12 @@ struct BodyType {
 /// `samples`.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
+/// Makes a device of a type. What is wrong with it, and what its kind throws, stands in `fault`.
+DeviceKind::Prepared prepare_device(const DeviceKind& kind, const DeviceSpec& device, const WorldSpec& world,
+                                    const TypeSpec& spec, std::string& fault);
+
 /// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
-/// among them. Why it cannot have what it needs stands in `fault`.
+/// among them. Why it cannot have what it needs, and what its kind throws, stands in `fault`.
 ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
                                             const WorldSpec& world, const TypeSpec& spec,
                                             const BodyType& type, std::vector<bool>& claimed,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <tuple>
 #include <type_traits>
@@ -125,20 +126,25 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<Readings, k_most_devices_read> readings;
   std::array<std::byte*, k_most_devices_read> devices;
   Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}, {}};
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    percept.body = batch.body(i);
-    for (std::size_t s = 0; s < batch.devices; ++s) {
-      readings[s] = batch.readings(s, i);
-      devices[s] = batch.device_command(s, i);
+  std::size_t i = 0;
+  try {
+    for (; i < batch.size(); ++i) {
+      percept.body = batch.body(i);
+      for (std::size_t s = 0; s < batch.devices; ++s) {
+        readings[s] = batch.readings(s, i);
+        devices[s] = batch.device_command(s, i);
+      }
+      percept.estimate = batch.estimate(i);
+      Random random = batch.random(i);
+      Actions actions{
+          batch.command(i), {devices.data(), batch.devices}, {batch.switches.data(), batch.devices}};
+      if constexpr (std::is_same_v<Memory, NoMemory>)
+        controller(percept, random, actions);
+      else
+        controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
     }
-    percept.estimate = batch.estimate(i);
-    Random random = batch.random(i);
-    Actions actions{
-        batch.command(i), {devices.data(), batch.devices}, {batch.switches.data(), batch.devices}};
-    if constexpr (std::is_same_v<Memory, NoMemory>)
-      controller(percept, random, actions);
-    else
-      controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
+  } catch (...) {
+    throw DecisionError{batch.rows[i], std::current_exception()};
   }
 }
 

@@ -1,6 +1,8 @@
 #include "engine/controller_check.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/kind_errors.hpp"
+#include "engine/ticks.hpp"
 
 #include <fmt/format.h>
 
@@ -48,16 +50,16 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
-/// The controllers of a type once more, each on a stack of junk: a type is made on what the making of its
-/// other parts has left there, which may be the same each time.
-void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type) {
-  std::vector<bool> claimed(type.devices.size(), false);
-  for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+/// A controller of a type once more, on a stack of junk: a type is made on what the making of its other parts
+/// has left there, which may be the same each time.
+void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type, std::size_t controller) {
+  std::vector<bool> claimed(type.devices.size(), false);  // by those before it
+  for (std::size_t c = 0; c <= controller; ++c) {
     std::string fault;
     spoil_stack();
-    type.controllers[c].data =
-        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed, fault)
-            .data;
+    ControllerKind::Prepared prepared =
+        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed, fault);
+    if (c == controller) type.controllers[c].data = std::move(prepared.data);
   }
 }
 
@@ -93,8 +95,10 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
     fresh_types_.push_back(make_body_type(type, world.spec(), registry, diagnostics));
   }
   diagnostics.throw_if_errors();
-  for (std::size_t t = 0; t < fresh_types_.size(); ++t)
-    make_afresh(world.spec(), world.spec().types[t], fresh_types_[t]);
+  for (const InterventionSpec& at : world.spec().experiment.at)
+    if (at.setting) settings_.push_back({ticks_until(at.time_s, world.tick_s()), &*at.setting});
+  std::ranges::stable_sort(settings_, {}, &Setting::tick);
+  follow_settings(world.tick() + 1);
   for (const BodyType& type : world.types()) {
     watched_.emplace_back();
     for (const BodyType::Controller& controller : type.controllers)
@@ -116,9 +120,11 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
       if (!controller.table) continue;
       std::vector<std::byte> first(controller.kind->memory_bytes, k_other_junk);
       std::vector<std::byte> second(controller.kind->memory_bytes, k_junk);
-      controller.kind->start(first.data());
-      spoil_stack();
-      controller.kind->start(second.data());
+      call_kind(world_, {}, controller, [&] {
+        controller.kind->start(first.data());
+        spoil_stack();
+        controller.kind->start(second.data());
+      });
       Finding finding{.controller = controller_name(controller, c), .repeat = Finding::Repeat::start};
       finding.body = std::ranges::min(world_.tables()[*controller.table].ids());
       compare_rows(
@@ -134,6 +140,31 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
+/// Settings are done between two ticks, in the order of their ticks: those of a tick concern the decisions of
+/// the next one. As when the world was built, a setting makes its own controller only.
+void ControllerCheck::follow_settings(std::uint64_t tick) {
+  const WorldSpec& spec = world_.spec();
+  const auto in_force = static_cast<std::size_t>(
+      std::ranges::lower_bound(settings_, tick, {}, &Setting::tick) - settings_.begin());
+  if (type_specs_.empty() || in_force < followed_) {  // at first, and where the world was reset
+    followed_ = 0;
+    type_specs_ = spec.types;
+    for (std::size_t t = 0; t < fresh_types_.size(); ++t)
+      for (std::size_t c = 0; c < fresh_types_[t].controllers.size(); ++c)
+        make_afresh(spec, type_specs_[t], fresh_types_[t], c);
+  }
+  for (; followed_ < in_force; ++followed_) {
+    const SettingSpec& setting = *settings_[followed_].setting;
+    TypeSpec& type = type_specs_[setting.type.index()];
+    Record& params = setting.of == SettingSpec::Of::drive    ? type.drive->params
+                     : setting.of == SettingSpec::Of::device ? type.devices[setting.index].params
+                                                             : type.controllers[setting.index].params;
+    params = changed(params, setting);
+    if (setting.of == SettingSpec::Of::controller)
+      make_afresh(spec, type, fresh_types_[setting.type.index()], setting.index);
+  }
+}
+
 ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
                                                 const BodyType::Controller& controller) const {
   Watched watched;
@@ -143,14 +174,13 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   }
   for (std::size_t s = 0; s < controller.devices.size(); ++s) {
     const BodyType::Device& sensor = type.devices[controller.devices[s]];
-    if (sensor.kind->apply || !sensor.kind->sense) watched.kept.push_back(s);
     if (!sensor.command_table) continue;
     const StateTable& commands = world_.tables()[*sensor.command_table];
     watched.written.push_back({commands.component(), sensor.prepared.commands, commands.row_bytes(), s});
   }
   watched.taken.written_before.resize(watched.written.size());
   watched.taken.written_after.resize(watched.written.size());
-  watched.taken.percepts.resize(watched.kept.size());
+  watched.taken.percepts.resize(controller.devices.size());
   return watched;
 }
 
@@ -160,11 +190,10 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
                              [static_cast<std::size_t>(&controller - type.controllers.data())];
   const std::size_t written = watched.written.size();
-  const std::size_t kept = watched.kept.size();
   Decisions here{.given = batch, .rows = {batch.rows.begin(), batch.rows.end()}};
   here.written_before.resize(written);
   here.written_after.resize(written);
-  here.percepts.resize(kept);
+  here.percepts.resize(batch.devices);
   const auto note = [&](std::vector<Command>& commands, std::vector<std::vector<std::byte>>& rows) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
       commands.push_back(batch.command(i));
@@ -176,10 +205,10 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
   };
   note(here.commands_before, here.written_before);
   for (std::size_t i = 0; i < batch.size(); ++i) here.estimates.push_back(batch.estimate(i));
-  for (std::size_t k = 0; k < kept; ++k) {
-    const StateTable& table = *batch.percepts[watched.kept[k]];
+  for (std::size_t s = 0; s < batch.devices; ++s) {
+    const StateTable& table = *batch.percepts[s];
     for (std::size_t i = 0; i < batch.size(); ++i)
-      here.percepts[k].insert(here.percepts[k].end(), table.row(batch.slot(i)),
+      here.percepts[s].insert(here.percepts[s].end(), table.row(batch.slot(i)),
                               table.row(batch.slot(i)) + table.row_bytes());
   }
   controller.kind->decide(controller.data, batch);
@@ -196,7 +225,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
     append(taken.written_before[w], here.written_before[w]);
     append(taken.written_after[w], here.written_after[w]);
   }
-  for (std::size_t k = 0; k < kept; ++k) append(taken.percepts[k], here.percepts[k]);
+  for (std::size_t s = 0; s < batch.devices; ++s) append(taken.percepts[s], here.percepts[s]);
 }
 
 std::size_t ControllerCheck::pending() const {
@@ -208,6 +237,7 @@ std::size_t ControllerCheck::pending() const {
 
 std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // of a thread that we have not seen before
+  follow_settings(world_.tick());
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
   estimates_.assign(world_.rows(), Pose{k_nan, k_nan, k_nan, k_nan});
@@ -253,13 +283,13 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
                   written_[w].data() + batch.slots[taken.rows[i].index()] * written.row_bytes);
   }
   percepts_.clear();
-  percepts_.reserve(watched.kept.size());
-  for (std::size_t k = 0; k < watched.kept.size(); ++k) {
-    const StateTable*& now = batch.percepts[watched.kept[k]];
+  percepts_.reserve(batch.devices);
+  for (std::size_t s = 0; s < batch.devices; ++s) {
+    const StateTable*& now = batch.percepts[s];
     StateTable& then = percepts_.emplace_back(*now);
     now = &then;
     for (std::size_t i = 0; i < taken.rows.size(); ++i)
-      std::copy_n(taken.percepts[k].data() + i * then.row_bytes(), then.row_bytes(),
+      std::copy_n(taken.percepts[s].data() + i * then.row_bytes(), then.row_bytes(),
                   then.row(batch.slots[taken.rows[i].index()]));
   }
 
@@ -269,7 +299,7 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   for (std::size_t first = 0; first < rows.size(); first += k_batch) {
     batch.rows = rows.subspan(first, std::min(k_batch, rows.size() - first));
     spoil_stack();
-    controller.kind->decide(controller.data, batch);
+    call_kind(world_, batch.rows, controller, [&] { controller.kind->decide(controller.data, batch); });
   }
 }
 

@@ -42,12 +42,14 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });         // and twice more
 ///
 /// order    the repetitions take the rows backwards, in batches of another size, on the thread that calls
-/// storage  memories and commands are copied field by field into storage filled with junk, at other
-///          addresses; the second repetition is that of a controller made afresh, on a stack filled with junk
+/// storage  readings, memories and commands are copied, the latter two field by field into storage filled
+///          with junk, at other addresses: a robot may be dead when its decision is repeated. The second
+///          repetition is that of a controller made afresh, on a stack filled with junk, of the parameters
+///          that were in force in that tick (SettingSpec)
 /// catches  rand(), statics, thread locals, clocks that tick between the two, members that change or were
 ///          left unset, addresses, padding, what else is in the batch
 /// misses   what stays the same within one process: environment, files, which processor
-/// cost     while one lives, a copy of each memory and two more decisions; none without
+/// cost     while one lives, a copy of each memory and reading and two more decisions; none without
 ///
 /// Not thread-safe beside the world's own workers: repeat() between steps only. One a world at a time.
 class ControllerCheck {
@@ -78,7 +80,7 @@ class ControllerCheck {
     std::vector<Command> commands_before, commands_after;
     std::vector<Pose> estimates;  // of the time, which the world no longer knows
     std::vector<std::vector<std::byte>> written_before, written_after;  // of each of `written`
-    std::vector<std::vector<std::byte>> percepts;                       // of each of `kept`
+    std::vector<std::vector<std::byte>> percepts;                       // of each device it chose
   };
   /// What a controller writes beside its robot's command: its memory, and what it asks of devices.
   struct Written {
@@ -93,10 +95,11 @@ class ControllerCheck {
   /// Of one controller of one type.
   struct Watched {
     std::vector<Written> written;
-    std::vector<std::size_t> kept;  ///< of the sensors it chose: those that change after it has decided
     Decisions taken;
   };
 
+  /// Has fresh_types_ be of the parameters that are in force when the robots decide in a tick.
+  void follow_settings(std::uint64_t tick);
   Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
   void repeat(const BodyType::Controller& controller, Watched& watched);
@@ -104,6 +107,14 @@ class ControllerCheck {
 
   World& world_;
   std::vector<BodyType> fresh_types_;
+  /// A change of parameters in the experiment.
+  struct Setting {
+    std::uint64_t tick = 0;                ///< after which it is in force
+    const SettingSpec* setting = nullptr;  ///< in the world's spec
+  };
+  std::vector<Setting> settings_;     // by tick
+  std::size_t followed_ = 0;          // of them: those that fresh_types_ have followed
+  std::vector<TypeSpec> type_specs_;  // as these have left them
   std::vector<StateField> command_fields_;
   std::vector<std::vector<Watched>> watched_;  // of each type, of each of its controllers
   std::mutex mutex_;                           // of watched_, while the world steps

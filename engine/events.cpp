@@ -75,6 +75,7 @@ void EventWatch::see_lives(const World& world) {
 }
 
 std::span<const Event> EventWatch::see(const World& world) {
+  world.require_whole();
   events_.clear();
   if (world.tick() != tick_ + 1) {
     remember(world);

@@ -186,14 +186,8 @@ std::string World::build_setting(const SettingSpec& setting, const Registry& reg
                                  Experiment::Intervention& intervention) {
   TypeSpec& spec = types.try_emplace(setting.type.value, spec_.types[setting.type.index()]).first->second;
   const BodyType& type = types_[setting.type.index()];
-  const auto changed = [&setting](const Record& before) {
-    Record params = before;
-    for (std::size_t i = 0; i < setting.params.size(); ++i)
-      if (setting.params[i].given()) params[i] = setting.params[i];
-    return params;
-  };
   if (setting.of == Of::drive) {
-    Record params = changed(spec.drive->params);
+    Record params = changed(spec.drive->params, setting);
     if (std::string fault = fault_of(*type.drive->kind, spec.drive->params, params); !fault.empty())
       return fmt::format("drive \"{}\": {}", spec.drive->kind, fault);
     spec.drive->params = std::move(params);
@@ -204,20 +198,19 @@ std::string World::build_setting(const SettingSpec& setting, const Registry& reg
     DeviceSpec& device = spec.devices[setting.index];
     const BodyType::Device& now = type.devices[setting.index];
     const std::string owner = fmt::format("device \"{}\"", device.name);
-    Record params = changed(device.params);
+    Record params = changed(device.params, setting);
     // Asked before anything is made of them, which may take all the memory there is.
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
       return fmt::format("{}: {}", owner, k_keeps_shape);
     device.params = std::move(params);
-    intervention.device = now.kind->prepare(device.params, device.pose_body_sensor);
     std::string fault;
-    if (now.kind->mount) fault = now.kind->mount(intervention.device.data, spec, device.part);
-    if (fault.empty() && now.kind->look) fault = now.kind->look(intervention.device.data, spec_);
+    intervention.device = prepare_device(*now.kind, device, spec_, spec, fault);
     if (!fault.empty()) return fmt::format("{} {}", owner, fault);
     return same_shape(intervention.device, now.prepared) ? std::string()
                                                          : fmt::format("{}: {}", owner, k_keeps_shape);
   }
-  spec.controllers[setting.index].params = changed(spec.controllers[setting.index].params);
+  Record& params = spec.controllers[setting.index].params;
+  params = changed(params, setting);
   std::vector<bool> claimed(type.devices.size(), false);  // by those before it
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];

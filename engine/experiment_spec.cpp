@@ -27,4 +27,11 @@ std::string text_of(const StopSpec& condition) {
                      condition.value);
 }
 
+Record changed(const Record& params, const SettingSpec& setting) {
+  Record changed = params;
+  for (std::size_t i = 0; i < setting.params.size(); ++i)
+    if (setting.params[i].given()) changed[i] = setting.params[i];
+  return changed;
+}
+
 }  // namespace troupe::engine

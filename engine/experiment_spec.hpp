@@ -69,6 +69,9 @@ struct SettingSpec {
   Record params;            ///< by the kind's field table; those that are not given stay as they are
 };
 
+/// Parameters of a kind with the new values of a setting.
+Record changed(const Record& params, const SettingSpec& setting);
+
 /// What is done to a world when a tick has ended, before the next begins, as if a program did it.
 struct InterventionSpec {
   /// What is done.

@@ -14,6 +14,7 @@
 
 #include <any>
 #include <array>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -364,6 +365,13 @@ struct DecideBatch {
   std::byte* device_command(std::size_t sensor, std::size_t i) const {
     return device_commands[sensor].of(slot(i));
   }
+};
+
+/// What a controller threw when it decided for one robot of a batch: ControllerKind::decide may throw this,
+/// so that the robot can be named. Anything else that it throws is said of the batch.
+struct DecisionError {
+  Row row;                    ///< of the robot
+  std::exception_ptr thrown;  ///< what the controller threw
 };
 
 /// A sensor of a type, as a controller that looks for its inputs sees it.

@@ -1,4 +1,5 @@
 #include "base/fp_environment.hpp"
+#include "engine/kind_errors.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -183,22 +184,27 @@ void World::settle_lives(std::span<const Effect> effects) {
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
     const Birth birth = bear(effect.reserve, {x, y, z, heading});
-    if (device.kind->born) device.kind->born(*this, device.prepared.data, effect, birth);
+    if (const Row source = row(effect.source); device.kind->born)
+      call_kind(*this, {&source, 1}, device,
+                [&] { device.kind->born(*this, device.prepared.data, effect, birth); });
   }
   count_stalls();
 }
 
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
+  require_whole();
   restore_fp_environment();  // as before a step
   if (!is_finite(pose))
     throw std::invalid_argument(fmt::format("nobody of \"{}\" can be born at a pose that is not finite",
                                             spec_.reserves[reserve].population));
+  const Completion completion(*this);
   const Birth birth = bear(reserve, pose);
   if (birth.status == BirthStatus::born) index_bodies();
   return birth;
 }
 
 void World::remove(Row row) {
+  require_whole();
   restore_fp_environment();  // as before a step
   if (!life_table_)
     throw std::logic_error(

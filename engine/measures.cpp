@@ -24,6 +24,7 @@ std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
 MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
                        Diagnostics& diagnostics)
     : world_(world) {
+  world.require_whole();
   for (const MeasureSpec& spec : specs) {
     const MeasureKind* kind = registry.measure(spec.kind);
     if (!kind) {
@@ -63,13 +64,20 @@ void MeasureSet::begin() {
 }
 
 void MeasureSet::see() {
+  world_.require_whole();
   if (world_.tick() == seen_) return;
   if (world_.tick() != seen_ + 1) begin();
   seen_ = world_.tick();
   for (const auto& measure : measures_) measure->see(world_);
 }
 
+double MeasureSet::value(std::size_t column) {
+  world_.require_whole();
+  return measures_[column]->value(world_);
+}
+
 std::vector<double> MeasureSet::values() {
+  world_.require_whole();
   std::vector<double> values;
   for (const auto& measure : measures_) values.push_back(measure->value(world_));
   return values;

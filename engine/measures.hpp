@@ -31,7 +31,7 @@ class MeasureSet {
   /// A number a column, of the state that was seen last; NaN where there is none.
   std::vector<double> values();
   /// One number of values(), without the others.
-  double value(std::size_t column) { return measures_[column]->value(world_); }
+  double value(std::size_t column);
 
   /// What is remembered of earlier ticks, for a checkpoint; and back, into a set of the same specs and a
   /// world in the saved state. False, and nothing changed, for what no such set has saved.

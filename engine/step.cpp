@@ -1,4 +1,5 @@
 #include "base/fp_environment.hpp"
+#include "engine/kind_errors.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -41,6 +42,8 @@ std::string_view phase_name(Phase phase) {
 /// One tick. Each phase reads the state that the one before it left, and writes rows of its own only.
 /// The drive comes before the decision: a command takes effect a tick after the readings it was made from.
 void World::step() {
+  require_whole();
+  const Completion completion(*this);
   restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
                              // maths
   if (tick_ >= experiment_.due) intervene();
@@ -152,7 +155,8 @@ void World::sense() {
     for (const BodyType::Device& device : type.devices) {
       if (!device.kind->sense) continue;
       for_running(rows, device, [&](std::span<const Row> some) {
-        const std::uint64_t cast = device.kind->sense(device_batch(some, type, device));
+        const std::uint64_t cast = call_kind(
+            *this, some, device, [&] { return device.kind->sense(device_batch(some, type, device)); });
         beams.fetch_add(cast, std::memory_order_relaxed);
       });
     }
@@ -168,8 +172,9 @@ void World::decide() {
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
-        for_running(rows, device,
-                    [&](std::span<const Row> some) { device.kind->act(device_batch(some, type, device)); });
+        for_running(rows, device, [&](std::span<const Row> some) {
+          call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
+        });
     for (const BodyType::Controller& controller : type.controllers)
       for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
   };
@@ -213,7 +218,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
                    .estimates = {},
                    .elapsed_s = static_cast<double>(drive.period) * spec_.tick_s};
   if (speeds_only) {
-    drive.kind->drive(drive.data, batch);
+    call_kind(*this, rows, drive, [&] { drive.kind->drive(drive.data, batch); });
   } else {
     std::array<Pose, k_block> estimates;
     batch.estimates = {estimates.data(), rows.size()};
@@ -222,7 +227,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
       if (is_anybody_slow) velocities[i] = scaled(velocities[i], 1 / slowness(rows[i]));
       estimates[i] = estimate(rows[i]);
     }
-    drive.kind->drive(drive.data, batch);
+    call_kind(*this, rows, drive, [&] { drive.kind->drive(drive.data, batch); });
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = is_anybody_slow ? scaled(velocities[i], slowness(rows[i])) : velocities[i];
@@ -271,10 +276,12 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
     batch.drive_commands = rows_of(*drive.command_table);
     batch.drive_state = &percepts(drive);
   }
-  if (on_decide_)
-    on_decide_(type, controller, batch);
-  else
-    controller.kind->decide(controller.data, batch);
+  call_kind(*this, rows, controller, [&] {
+    if (on_decide_)
+      on_decide_(type, controller, batch);
+    else
+      controller.kind->decide(controller.data, batch);
+  });
 }
 
 void World::move() {
@@ -301,7 +308,8 @@ void World::apply_effects() {
     any_of_life = any_of_life || effect.is_of_life();
     if (effect.is_of_life()) continue;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
-    device.kind->apply(*this, device.prepared.data, effect);
+    const Row source = row(effect.source);
+    call_kind(*this, {&source, 1}, device, [&] { device.kind->apply(*this, device.prepared.data, effect); });
   }
   if (any_of_life) settle_lives(effects);
   effects_.clear();
@@ -314,7 +322,8 @@ void World::report_joints() {
     if (type.joint_devices.empty()) return;
     for (const std::size_t d : type.joint_devices) {
       const BodyType::Device& device = type.devices[d];
-      if (device.kind->settled) device.kind->settled(device_batch(rows, type, device));
+      if (device.kind->settled)
+        call_kind(*this, rows, device, [&] { device.kind->settled(device_batch(rows, type, device)); });
     }
     for (const Row row : rows)
       for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;

@@ -2,7 +2,9 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/frame.hpp"
+#include "engine/kind_errors.hpp"
 #include "engine/shown_color.hpp"
+#include "partition/placed_shape.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -328,6 +330,7 @@ void World::build_tables() {
 }
 
 void World::start() {
+  const Completion completion(*this);
   tick_ = 0;
   beams_ = conflict_rounds_ = 0;
   derive_experiment();  // lives begin with the parameters of tick 0
@@ -345,7 +348,9 @@ void World::start() {
 void World::start(Row row, const Pose& p) {
   const BodyType& type = this->type(row);
   for (const BodyType::Device& device : type.devices)
-    if (device.kind->start) device.kind->start(device.prepared.data, tables_[device.table], slot(row));
+    if (device.kind->start)
+      call_kind(*this, {&row, 1}, device,
+                [&] { device.kind->start(device.prepared.data, tables_[device.table], slot(row)); });
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
     const std::vector<Pose>& joints = device.prepared.joints;
@@ -353,7 +358,9 @@ void World::start(Row row, const Pose& p) {
       tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) = joints[n];
   }
   for (const BodyType::Controller& controller : type.controllers)
-    if (controller.table) controller.kind->start(tables_[*controller.table].row(slot(row)));
+    if (controller.table)
+      call_kind(*this, {&row, 1}, controller,
+                [&] { controller.kind->start(tables_[*controller.table].row(slot(row))); });
   as<Pose>(k_pose)[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
   if (type.drive) start(row, *type.drive);
 }
@@ -435,73 +442,100 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
   redraw_ray_grid();
 }
 
+/// Where thousands of bodies stand at one place there are millions of pairs. To count them all would take a
+/// minute, so that no more are looked for once there are more than k_most_counted; how many were found by
+/// then does not depend on the number of threads.
 void World::report_overlaps(Diagnostics& diagnostics) {
-  constexpr std::size_t k_bodies = 256;
+  constexpr std::size_t k_most_counted = 10'000;
   constexpr std::size_t k_most_listed = 100;
+  constexpr std::size_t k_bodies = 256;  // a task
+  constexpr std::size_t k_tasks = 64;    // at once
+  for (const Row row : body_rows_)
+    if (row.valid() && !row_shapes_[row.index()]->empty() &&
+        row_shapes_[row.index()]->z.min + poses()[row.index()].z < 0)
+      diagnostics.warning_once(spec_.bodies[body(row).index()].where,
+                               "a body reaches below the floor, which holds nothing here");
+
   const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
   using Pair = std::pair<BodyId, BodyId>;
   struct Found {  // by one task
     std::size_t pairs = 0;
     std::vector<Pair> listed;  // the first of them
-    std::vector<BodyId> below_floor;
-  };
-  std::vector<Found> tasks((body_rows_.size() + k_bodies - 1) / k_bodies);
-  parallel_.for_each(tasks.size(), [&](std::size_t t) {
-    Found& found = tasks[t];
-    for (std::size_t b = t * k_bodies; b < std::min(body_rows_.size(), (t + 1) * k_bodies); ++b) {
-      if (!body_rows_[b].valid()) continue;
-      const std::size_t r = body_rows_[b].index();
-      const partition::ObstacleShape& shape = *row_shapes_[r];
-      if (shape.empty()) continue;
-      if (shape.z.min + poses()[r].z < 0) found.below_floor.push_back(row_bodies_[r]);
-      // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not
-      // show.
-      std::vector<BodyId> others;
-      if (scene_.has_obstacles()) others = scene_.overlapping(shape, poses()[r]);
-      const auto fixed = static_cast<std::ptrdiff_t>(others.size());
-      index_.for_each_near(Box::around(transforms_[r].position, shape.radius),
-                           [&](const partition::BodyCircle& other) {
-                             if (row_ids_[other.row] > b && !row_shapes_[other.row]->empty() &&
-                                 overlap(shape, poses()[r], *row_shapes_[other.row], poses()[other.row]))
-                               others.push_back(row_bodies_[other.row]);
-                           });
-      std::sort(others.begin() + fixed, others.end());
-      found.pairs += others.size();
-      for (std::size_t i = 0; i < others.size() && found.listed.size() < most; ++i)
-        found.listed.emplace_back(BodyId(b), others[i]);
+    std::vector<BodyId> others;
+    void add(BodyId body, BodyId other, std::size_t most_listed) {
+      ++pairs;
+      if (listed.size() < most_listed) listed.emplace_back(body, other);
     }
-  });
-
+  };
+  const auto look_at = [&](std::size_t b, Found& found) {
+    const Row row = body_rows_[b];
+    if (!row.valid() || row_shapes_[row.index()]->empty()) return;
+    const auto z_of = [&](Row of) { return poses()[of.index()].z; };
+    const partition::ObstacleShape& shape = *row_shapes_[row.index()];
+    const ZInterval z = shape.z.shifted(z_of(row));
+    const partition::PlacedShape placed(shape, transform(row), z_of(row));
+    // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not show.
+    if (scene_.has_obstacles())
+      for (const BodyId wall : scene_.overlapping(shape, poses()[row.index()]))
+        found.add(BodyId(b), wall, most);
+    found.others.clear();
+    index_.for_each_near(Box::around(transform(row).position, shape.radius),
+                         [&](const partition::BodyCircle& other) {
+                           const partition::ObstacleShape& theirs = *row_shapes_[other.row];
+                           if (row_ids_[other.row] > b && !theirs.empty() &&
+                               z.overlaps(theirs.z.shifted(z_of(Row(other.row)))))
+                             found.others.push_back(row_bodies_[other.row]);
+                         });
+    std::ranges::sort(found.others);
+    for (const BodyId other : found.others) {
+      if (found.pairs > k_most_counted) return;
+      const Row r = body_rows_[other.index()];
+      if (overlap(placed, partition::PlacedShape(*row_shapes_[r.index()], transform(r), z_of(r))))
+        found.add(BodyId(b), other, most);
+    }
+  };
   std::size_t pairs = 0;
   std::vector<Pair> listed;
-  for (const Found& found : tasks) {
-    pairs += found.pairs;
-    for (std::size_t i = 0; i < found.listed.size() && listed.size() < most; ++i)
-      listed.push_back(found.listed[i]);
-    for (const BodyId body : found.below_floor)
-      diagnostics.warning_once(spec_.bodies[body.index()].where,
-                               "a body reaches below the floor, which holds nothing here");
+  for (std::size_t first = 0; first < body_rows_.size() && pairs <= k_most_counted;
+       first += k_bodies * k_tasks) {
+    const std::size_t end = std::min(body_rows_.size(), first + k_bodies * k_tasks);
+    std::vector<Found> tasks((end - first + k_bodies - 1) / k_bodies);
+    parallel_.for_each(tasks.size(), [&](std::size_t t) {
+      const std::size_t from = first + t * k_bodies;
+      for (std::size_t b = from; b < std::min(end, from + k_bodies); ++b) {
+        if (tasks[t].pairs > k_most_counted) return;
+        look_at(b, tasks[t]);
+      }
+    });
+    for (const Found& found : tasks) {
+      pairs += found.pairs;
+      for (std::size_t i = 0; i < found.listed.size() && listed.size() < most; ++i)
+        listed.push_back(found.listed[i]);
+    }
   }
   if (pairs == 0) return;
   const auto where = [this](BodyId body) { return spec_.bodies[body.index()].where; };
+  const bool are_more = pairs > k_most_counted;  // than were looked for
+  const auto count_of = [&](std::size_t count, std::string_view what) {
+    return are_more     ? fmt::format("more than {} {}pairs of bodies overlap", count, what)
+           : count == 1 ? fmt::format("1 {}pair of bodies overlaps", what)
+                        : fmt::format("{} {}pairs of bodies overlap", count, what);
+  };
+  const std::size_t counted = std::min(pairs, k_most_counted);
   if (!diagnostics.thorough()) {
     const auto [first, second] = listed.front();
-    diagnostics.warning(
-        where(first),
-        fmt::format(
-            "{} pair{} of bodies overlap{} at the start, first \"{}\" and \"{}\"; they may move apart, "
-            "but not closer",
-            pairs, pairs == 1 ? "" : "s", pairs == 1 ? "s" : "", spec_.name(first), spec_.name(second)));
+    diagnostics.warning(where(first),
+                        fmt::format("{} at the start, first \"{}\" and \"{}\"; they may move apart, but not "
+                                    "closer",
+                                    count_of(counted, ""), spec_.name(first), spec_.name(second)));
     return;
   }
   for (const auto& [first, second] : listed)
     diagnostics.warning(where(first),
                         fmt::format("\"{}\" {} \"{}\" at the start", spec_.name(first),
                                     row(second).valid() ? "overlaps" : "stands in", spec_.name(second)));
-  if (const std::size_t more = pairs - listed.size(); more > 0)
-    diagnostics.warning(where(listed.back().first),
-                        fmt::format("{} more pair{} of bodies overlap{} at the start", more,
-                                    more == 1 ? "" : "s", more == 1 ? "s" : ""));
+  if (const std::size_t more = counted - listed.size(); more > 0)
+    diagnostics.warning(where(listed.back().first), fmt::format("{} at the start", count_of(more, "more ")));
 }
 
 BodyId World::find(std::string_view name) const {
@@ -530,6 +564,7 @@ Estimates World::estimates(const BodyType& type) const {
 }
 
 void World::set_estimate(Row row, const Pose& pose) {
+  require_whole();
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
@@ -540,6 +575,7 @@ void World::set_estimate(Row row, const Pose& pose) {
 }
 
 void World::set_poses(std::span<const Placed> placed) {
+  require_whole();
   restore_fp_environment();  // as before a step
   const Box inside = bounds();
   for (const Placed& place : placed) {
@@ -590,6 +626,7 @@ void World::begin_placing() {
 }
 
 bool World::is_free(Row row, const Pose& pose) const {
+  require_whole();
   if (!is_finite(pose) || !bounds().contains(pose.position())) return false;
   const partition::ObstacleShape& shape = is_there(row) ? *row_shapes_[row.index()] : type(row).obstacle;
   if (shape.empty()) return true;
@@ -615,6 +652,11 @@ Box World::bounds() const {
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
 bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 
+void World::throw_half_made() const {
+  throw std::logic_error(fmt::format(
+      "the step to tick {} threw, and left a state of no use: call reset() before anything else", tick_));
+}
+
 void World::reset() {
   restore_fp_environment();  // as before a step
   start();
@@ -623,6 +665,7 @@ void World::reset() {
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
   restore_fp_environment();  // as before a step
+  is_half_made_ = false;
   for (StateTable& table : tables_) table.clear();
   try {
     fill(tables_);
@@ -660,6 +703,7 @@ std::vector<BodyId> World::subscribed() const {
 }
 
 std::uint64_t World::hash(const StateTable& table) {
+  require_whole();
   constexpr std::size_t k_block = 1024;  // rows a task
   const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
   std::atomic<std::uint64_t> sum = 0;
@@ -671,6 +715,7 @@ std::uint64_t World::hash(const StateTable& table) {
 }
 
 Hashes World::hashes() {
+  require_whole();
   constexpr std::size_t k_block = 512;  // rows a task, of every table: one loop, as waking threads costs, too
   std::size_t rows = 0;
   for (const StateTable& table : tables_) rows = std::max(rows, table.rows());
@@ -687,6 +732,7 @@ Hashes World::hashes() {
 }
 
 double World::mean_displacement() const {
+  require_whole();
   double sum = 0;
   for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in the order of the ids: a sum depends on it
     if (const Row r = body_rows_[b]; r.valid() && type(r).drive && is_there(r))
@@ -730,6 +776,7 @@ FrameScene World::frame_scene() const {
 }
 
 Frame World::frame() const {
+  require_whole();
   Frame frame{time_s(), tick_, {}};
   frame.mobile.reserve(rows());
   for (std::size_t b = 0; b < body_rows_.size(); ++b) {

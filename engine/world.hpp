@@ -17,6 +17,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -36,11 +37,12 @@ struct FrameType;
 
 /// What a run is given beside its world. Nothing here changes a result.
 struct WorldOptions {
-  unsigned threads = 0;    ///< 0: one for each core
+  unsigned threads = 0;    ///< 0: one for each processor that it may use; see partition::Parallel
   double tile_size_m = 0;  ///< 0: chosen from body sizes and sensor ranges
 };
 
-/// A step met a value that is no number.
+/// A step cannot be completed: a value is no number, or a function of a kind threw. The text names the tick
+/// and the robot.
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -73,10 +75,16 @@ class World {
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
-  /// From S(k) to S(k+1). Throws StepError where a value is no number, std::length_error where a device emits
-  /// more effects than it declared, and whatever a kind throws; then only reset() leads on. Allocates nothing
-  /// once warm.
+  /// From S(k) to S(k+1). Throws StepError where a value is no number and where a function of a kind throws,
+  /// and whatever a callback of on_phase() throws; then the state is half made, see require_whole().
+  /// Allocates nothing once warm.
   void step();
+  /// Throws std::logic_error from the time that a step threw until reset() or restore(): the state is then
+  /// that of no tick. Whatever reads the state as a whole or continues it calls this first: step(), hashes(),
+  /// tables(), frame(), spawn(), remove() and the set_ functions; single rows are given without asking.
+  void require_whole() const {
+    if (is_half_made_) throw_half_made();
+  }
   /// Back to S(0): every table, the tick, the counters and whatever is derived from them, as the constructor
   /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
   /// after a step that threw.
@@ -142,7 +150,10 @@ class World {
 
   // ---- the state
   /// One a component; BodyType names them by their index here.
-  std::span<const StateTable> tables() const { return tables_; }
+  std::span<const StateTable> tables() const {
+    require_whole();
+    return tables_;
+  }
   /// World frame, a row each; of the dead where they died.
   std::span<const Pose> poses() const { return as<Pose>(k_pose); }
   Pose pose(BodyId body) const;  ///< of any body, also one that never moves, world frame
@@ -162,7 +173,10 @@ class World {
   /// From now on a robot with odometry believes to be there. Throws std::logic_error for one without.
   void set_estimate(Row row, const Pose& pose);
   /// Commands a robot from outside, between steps.
-  void set_command(Row row, const Command& command) { as<Command>(k_command)[row.index()] = command; }
+  void set_command(Row row, const Command& command) {
+    require_whole();
+    as<Command>(k_command)[row.index()] = command;
+  }
   /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
   /// the joint moves. What the type says of parts and devices on that joint is said in this frame.
   Mount mount(Row row, std::int32_t joint) const;
@@ -326,6 +340,19 @@ class World {
   std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
+  [[noreturn]] void throw_half_made() const;
+  /// The state is half made where the work that one of these guards throws, and whole where it ends.
+  class Completion {
+   public:
+    explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
+    ~Completion() { world_.is_half_made_ = std::uncaught_exceptions() > before_; }
+    Completion(const Completion&) = delete;
+    Completion& operator=(const Completion&) = delete;
+
+   private:
+    World& world_;
+    int before_ = std::uncaught_exceptions();
+  };
   void check_size(Diagnostics& diagnostics) const;
   void check_reserves(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
@@ -499,6 +526,7 @@ class World {
   // State, and what is counted beside it.
   std::uint64_t tick_ = 0;
   std::vector<StateTable> tables_;
+  bool is_half_made_ = false;  // a step threw: only reset() and restore() lead on
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 

@@ -1,7 +1,11 @@
 #include "partition/parallel.hpp"
 
+#include "partition/processors.hpp"
+
 #include <exception>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 
 namespace troupe::partition {
 namespace {
@@ -36,6 +40,14 @@ struct Guarded {
 };
 
 }  // namespace
+
+unsigned Parallel::checked(unsigned threads) {
+  if (threads > k_most_threads)
+    throw std::invalid_argument(std::to_string(threads) + " threads: give 1 to " +
+                                std::to_string(k_most_threads) +
+                                ", or 0 for one for each processor that the process may use");
+  return threads > 0 ? threads : processors_allowed();
+}
 
 void Parallel::run(std::size_t count, Call call, void* task) {
   Guarded guarded{.call = call, .task = task, .on_task = on_task_};

@@ -12,7 +12,10 @@ namespace troupe::partition {
 /// sanitizer can see through. Each worker's floating-point environment is put right before its first task.
 class Parallel {
  public:
-  /// threads 0: one for each core.
+  static constexpr unsigned k_most_threads = 1024;  ///< that one loop may have
+
+  /// threads 0: one for each processor that the process may use (partition/processors.hpp). Throws
+  /// std::invalid_argument for more than k_most_threads.
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// The moved-from one can only be destroyed or assigned to.
@@ -37,7 +40,7 @@ class Parallel {
   /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
   /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
   /// reads or writes. Where tasks throw, the others still run, and then the exception of the lowest index
-  /// comes out. With more threads than cores oneTBB's limit for the whole process is raised.
+  /// comes out. With more threads than oneTBB would make by itself its limit for the whole process is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -48,6 +51,7 @@ class Parallel {
   using Call = void (*)(void* task, std::size_t i);
   void run(std::size_t count, Call call, void* task);
   void run_tasks(std::size_t count, Call call, void* task);  // of the backend; tasks do not throw
+  static unsigned checked(unsigned threads);                 // what the constructor makes of its argument
 
   struct Workers;
   unsigned threads_;

@@ -59,8 +59,7 @@ struct Parallel::Workers {
   std::vector<std::thread> threads;
 };
 
-Parallel::Parallel(unsigned threads)
-    : threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+Parallel::Parallel(unsigned threads) : threads_(checked(threads)) {
   restore_fp_environment();
   if (threads_ > 1) workers_ = std::make_unique<Workers>(threads_ - 1);
 }

@@ -3,6 +3,7 @@
 #include "base/fp_environment.hpp"
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -21,11 +22,11 @@ constexpr std::size_t k_most_parts = 64;
 
 struct Parallel::Workers {
   explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
-    // Left alone, oneTBB runs no more threads than there are cores, whatever an arena asks for, and complains
-    // on standard error. Of several such limits the least counts, so each asks for the same plenty.
-    constexpr std::size_t k_plenty = 256;
-    if (threads > std::thread::hardware_concurrency())
-      limit.emplace(tbb::global_control::max_allowed_parallelism, std::max<std::size_t>(threads, k_plenty));
+    // Left alone, oneTBB runs no more threads than the process had processors when oneTBB began, whatever an
+    // arena asks for, and complains on standard error. Of several such limits the least counts, so each asks
+    // for the same: the most that any loop may have.
+    if (threads > static_cast<unsigned>(tbb::info::default_concurrency()))
+      limit.emplace(tbb::global_control::max_allowed_parallelism, k_most_threads);
     arena.initialize();
   }
 
@@ -33,8 +34,7 @@ struct Parallel::Workers {
   tbb::task_arena arena;
 };
 
-Parallel::Parallel(unsigned threads)
-    : threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())) {
+Parallel::Parallel(unsigned threads) : threads_(checked(threads)) {
   restore_fp_environment();
   if (threads_ > 1) workers_ = std::make_unique<Workers>(threads_);
 }

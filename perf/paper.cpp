@@ -4,6 +4,7 @@
 //   build/release/bin/perf_paper --help
 
 #include "base/diagnostics.hpp"
+#include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/hdf5_file.hpp"
@@ -27,7 +28,6 @@
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace troupe::perf {
@@ -184,8 +184,7 @@ int measure(Options& options) {
   if (options.repeat == 0) options.repeat = options.quick || options.write_hashes ? 1 : 5;
   if (options.threads.empty()) {
     options.threads = {1};
-    if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1)
-      options.threads.push_back(cores);
+    if (const unsigned cores = partition::processors_allowed(); cores > 1) options.threads.push_back(cores);
   }
   if (options.simd.empty()) options.simd = partition::simd_targets().usable;
   partition::use_simd_target(options.simd.front());

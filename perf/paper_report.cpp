@@ -1,5 +1,6 @@
 #include "perf/paper_report.hpp"
 
+#include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/simulation.hpp"
 #include "perf/paper_aims.hpp"
@@ -13,7 +14,6 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 namespace troupe::perf {
 namespace {
@@ -225,7 +225,7 @@ std::vector<std::pair<std::string, std::string>> describe_machine() {
     usable += (usable.empty() ? "" : " ") + name;
   out.emplace_back("instruction sets", usable);
   out.emplace_back("kernels run on", partition::simd_target());
-  out.emplace_back("cores", fmt::format("{}", std::thread::hardware_concurrency()));
+  out.emplace_back("cores", fmt::format("{}", partition::processors_allowed()));
   std::ifstream meminfo("/proc/meminfo");
   std::string name;
   if (double kib = 0; meminfo >> name >> kib)

@@ -16,6 +16,23 @@ namespace troupe::python {
 
 namespace py = pybind11;
 
+/// Releases the interpreter's lock for as long as it lives. A daemon thread that wants the lock back after
+/// the interpreter has begun to exit waits here until the process ends.
+///
+/// That is what Python 3.14 does by itself. Earlier versions end the thread with pthread_exit(), which
+/// unwinds its stack: through the destructor of pybind11's gil_scoped_release that aborts the process, and
+/// any other frame would give Python's objects back without the lock.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked();
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
 /// A simulation as Python holds it: what Python reads of it keeps it alive.
 ///
 /// Steps are taken without the interpreter's lock, so that other threads of Python run meanwhile. A

@@ -1,9 +1,12 @@
 #include "engine/world.hpp"
+#include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"
 
+#include <cxxabi.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -31,6 +34,18 @@ void raise_input_error(const InputError& error) {
 
 }  // namespace
 
+Unlocked::~Unlocked() {
+#ifdef __GLIBCXX__
+  try {
+    PyEval_RestoreThread(state_);
+  } catch (const abi::__forced_unwind&) {
+    for (;;) pause();  // a handler that ends goes on with the unwinding
+  }
+#else
+  PyEval_RestoreThread(state_);
+#endif
+}
+
 Simulation& Held::use() {
   if (stepping_)
     throw std::logic_error(
@@ -56,7 +71,7 @@ void Held::step(std::uint64_t ticks, bool to_its_end) {
   const auto is_over = [&] { return to_its_end && simulation.stopped().has_value(); };
   while (ticks > 0 && !is_over()) {
     {
-      const py::gil_scoped_release released;
+      const Unlocked unlocked;
       const auto begin = std::chrono::steady_clock::now();
       do {
         simulation.step();
@@ -124,6 +139,8 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = troupe::k_version;
   module.def("version_line", &troupe::version_line,
              "Version, compiler, flags, instruction set and assertion state, on one line.");
+  module.def("processors_allowed", &troupe::partition::processors_allowed,
+             "Processors that this thread may use: its affinity mask, and the quota of its control groups.");
   bind_errors(module);
   SimulationClass simulation = bind_simulation(module);
   bind_swarm(module, simulation);

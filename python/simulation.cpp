@@ -79,7 +79,7 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
 /// make(), without the interpreter's lock: worlds may take long to load.
 template <class Make>
 Holder hold(Make&& make) {
-  const py::gil_scoped_release released;
+  const Unlocked unlocked;
   return std::make_shared<Held>(make());
 }
 

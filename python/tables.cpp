@@ -25,7 +25,7 @@ struct Table {
   std::string type;  ///< of its bodies, where all are of one; else empty
 
   py::array field(const std::string& name) const {
-    static_cast<void>(held->use());
+    held->use().world().require_whole();
     const std::span<const StateField> fields = table->fields();
     std::vector<std::string_view> known;
     for (std::size_t f = 0; f < fields.size(); ++f) {

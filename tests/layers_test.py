@@ -52,8 +52,8 @@ THIRD_PARTY = [
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
-    # Of the platform: the floating-point environment, libraries opened at run time, memory and files.
-    (r"(dlfcn|fcntl|link|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    # Of the platform: the floating-point environment, libraries opened at run time, processors, memory and files.
+    (r"(dlfcn|fcntl|link|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 

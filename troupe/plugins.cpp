@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/stage_files.hpp"
 
@@ -14,7 +15,6 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
-#include <exception>
 #include <optional>
 
 namespace troupe {
@@ -228,26 +228,28 @@ void Plugins::open(Loaded& library) {
     library.broken = fmt::format("is no plug-in of Troupe: it has no symbol {}", plugin::k_symbol);
     return;
   }
-  const plugin::Library& described = *symbol();
-  library.broken = why_unlike(described);
-  if (!library.broken.empty()) return;
-  std::uint64_t before = 0;
-  if (!described.contents->compare_exchange_strong(before, library.contents) && before != library.contents) {
-    library.broken = "was built again since this process loaded it: start it again";
-    return;
+  // From here on code of the plug-in's author runs, which may throw anything.
+  try {
+    const plugin::Library* const described = symbol();
+    library.broken =
+        described ? why_unlike(*described) : fmt::format("cannot be used: {} returns null", plugin::k_symbol);
+    if (!library.broken.empty()) return;
+    std::uint64_t before = 0;
+    if (!described->contents->compare_exchange_strong(before, library.contents) &&
+        before != library.contents) {
+      library.broken = "was built again since this process loaded it: start it again";
+      return;
+    }
+    read_kinds(library, described->list);
+  } catch (...) {
+    library.broken = fmt::format("cannot say what it holds: it {}", engine::thrown_text());
   }
-  read_kinds(library, described.list);
 }
 
 void Plugins::read_kinds(Loaded& library, List list) const {
   std::vector<engine::ControllerKind> controllers;
   std::vector<engine::DeviceKind> devices;
-  try {
-    list(controllers, devices);
-  } catch (const std::exception& fault) {
-    library.broken = fmt::format("cannot say what it holds: {}", fault.what());
-    return;
-  }
+  list(controllers, devices);
   const auto keep = [&library](auto kinds, const std::vector<std::string>& taken, auto& own) {
     std::ranges::sort(kinds, {}, [](const auto& kind) { return kind.name; });  // the linker's order before
     for (auto& kind : kinds) {

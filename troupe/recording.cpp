@@ -112,6 +112,7 @@ Recording Recording::resume(const std::filesystem::path& file, const Simulation&
 }
 
 void Recording::observe(const Simulation& simulation) {
+  simulation.world().require_whole();
   if (impl_->writer.due(simulation.tick())) impl_->writer.record(simulation.world(), simulation.state_hash());
 }
 

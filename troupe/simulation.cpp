@@ -164,7 +164,9 @@ struct Model::Place {
   std::size_t part;
   std::string name;
 
+  /// For what reads its state, or continues it.
   Row row() const {
+    world->require_whole();
     const Row row = world->row(body);
     if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
     return row;
@@ -263,6 +265,7 @@ Random Model::random(std::string_view name) const {
 
 Pose Model::pose() const {
   const engine::World& world = *place_->world;
+  world.require_whole();
   const engine::WorldSpec& spec = world.spec();
   const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
   if (part.joint != engine::k_rigid)
@@ -308,6 +311,7 @@ Model::Speed Model::speed() const {
 }
 
 bool Model::is_alive() const {
+  place_->world->require_whole();
   const Row row = place_->world->row(place_->body);
   return !row.valid() || place_->world->is_there(row);
 }
@@ -541,6 +545,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
 std::optional<std::uint64_t> Simulation::resumed_at_tick() const { return impl_->resumed_at; }
 
 void Simulation::save(const std::filesystem::path& checkpoint) const {
+  impl_->world->require_whole();
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());
@@ -621,6 +626,7 @@ void Simulation::record(const std::filesystem::path& file) { record(file, Record
 
 void Simulation::record(const std::filesystem::path& file, const RecordingOptions& options) {
   if (impl_->recording) throw std::logic_error(fmt::format("{}: the run is recorded already", file.string()));
+  impl_->world->require_whole();
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
 
@@ -705,6 +711,7 @@ Model Simulation::model(BodyId id) {
 }
 
 RayHit Simulation::cast(const Pose& from, double range_max, const Model* without) const {
+  impl_->world->require_whole();
   for (const double value : {from.x, from.y, from.z, from.heading})
     if (!std::isfinite(value))
       throw std::invalid_argument("cast(): the pose that the ray starts from is not finite");
@@ -745,6 +752,7 @@ std::optional<Model> Simulation::spawn(std::string_view population, const Pose& 
 }
 
 std::size_t Simulation::unborn(std::string_view population) const {
+  impl_->world->require_whole();
   return impl_->world->unborn(reserve_of(population));
 }
 
@@ -768,6 +776,7 @@ void Simulation::remove(const Model& model) {
 std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;
   const engine::World& world = *impl_->world;
+  world.require_whole();
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
     if (const Row row = world.row(BodyId(b)); row.valid() && world.type(row).drive && world.is_there(row))
       names.push_back(world.spec().name(BodyId(b)));
@@ -819,6 +828,7 @@ Statistics Simulation::statistics() const {
 
 Model::Energy Simulation::energy() const {
   const engine::World& w = *impl_->world;
+  w.require_whole();
   Model::Energy sum;
   for (std::size_t b = 0; b < w.spec().bodies.size(); ++b) {
     const Row row = w.row(BodyId(b));

@@ -33,7 +33,8 @@ using engine::RangingEngine;
 
 /// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots` and `set` changes a result.
 struct SimulationOptions {
-  /// Worker threads; 0: one for each core.
+  /// Worker threads, at most 1,024; 0: one for each processor that the process may use, by its affinity mask
+  /// and its control groups. More throw std::invalid_argument.
   unsigned threads = 0;
   /// Edge of the tiles that are the unit of parallel work, m; 0: chosen from body sizes and sensor ranges.
   double tile_size_m = 0;
@@ -297,8 +298,11 @@ class Simulation {
   /// first step.
   std::optional<std::string> stopped() const;
 
-  /// One tick: sense, decide, move, index. Also where the run is over. Throws std::runtime_error that names
-  /// tick and robot where a commanded speed is not a finite number; the state is then no longer of use.
+  /// One tick: sense, decide, move, index. Also where the run is over. Throws engine::StepError, a
+  /// std::runtime_error that names tick and robot, where a commanded speed is not a finite number and where a
+  /// controller or a device threw; what a callback of on_phase() throws comes out as it is. The
+  /// state is then half made: until reset() every function of the simulation, its models, swarms and
+  /// observers that reads or continues the state throws std::logic_error.
   void step();
   /// Steps until `seconds` more of world time have passed, or the run is over: see stopped(). A time between
   /// two ticks is rounded up. Throws
@@ -317,8 +321,8 @@ class Simulation {
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
   /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
-  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten. What record()
-  /// began is closed.
+  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten: only this leads
+  /// on from it. What record() began is closed.
   void reset();
 
   /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it

@@ -63,6 +63,7 @@ std::vector<std::string> Swarm::types() const {
 /// one(row, i) for each robot, where there is room for as many.
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
+  world_->require_whole();
   check_size("elements", room, size());
   for (std::size_t i = 0; i < size(); ++i) one(rows_[i], i);
 }
@@ -71,6 +72,7 @@ void Swarm::read(std::size_t room, Read&& one) const {
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
+  world_->require_whole();
   check_size("elements", given, size());
   if (!where.empty()) check_size("marks of where to act", where.size(), size());
   for (std::size_t i = 0; i < size(); ++i)
@@ -141,6 +143,7 @@ std::size_t Swarm::beams(std::string_view sensor) const {
 }
 
 void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
+  world_->require_whole();
   const std::size_t count = beams(sensor);
   if (out.size() != count * size())
     throw std::invalid_argument(
@@ -170,6 +173,7 @@ void Swarm::subscribe() {
 
 void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& visit) {
   constexpr std::size_t k_batch = 32;  // calls that are worth waking a thread for
+  world_->require_whole();
   if (robots_.empty()) {
     robots_.reserve(size());
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));

@@ -22,7 +22,7 @@ struct LoadOptions {
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories searched by base name for a world or include that is not where it was said to be.
   std::vector<std::filesystem::path> search_path;
-  /// Threads that load; 0: one for each core. They change no result and no message.
+  /// Threads that load; 0: one for each processor it may use. They change no result and no message.
   unsigned threads = 0;
   /// How many bodies the populations of a world may have: less than the default for who reads strangers'
   /// files.

@@ -201,7 +201,7 @@ void add_checkpoint_options(CLI::App& app, RunOptions& options) {
 
 /// How a world is run, and what comes out of it: what `run` and `resume` share.
 void add_output_options(CLI::App& app, RunOptions& options) {
-  add_value(app, "--threads", "N", "Worker threads (default: one for each core)",
+  add_value(app, "--threads", "N", "Worker threads (default: one for each processor it may use)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(app, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });

@@ -9,6 +9,7 @@
 #include "base/hash.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "partition/processors.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -202,6 +203,8 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
         outcome = make(study, runs[i], options);
       } catch (const std::exception& thrown) {
         error = thrown.what();
+      } catch (...) {  // a plug-in may throw anything
+        error = "an exception that is no std::exception";
       }
       const std::lock_guard lock(mutex);
       if (!error.empty()) failed.emplace(runs[i], error);
@@ -215,10 +218,12 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       }
     }
   };
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   std::vector<std::jthread> workers;
   for (std::size_t w = 0;
-       w < std::min<std::size_t>(options.runs_at_once > 0 ? options.runs_at_once : cores, runs.size()); ++w)
+       w <
+       std::min<std::size_t>(
+           options.runs_at_once > 0 ? options.runs_at_once : partition::processors_allowed(), runs.size());
+       ++w)
     workers.emplace_back(work);
   workers.clear();  // waits
   if (fault) std::rethrow_exception(fault);
@@ -290,7 +295,7 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
       ->required();
   add_value(*command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
             [&options](const std::string& text) { options.folder = text; });
-  add_value(*command, "--threads", "N", "Runs at once (default: one for each core)",
+  add_value(*command, "--threads", "N", "Runs at once (default: one for each processor it may use)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
   add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on",
             [&options](const std::string& text) {

@@ -15,7 +15,7 @@ namespace troupe::apps {
 struct SweepOptions {
   std::filesystem::path study;
   std::filesystem::path folder;  ///< journals, and the table
-  unsigned runs_at_once = 0;     ///< 0: one for each core
+  unsigned runs_at_once = 0;     ///< 0: one for each processor it may use
   std::size_t part = 1;          ///< of `parts`: this process makes every parts-th run
   std::size_t parts = 1;
   bool list = false;  ///< print the runs, and make none

@@ -17,6 +17,7 @@ _Pose = Union["Pose", Tuple[float, float, float]]
 _Callback = TypeVar("_Callback", bound=Optional[Callable[["Simulation"], object]])
 
 def version_line() -> str: ...
+def processors_allowed() -> int: ...
 
 class InputError(ValueError):
     findings: List[str]

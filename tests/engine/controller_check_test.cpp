@@ -98,6 +98,66 @@ TEST(ControllerCheck, RepeatsWithWhatRobotsBelievedThen) {
   }
 }
 
+/// A death leaves nothing of what the robot decided by: in the same tick, after the decision.
+TEST(ControllerCheck, RepeatsTheDecisionsOfRobotsThatDieInTheTick) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
+  scene[bot].devices.push_back(test::ranger("eye", {{.range_max = 3, .fov = 2.0, .samples = 31}}));
+  scene[bot].controllers.push_back(test::controller("wander"));
+  for (int i = 0; i < 20; ++i)
+    scene.body(fmt::format("r{}", i), bot, {1.0 * (i % 5), 1.0 * (i / 5), 0, 0.3 * i});
+  const TypeId trap = scene.type("trap", {}, {.obstacle = false, .ranger = -1});
+  scene[trap].devices.push_back(
+      {.name = "trap",
+       .kind = "remover",
+       .params = test::record(test::registry().device("remover")->params, {{"radius", 1.2}})});
+  scene.body("trap", trap, {2, 1.5, 0, 0});
+  World world = scene.world();
+  ControllerCheck check(world, test::registry());
+  for (int tick = 1; tick <= 20; ++tick) {
+    world.step();
+    const std::vector<ControllerFinding> findings = on_another_thread(check);
+    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
+    if (tick == 1) {
+      ASSERT_EQ(world.absent_count(), 4u);
+      ASSERT_EQ(check.decisions(), 20u) << "those that died decided before";
+    }
+  }
+}
+
+/// Of a controller that was made afresh with the file's parameters all would be said to decide otherwise.
+TEST(ControllerCheck, MakesControllersAfreshOfTheParametersInForce) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
+  scene[bot].devices.push_back(test::ranger("eye", {{.range_max = 3, .fov = 2.0, .samples = 31}}));
+  scene[bot].controllers.push_back(test::controller("wander"));
+  for (int i = 0; i < 10; ++i) scene.body(fmt::format("r{}", i), bot, {2.0 * i, 0, 0, 0.3 * i});
+  const FieldTable& table = test::registry().controller("wander")->params;
+  const auto set = [&](double time_s, double speed) {
+    InterventionSpec intervention{.time_s = time_s, .action = InterventionSpec::Action::set};
+    Record params(table.fields.size());
+    params[static_cast<std::size_t>(table.find("cruise_speed"))] = speed;
+    intervention.setting = SettingSpec{bot, SettingSpec::Of::controller, 0, params};
+    scene.spec.experiment.at.push_back(intervention);
+  };
+  set(0.5, 0.1);  // in any order of time
+  set(0.2, 0.7);
+  World world = scene.world();
+  ControllerCheck check(world, test::registry());
+  const auto run = [&](int ticks) {
+    for (int tick = 1; tick <= ticks; ++tick) {
+      world.step();
+      const std::vector<ControllerFinding> findings = on_another_thread(check);
+      ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
+      const double asked = tick > 5 ? 0.1 : tick > 2 ? 0.7 : 0.4;
+      ASSERT_EQ(world.commands()[0].x, asked) << tick;
+    }
+  };
+  run(8);
+  world.reset();
+  run(4);
+}
+
 TEST(ControllerCheck, ChangesNoResult) {
   Swarm alone({"honest"});
   Swarm watched({"honest"});

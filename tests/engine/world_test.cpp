@@ -257,6 +257,43 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
     }
 }
 
+/// Thousands at one place are millions of pairs: no more than can be counted in a moment are looked for.
+TEST(World, OverlapsBeyondTenThousandAreNotCounted) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  for (int i = 0; i < 3000; ++i) scene.body(fmt::format("r{}", i), type, {9, 0, 0, 0.001 * i});
+  for (const unsigned threads : {1u, 3u}) {
+    Diagnostics diagnostics;
+    const World world(scene.spec, test::registry(), {.threads = threads}, diagnostics);
+    EXPECT_THAT(
+        diagnostics.warnings(),
+        testing::ElementsAre("warning: more than 10000 pairs of bodies overlap at the start, first \"r0\" "
+                             "and \"r1\"; they may move apart, but not closer"));
+  }
+  Diagnostics thorough(true);
+  const World world(scene.spec, test::registry(), {.threads = 2}, thorough);
+  const std::vector<std::string> lines = thorough.warnings();
+  ASSERT_EQ(lines.size(), 101u);
+  EXPECT_EQ(lines[0], "warning: \"r0\" overlaps \"r1\" at the start");
+  EXPECT_EQ(lines[99], "warning: \"r0\" overlaps \"r100\" at the start");
+  EXPECT_EQ(lines[100], "warning: more than 9900 more pairs of bodies overlap at the start");
+}
+
+TEST(World, OverlapsThatCanBeCountedAre) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  for (int i = 0; i < 141; ++i) scene.body(fmt::format("r{}", i), type);  // 9,870 pairs
+  for (int i = 0; i < 260; ++i) scene.body(fmt::format("s{}", i), type, {5 + 1.0 * (i / 2), 0, 0, 0});
+  Diagnostics diagnostics;
+  const World exact(scene.spec, test::registry(), {.threads = 2}, diagnostics);
+  EXPECT_THAT(diagnostics.warnings(), testing::ElementsAre(testing::StartsWith("warning: 10000 pairs of ")));
+  scene.body("t", type);
+  Diagnostics more;
+  const World many(scene.spec, test::registry(), {.threads = 2}, more);
+  EXPECT_THAT(more.warnings(),
+              testing::ElementsAre(testing::StartsWith("warning: more than 10000 pairs of ")));
+}
+
 TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});

@@ -32,9 +32,7 @@ void dawdle(std::mt19937_64& random) {
 
 }  // namespace
 
-Parallel::Parallel(unsigned threads)
-    : threads_(threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency())),
-      workers_(std::make_unique<Workers>()) {
+Parallel::Parallel(unsigned threads) : threads_(checked(threads)), workers_(std::make_unique<Workers>()) {
   restore_fp_environment();
 }
 

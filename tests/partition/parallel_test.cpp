@@ -1,6 +1,7 @@
 #include "partition/parallel.hpp"
 
 #include "base/fp_environment.hpp"
+#include "partition/processors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -163,8 +164,16 @@ TEST_P(ParallelOf, PutsEachThreadsArithmeticRight) {
 }
 #endif
 
-TEST(Parallel, TakesTheCoresByDefault) {
-  EXPECT_EQ(Parallel(0).threads(), std::max(1u, std::thread::hardware_concurrency()));
+TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {
+  EXPECT_EQ(Parallel(0).threads(), processors_allowed());
+  try {
+    Parallel(Parallel::k_most_threads + 1);
+    FAIL() << "taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "1025 threads: give 1 to 1024, or 0 for one for each processor that the process "
+                 "may use");
+  }
 }
 
 }  // namespace

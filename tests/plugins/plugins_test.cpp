@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
+#include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/recording.hpp"
@@ -190,7 +191,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
               HasSubstr("was built with the headers of another state of troupe 0.1.0"));
   EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(fault_of("empty"), EndsWith("has no controller, sensor or device"));
-  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what it holds: a table is missing"));
+  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what it holds: it threw: a table is missing"));
+  for (const char* number : {"throwing_a_number", "throwing_at_once"})
+    EXPECT_THAT(fault_of(number),
+                EndsWith("cannot say what it holds: it threw an exception that is no std::exception"));
+  EXPECT_THAT(fault_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
   EXPECT_THAT(fault_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
   EXPECT_THAT(fault_of("expand:expand"),
               EndsWith("has a controller \"expand\", a name that Troupe's own has: give it another"));
@@ -200,6 +205,38 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(fault_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
   EXPECT_THAT(fault_of("swarm:needy", "plugins"),
               EndsWith("controller \"swarm:needy\" needs, on its robot: ranger"));
+}
+
+TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
+  const auto thrown_by = [&](const std::string& controller, unsigned threads) {
+    Simulation simulation(json_world(R"({"kind": "thrower:)" + controller + "\"}"),
+                          options({folder_of("plugins")}, threads));
+    simulation.step();
+    simulation.step();
+    try {
+      simulation.step();
+    } catch (const engine::StepError& error) {
+      EXPECT_THROW(simulation.step(), std::logic_error);
+      simulation.reset();
+      simulation.step();
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  for (const unsigned threads : {1u, 3u}) {
+    EXPECT_EQ(thrown_by("says", threads),
+              "tick 3: controller \"thrower:says\" of \"r4\" threw: the map is missing");
+    EXPECT_EQ(thrown_by("says_nothing", threads),
+              "tick 3: controller \"thrower:says_nothing\" of \"r4\" threw an exception that is no "
+              "std::exception");
+    EXPECT_THAT(
+        thrown_by("for_many", threads),
+        MatchesRegex("tick 3: controller \"thrower:for_many\" of \"r[0-9]+\", the first of a batch of "
+                     "12, threw: the map is missing"));
+  }
+  EXPECT_THAT(
+      fault_of(json_world(R"({"kind": "thrower:when_made"})"), options({folder_of("plugins")})),
+      EndsWith("error: controller \"thrower:when_made\" threw an exception that is no std::exception"));
 }
 
 TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
@@ -331,6 +368,37 @@ TEST_F(PluginSensors, GiveTheSameBitsOnAnyThreadsAndAreInTheHash) {
   const Simulation simulation(room("beam_ranger"), options({folder_of("plugins")}));
   EXPECT_THAT(simulation.effective_options(),
               Contains(Pair("plugin beam_ranger", MatchesRegex("[0-9a-f]{16}"))));
+}
+
+TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
+  const auto bots = [&](std::string_view kind) {
+    return write("bots.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2],
+        "drive": {"kind": "diff"}, "sensors": [{"name": "eye", "kind": "thrower:)" +
+                                  std::string(kind) + R"("}]}},
+      "populations": [{"name": "r", "type": "bot", "count": 3,
+        "place": {"rule": "grid", "region_m": [[0, 0], [4, 4]], "pitch_m": 1}}]})");
+  };
+  Simulation simulation(bots("sensor"), options({folder_of("plugins")}));
+  simulation.step();
+  simulation.step();
+  try {
+    simulation.step();
+    FAIL() << "nothing was thrown";
+  } catch (const engine::StepError& error) {
+    EXPECT_THAT(error.what(),
+                MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
+                             "batch of 3, threw an exception that is no std::exception"));
+  }
+  EXPECT_EQ(fault(bots("unpreparable")),
+            ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");
+  try {
+    const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
+    ADD_FAILURE() << "loaded";
+  } catch (const engine::StepError& error) {
+    EXPECT_THAT(error.what(),
+                MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
+                             "map is missing"));
+  }
 }
 
 TEST_F(PluginSensors, AreRangersForWhoReadsRangers) {

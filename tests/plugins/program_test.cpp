@@ -2,6 +2,8 @@
 #include "tests/support/slow_build.hpp"
 #include "worldio/hdf5_file.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <ostream>
@@ -147,6 +149,24 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
   EXPECT_EQ(across.code, 0) << across.err;
   EXPECT_THAT(across.err, StartsWith("c.h5: warning: "));
   EXPECT_EQ(troupe({"diff", "whole.log", "parts.log"}).code, 1) << "it goes another way";
+}
+
+TEST_F(PluginProgram, AControllerThatThrowsEndsTheRunWithAnError) {
+  for (const auto& [controller, thrown] :
+       {std::pair("says", "threw: the map is missing"),
+        std::pair("says_nothing", "threw an exception that is no std::exception")}) {
+    write_world(std::string("thrower:") + controller);
+    const std::string expected =
+        fmt::format("troupe: error: tick 3: controller \"thrower:{}\" of \"r4\" {}\n", controller, thrown);
+    const std::string path = folder_of("plugins");
+    const Outcome ran = run({"--plugin-path", path});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(ran.err, expected);
+    const Outcome checked = troupe({"check", "w.json", "--for", "0.5", "--threads", "2", "--tile-size",
+                                    "auto", "--controllers", "--plugin-path", path});
+    EXPECT_EQ(checked.code, 1);
+    EXPECT_EQ(checked.err, expected);
+  }
 }
 
 TEST_F(PluginProgram, AnHonestOnePassesTheCheck) {

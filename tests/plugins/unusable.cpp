@@ -8,6 +8,9 @@
 #define FAULT_contracting 7
 #define FAULT_empty 8
 #define FAULT_throwing 9
+#define FAULT_throwing_a_number 10
+#define FAULT_throwing_at_once 11
+#define FAULT_null 12
 
 #if FAULT == FAULT_of_stage
 extern "C" __attribute__((visibility("default"))) int Init(void*, void*) { return 0; }
@@ -30,6 +33,7 @@ using namespace troupe;
 bool contracts() { return FAULT == FAULT_contracting; }
 void list(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&) {
   if (FAULT == FAULT_throwing) throw std::runtime_error("a table is missing");
+  if (FAULT == FAULT_throwing_a_number) throw 42;
 #if FAULT == FAULT_undefined_symbol
   no_such_function(1);
 #endif
@@ -45,5 +49,8 @@ const plugin::Library library{plugin::k_interface,
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const plugin::Library* troupe_plugin() { return &library; }
+extern "C" __attribute__((visibility("default"))) const plugin::Library* troupe_plugin() {
+  if (FAULT == FAULT_throwing_at_once) throw 42;
+  return FAULT == FAULT_null ? nullptr : &library;
+}
 #endif

@@ -157,12 +157,72 @@ except KeyboardInterrupt:
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.communicate(timeout=60)[0], "same\n")
 
+    def test_a_thread_that_steps_as_the_interpreter_exits_ends_quietly(self):
+        code = f"""
+import threading, time
+import troupe
+world = troupe.Simulation({str(HOSPITAL)!r}, robots=50, threads=2)
+def step():
+    while True:
+        world.step(3)
+def load():
+    while True:
+        troupe.Simulation({str(HOSPITAL)!r}, robots=5)
+for run in (step, load):
+    threading.Thread(target=run, daemon=True).start()
+time.sleep(0.3)
+print("over")
+"""
+        for _ in range(3):
+            done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "over\n", ""))
+
+    def test_threads_are_those_that_the_process_may_use(self):
+        code = f"""
+import os
+os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+import troupe
+print(troupe.Simulation({str(HOSPITAL)!r}, robots=5).threads)
+eight = troupe.Simulation({str(HOSPITAL)!r}, robots=5, threads=8)
+eight.step()
+print(eight.threads)
+"""
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "1\n8\n", ""))
+        for threads in (1025, 100_000, 2**32 - 1):
+            with self.assertRaisesRegex(ValueError, f"^{threads} threads: give 1 to 1024, or 0 for one for each "):
+                troupe.Simulation(ROOM, threads=threads)
+
     def test_a_speed_that_is_no_number_is_told_with_its_robot(self):
         world = troupe.Simulation(ROOM)
-        world.find("r3").set_speed(float("nan"), 0)
+        robot, swarm, poses = world.find("r3"), world.swarm(), world.table("pose")
+        measures, events = troupe.Measures(world, ["stalls"]), troupe.Events(world)
+        robot.set_speed(float("nan"), 0)
         with self.assertRaisesRegex(troupe.StepError, '"r3"') as caught:
             world.step()
         self.assertIsInstance(caught.exception, RuntimeError)
+        for use in (
+            world.step,
+            lambda: world.run_for(1),
+            lambda: world.save("c.h5"),
+            lambda: world.record("r.h5"),
+            world.state_hash,
+            world.statistics,
+            world.tables,
+            lambda: poses["x"],
+            robot.pose,
+            lambda: robot.set_speed(1, 0),
+            robot.ranges,
+            swarm.poses,
+            swarm.ranges,
+            lambda: swarm.set_speeds(1, 0),
+            measures.see,
+            measures.values,
+            events.see,
+        ):
+            with self.assertRaisesRegex(RuntimeError, "^the step to tick 1 threw, .* call reset"):
+                use()
+        self.assertEqual(list(self.folder.iterdir()), [])
         world.reset()
         world.step()
         self.assertEqual(world.tick, 1)

@@ -55,6 +55,17 @@ WorldBuilder yard(int bots = 1) {
 
 // ---- worlds
 
+/// As the program does, and before they are made: a hundred thousand would take all the memory there is.
+TEST(Simulation, RefusesMoreThreadsThanALoopMayHave) {
+  constexpr const char* k_text =
+      "100000 threads: give 1 to 1024, or 0 for one for each processor that the process may use";
+  EXPECT_EQ(message_of<std::invalid_argument>([] { Simulation(yard(), {.threads = 100'000}); }), k_text);
+  WorldBuilder placed = yard();
+  placed.population("s", "bot", 3, {{"rule", "grid"}, {"region_m", {{-9, -9}, {0, 0}}}, {"pitch_m", 1}});
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { Simulation(placed, {.threads = 100'000}); }), k_text)
+      << "the loader has threads, too";
+}
+
 TEST(WorldBuilder, DescribesWhatAFileSays) {
   WorldBuilder world = yard(2);
   world.set("seed", 7).set("seed", 8);

@@ -1,6 +1,7 @@
 // Simulation::reset() gives the state after loading, bit for bit, and then the same run.
 
 #include "base/fp_environment.hpp"
+#include "engine/events.hpp"
 #include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -11,10 +12,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -184,6 +190,120 @@ TEST_F(Reset, MakesAWorldOfUseAgainWhoseStepThrew) {
   simulation.reset();
   EXPECT_EQ(simulation.state_hash(), loaded);
   EXPECT_NO_THROW(simulation.step());
+}
+
+/// A step that threw leaves rows of two ticks: nothing may be read as if it were a state, nor go on from it.
+TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
+  std::string text(k_room);
+  text.replace(text.find("\"models\""), 0,
+               R"("populations": [{"name": "s", "type": "bot", "count": 2, "reserve": 1,
+    "place": {"rule": "grid", "region_m": [[-9, -9], [-5, -5]], "pitch_m": 1}}],
+  )");
+  Simulation simulation(write("room.json", text));
+  simulation.subscribe("r0");
+  Model robot = simulation.find("r0");
+  Swarm swarm = simulation.swarm();
+  Measures measures(simulation, {"stalls"});
+  engine::EventWatch events(simulation.world());
+  std::vector<Pose> poses(swarm.size());
+  std::vector<float> ranges(swarm.size());
+  const std::vector<Model::Speed> speeds(swarm.size());
+  engine::World& world = simulation.world();
+  const Row row = world.row(robot.id());
+  const fs::path checkpoint = folder_ / "c.h5";
+  const fs::path recording = folder_ / "r.h5";
+  const std::vector<std::pair<const char*, std::function<void()>>> uses{
+      {"step", [&] { simulation.step(); }},
+      {"run_for", [&] { simulation.run_for(1); }},
+      {"run_until", [&] { simulation.run_until([](const Simulation&) { return true; }, 1); }},
+      {"save", [&] { simulation.save(checkpoint); }},
+      {"record", [&] { simulation.record(recording); }},
+      {"state_hash", [&] { simulation.state_hash(); }},
+      {"hashes", [&] { simulation.hashes(); }},
+      {"hash_log_line", [&] { simulation.hash_log_line(); }},
+      {"statistics", [&] { simulation.statistics(); }},
+      {"energy", [&] { simulation.energy(); }},
+      {"robot_names", [&] { simulation.robot_names(); }},
+      {"cast", [&] { simulation.cast({}, 1); }},
+      {"set_poses",
+       [&] {
+         simulation.set_poses(std::array{std::pair(robot, Pose{1, 1, 0, 0})});
+       }},
+      {"spawn",
+       [&] {
+         simulation.spawn("s", {3, 3, 0, 0});
+       }},
+      {"unborn", [&] { simulation.unborn("s"); }},
+      {"remove", [&] { simulation.remove(robot); }},
+      {"pose", [&] { robot.pose(); }},
+      {"set_speed", [&] { robot.set_speed(1, 0); }},
+      {"accelerate", [&] { robot.accelerate(1, 0); }},
+      {"go_to", [&] { robot.go_to(1, 0, 0); }},
+      {"speed", [&] { robot.speed(); }},
+      {"is_alive", [&] { robot.is_alive(); }},
+      {"stalled", [&] { robot.stalled(); }},
+      {"estimate", [&] { robot.estimate(); }},
+      {"set_pose", [&] { robot.set_pose({}); }},
+      {"is_free", [&] { robot.is_free({}); }},
+      {"ranges", [&] { robot.ranges(); }},
+      {"readings", [&] { robot.readings<float>("ranges"); }},
+      {"swarm.poses", [&] { swarm.poses(poses); }},
+      {"swarm.ranges", [&] { swarm.ranges(ranges); }},
+      {"swarm.set_speeds", [&] { swarm.set_speeds(speeds); }},
+      {"swarm.set_poses", [&] { swarm.set_poses(poses); }},
+      {"swarm.for_each", [&] { swarm.for_each([](std::size_t, Model&) {}); }},
+      {"measures.see", [&] { measures.see(); }},
+      {"measures.values", [&] { measures.values(); }},
+      {"measures.value", [&] { measures.value("stalls"); }},
+      {"new measures", [&] { Measures(simulation, {"stalls"}); }},
+      {"events.see", [&] { events.see(world); }},
+      {"world.step", [&] { world.step(); }},
+      {"world.tables", [&] { world.tables(); }},
+      {"world.frame", [&] { world.frame(); }},
+      {"world.hashes", [&] { world.hashes(); }},
+      {"world.set_command", [&] { world.set_command(row, {}); }},
+      {"world.mean_displacement", [&] { world.mean_displacement(); }},
+  };
+  const std::uint64_t loaded = simulation.state_hash();
+  robot.set_speed(std::numeric_limits<double>::quiet_NaN(), 0);
+  EXPECT_THROW(simulation.step(), engine::StepError);
+  for (const auto& [name, use] : uses) {
+    try {
+      use();
+      ADD_FAILURE() << name << " goes on";
+    } catch (const std::logic_error& error) {
+      EXPECT_STREQ(error.what(),
+                   "the step to tick 1 threw, and left a state of no use: call reset() before anything else")
+          << name;
+    }
+  }
+  EXPECT_FALSE(fs::exists(checkpoint));
+  EXPECT_FALSE(fs::exists(recording));
+  EXPECT_EQ(simulation.tick(), 1u) << "clocks can be read";
+  EXPECT_EQ(robot.name(), "r0");
+
+  simulation.reset();
+  EXPECT_EQ(simulation.state_hash(), loaded);
+  EXPECT_NO_THROW(simulation.run_for(1));
+  swarm.poses(poses);
+  measures.see();
+}
+
+TEST_F(Reset, LeadsOnFromACallbackThatThrewInAStep) {
+  Simulation simulation(write("room.json", k_room));
+  const std::uint64_t loaded = simulation.state_hash();
+  simulation.on_phase([](std::optional<Phase> phase) {
+    if (phase == Phase::move) throw std::runtime_error("enough");
+  });
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  EXPECT_THROW(simulation.state_hash(), std::logic_error);
+  simulation.on_phase(nullptr);
+  EXPECT_THROW(simulation.step(), std::logic_error);
+  simulation.reset();
+  EXPECT_EQ(simulation.state_hash(), loaded);
+  simulation.on_tick([](Simulation&) { throw std::runtime_error("enough"); });
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  EXPECT_NO_THROW(simulation.state_hash()) << "the tick is complete";
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
@@ -11,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import math
-from .._core import Simulation
+from .._core import Simulation, processors_allowed
 from .episodes import Episodes, World
 from .spaces import stacked
 from .task import Task
@@ -98,7 +97,7 @@ class VectorEnv(_Base):
                   the next (autoreset NEXT_STEP: that step's action is not looked at, its reward is 0)
     seeds         copy i has seed + i, or the i-th of a list, in its first episode, and numbers drawn from that in
                   those that follow. Without any seed the world's own counts: nothing is drawn from the clock
-    workers       copies that are stepped at once; 0: one for each core. It changes no result
+    workers       copies that are stepped at once; 0: one for each processor that it may use. It changes no result
     """
 
     _pool: Optional[ThreadPoolExecutor] = None
@@ -126,7 +125,7 @@ class VectorEnv(_Base):
         seed = int(first.simulation.options["seed"])
         others = [Episodes(world, self.task, {**options, "seed": seed + i}) for i in range(1, num_envs)]
         self._copies = [first, *others]
-        self._pool = ThreadPoolExecutor(min(num_envs, workers or os.cpu_count() or 1), "troupe-env")
+        self._pool = ThreadPoolExecutor(min(num_envs, workers or processors_allowed()), "troupe-env")
 
         self._robots = len(first.swarm)
         self._is_single = self._robots == 1

@@ -1,0 +1,120 @@
+#include "partition/processors.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+namespace troupe::partition {
+namespace fs = std::filesystem;
+namespace {
+
+/// Processors of the affinity mask; the machine's where the system does not tell.
+unsigned affine_processors() {
+  constexpr int k_most_processors = 1 << 20;
+  // The kernel refuses a mask that is smaller than its own, and does not say how large that is.
+  for (int bits = CPU_SETSIZE; bits <= k_most_processors; bits *= 2) {
+    const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> mask(CPU_ALLOC(bits),
+                                                                [](cpu_set_t* m) { CPU_FREE(m); });
+    const std::size_t bytes = CPU_ALLOC_SIZE(bits);
+    if (mask && sched_getaffinity(0, bytes, mask.get()) == 0)
+      return static_cast<unsigned>(CPU_COUNT_S(bytes, mask.get()));
+  }
+  return std::thread::hardware_concurrency();
+}
+
+std::string first_line(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+std::optional<double> positive_number(std::string_view text) {
+  double value = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc() || end != text.data() + text.size() || !(value > 0)) return {};
+  return value;
+}
+
+std::optional<double> ratio(std::string_view quota, std::string_view period) {
+  const std::optional<double> q = positive_number(quota);  // "max" and "-1": no quota
+  const std::optional<double> p = positive_number(period);
+  return q && p ? std::optional(*q / *p) : std::nullopt;
+}
+
+/// Of one group: `200000 100000`, or `max 100000`.
+std::optional<double> quota_v2(const fs::path& group) {
+  const std::string line = first_line(group / "cpu.max");
+  const std::size_t space = std::min(line.find(' '), line.size());
+  return ratio(line.substr(0, space), std::string_view(line).substr(std::min(space + 1, line.size())));
+}
+
+std::optional<double> quota_v1(const fs::path& group) {
+  return ratio(first_line(group / "cpu.cfs_quota_us"), first_line(group / "cpu.cfs_period_us"));
+}
+
+std::optional<double> lesser(const std::optional<double>& a, const std::optional<double>& b) {
+  return a && b ? std::min(*a, *b) : a ? a : b;
+}
+
+/// The least quota of a group and of those above, up to the mount point. In a container the path is often
+/// that of the machine outside, and only the mount point itself is there: what does not exist has no quota.
+std::optional<double> least_quota(const fs::path& mount, std::string_view path,
+                                  std::optional<double> (*quota)(const fs::path& group)) {
+  std::optional<double> least = quota(mount);
+  fs::path group = mount;
+  for (const fs::path& name : (fs::path("/") / path).lexically_normal().relative_path()) {
+    group /= name;
+    least = lesser(least, quota(group));
+  }
+  return least;
+}
+
+bool lists_cpu(std::string_view controllers) {
+  for (std::size_t at = 0; at <= controllers.size();) {
+    const std::size_t end = std::min(controllers.find(',', at), controllers.size());
+    if (controllers.substr(at, end - at) == "cpu") return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<double> processor_quota(const fs::path& root) {
+  const fs::path mounts = root / "sys/fs/cgroup";
+  std::optional<double> least;
+  std::ifstream groups(root / "proc/self/cgroup");
+  // `0::/path` of version 2, `4:cpu,cpuacct:/path` of version 1; a machine may have both.
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == line.npos ? line.npos : line.find(':', first + 1);
+    if (second == line.npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const std::string_view path = std::string_view(line).substr(second + 1);
+    if (controllers.empty()) {
+      least = lesser(least, least_quota(mounts, path, quota_v2));
+    } else if (lists_cpu(controllers)) {
+      least = lesser(least, least_quota(mounts / controllers, path, quota_v1));
+      if (controllers != "cpu") least = lesser(least, least_quota(mounts / "cpu", path, quota_v1));
+    }
+  }
+  return least;
+}
+
+unsigned processors_allowed() {
+  const unsigned processors = std::max(1u, affine_processors());
+  const std::optional<double> quota = processor_quota();
+  if (!quota || *quota >= processors) return processors;
+  return std::max(1u, static_cast<unsigned>(std::ceil(*quota)));
+}
+
+}  // namespace troupe::partition

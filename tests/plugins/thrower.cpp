@@ -1,0 +1,84 @@
+// Controllers and sensors whose authors let exceptions out, among them such that are no std::exception.
+#include <troupe/plugin.hpp>
+
+#include <stdexcept>
+
+namespace {
+
+/// Of one robot, in the third tick.
+template <class Thrown>
+void throw_in_time(const troupe::Percept& percept, Thrown thrown) {
+  if (percept.tick == 3 && percept.body == 5) throw thrown;
+}
+
+struct Says {
+  void operator()(const troupe::Percept& percept, troupe::Random&, troupe::Actions&) const {
+    throw_in_time(percept, std::runtime_error("the map is missing"));
+  }
+};
+
+struct SaysNothing {
+  struct Memory {
+    float unused = 0;
+    TROUPE_FIELDS(unused)
+  };
+  void operator()(Memory&, const troupe::Percept& percept, troupe::Random&, troupe::Actions&) const {
+    throw_in_time(percept, 42);
+  }
+};
+
+struct ForMany {
+  void operator()(const troupe::DecideBatch& batch) const {
+    if (batch.tick == 3) throw std::runtime_error("the map is missing");
+  }
+};
+
+struct WhenMade {
+  static troupe::FieldTable parameters() { return {}; }
+  static WhenMade make(const troupe::Record&) { throw 42; }
+  void operator()(const troupe::Percept&, troupe::Random&, troupe::Actions&) const {}
+};
+
+struct Reading {
+  float value = 0;
+  TROUPE_FIELDS(value)
+};
+
+troupe::DeviceKind sensor() {
+  troupe::DeviceKind kind{.name = "", .text = "reads 1"};
+  kind.prepare = [](const troupe::Record&, const troupe::Pose&) {
+    return troupe::DeviceKind::Prepared{.percepts = troupe::memory_fields<Reading>(),
+                                        .percept_bytes = sizeof(Reading)};
+  };
+  kind.sense = [](const troupe::DeviceBatch& batch) -> std::uint64_t {
+    if (batch.world.tick() == 3) throw 42;
+    return 0;
+  };
+  return kind;
+}
+
+troupe::DeviceKind unpreparable() {
+  troupe::DeviceKind kind = sensor();
+  kind.prepare = [](const troupe::Record&, const troupe::Pose&) -> troupe::DeviceKind::Prepared {
+    throw std::runtime_error("the map is missing");
+  };
+  return kind;
+}
+
+troupe::DeviceKind unstartable() {
+  troupe::DeviceKind kind = sensor();
+  kind.start = [](const std::any&, troupe::StateTable&, std::size_t) {
+    throw std::runtime_error("the map is missing");
+  };
+  return kind;
+}
+
+}  // namespace
+
+TROUPE_CONTROLLER("says", Says)
+TROUPE_CONTROLLER("says_nothing", SaysNothing)
+TROUPE_CONTROLLER("for_many", ForMany)
+TROUPE_CONTROLLER("when_made", WhenMade)
+TROUPE_DEVICE("sensor", sensor)
+TROUPE_DEVICE("unpreparable", unpreparable)
+TROUPE_DEVICE("unstartable", unstartable)
