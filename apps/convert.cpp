@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -90,7 +89,6 @@ ExitCode convert(const ConvertOptions& options) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   }
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   return k_finished;
 }
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,7 +49,6 @@ ExitCode lint_world(const LintOptions& options) {
     fmt::print("{}: nothing found\n", world.string());
   else
     fmt::print("{}: {} finding{}\n", world.string(), findings.size(), findings.size() == 1 ? "" : "s");
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   return findings.empty() ? k_finished : k_failed;
 }
 

@@ -159,7 +159,6 @@ ExitCode replay(const ReplayOptions& options) {
   }
   const double mb = static_cast<double>(k_replay_page.size() - k_mark.size() + text.size()) / k_bytes_mb;
   tell(page, mb, options.max_mb, data);
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   return k_finished;
 }
 

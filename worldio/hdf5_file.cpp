@@ -48,6 +48,49 @@ void start_library() {
   if (!started) throw Hdf5Error("HDF5 cannot be started");
 }
 
+/// What names are looked up with: a link into another file is an error. A file of unknown origin could
+/// otherwise name any file of the user, and a recording that goes on would write there.
+hid_t within_file(hid_t access_class) {
+  const hid_t properties = H5Pcreate(access_class);
+  H5Pset_elink_cb(
+      properties, [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return herr_t{-1}; },
+      nullptr);
+  return properties;
+}
+
+/// Property lists of the library's lifetime.
+///@{
+hid_t links() {
+  static const hid_t properties = within_file(H5P_LINK_ACCESS);
+  return properties;
+}
+hid_t groups() {
+  static const hid_t properties = within_file(H5P_GROUP_ACCESS);
+  return properties;
+}
+hid_t datasets() {
+  static const hid_t properties = within_file(H5P_DATASET_ACCESS);
+  return properties;
+}
+///@}
+
+/// Why a dataset is not to be used, though HDF5 can: it lies in other files, or is read by a plug-in of HDF5,
+/// which is code. Empty where nothing is wrong.
+std::string why_foreign(hid_t dataset) {
+  const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
+    return "keeps its values in other files, which no file of Troupe does";
+  const int filters = H5Pget_nfilters(creation.get());
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, nullptr);
+    if (filter >= H5Z_FILTER_RESERVED)
+      return fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs", filter);
+  }
+  return {};
+}
+
 /// The deepest entry of the library's stack of errors: what really happened.
 std::string reason() {
   std::string deepest;
@@ -424,21 +467,21 @@ Hdf5Group Hdf5Group::create_group(const std::string& name) {
 Hdf5Group Hdf5Group::group(const std::string& name) const {
   const Quiet quiet;
   if (!has_group(name)) fail_with(file_, fmt::format("there is no group {}", path_of(name)));
-  Hdf5Group found(Hdf5Id(H5Gopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Gclose), file_, path_of(name));
+  Hdf5Group found(Hdf5Id(H5Gopen2(id_.get(), name.c_str(), groups()), H5Gclose), file_, path_of(name));
   found.check(found.id_.get(), "read");
   return found;
 }
 
 bool Hdf5Group::has(const std::string& name) const {
   const Quiet quiet;
-  return H5Lexists(id_.get(), name.c_str(), H5P_DEFAULT) > 0 &&
-         H5Oexists_by_name(id_.get(), name.c_str(), H5P_DEFAULT) > 0;
+  return H5Lexists(id_.get(), name.c_str(), links()) > 0 &&
+         H5Oexists_by_name(id_.get(), name.c_str(), links()) > 0;
 }
 
 bool Hdf5Group::has_group(const std::string& name) const {
   if (!has(name)) return false;
   const Quiet quiet;
-  const Hdf5Id object(H5Oopen(id_.get(), name.c_str(), H5P_DEFAULT), H5Oclose);
+  const Hdf5Id object(H5Oopen(id_.get(), name.c_str(), links()), H5Oclose);
   return object.valid() && H5Iget_type(object.get()) == H5I_GROUP;
 }
 
@@ -487,8 +530,10 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
 Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
   const Quiet quiet;
   if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
-  Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
+  if (const std::string why = why_foreign(found.get()); !why.empty())
+    fail_with(file_, fmt::format("{} {}", path_of(name), why));
   return {std::move(found), file_, path_of(name)};
 }
 
@@ -525,11 +570,13 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const Quiet quiet;
   if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
-  const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
   if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
     fail_with(file_, fmt::format("{} is no text of fixed length", path_of(name)));
+  if (const std::string why = why_foreign(found.get()); !why.empty())
+    fail_with(file_, fmt::format("{} {}", path_of(name), why));
   const std::size_t length = H5Tget_size(type.get());
   const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
   std::error_code unknown;

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace troupe::worldio {
@@ -49,25 +50,30 @@ std::string text_of(const JsonNode& node) {
 
 std::string text_of(double value) { return text_of(json_node(value)); }
 
-/// One parameter's values: a list, or an interval from which samples are drawn.
-struct Choice {
-  std::vector<std::string> values;
-  double low = 0;
-  double high = 0;
-  enum class Draw : std::uint8_t { listed, uniform, log_uniform, integers } draw = Draw::listed;
+using Choice = Study::Choice;
+using Kind = Choice::Kind;
 
-  std::string drawn(Random& random) const {
-    switch (draw) {
-      case Draw::listed: return values[random.below(static_cast<std::uint32_t>(values.size()))];
-      case Draw::uniform: return text_of(random.uniform(low, high));
-      case Draw::log_uniform: return text_of(exp(random.uniform(log(low), log(high))));
-      case Draw::integers: break;
-    }
-    const auto first = static_cast<std::int64_t>(low);
-    const auto count = static_cast<std::uint32_t>(static_cast<std::int64_t>(high) - first + 1);
-    return text_of(json_node(first + std::int64_t{random.below(count)}));
+/// Value `i` of a list or of steps.
+std::string value_of(const Choice& choice, std::size_t i) {
+  if (choice.kind == Kind::listed) return choice.values[i];
+  if (i + 1 == choice.steps) return text_of(choice.high);
+  const double share = static_cast<double>(i) / static_cast<double>(choice.steps - 1);
+  return text_of(choice.low + share * (choice.high - choice.low));
+}
+
+std::string drawn(const Choice& choice, Random& random) {
+  switch (choice.kind) {
+    case Kind::listed:
+    case Kind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
+    case Kind::uniform: return text_of(random.uniform(choice.low, choice.high));
+    case Kind::log_uniform:
+      return text_of(std::clamp(exp(random.uniform(log(choice.low), log(choice.high))), choice.low, choice.high));
+    case Kind::integers: break;
   }
-};
+  const auto first = static_cast<std::int64_t>(choice.low);
+  const auto count = static_cast<std::uint32_t>(static_cast<std::int64_t>(choice.high) - first + 1);
+  return text_of(json_node(first + std::int64_t{random.below(count)}));
+}
 
 class StudyReader {
  public:
@@ -88,14 +94,11 @@ class StudyReader {
     read_seeds(object);
     read_measures(object);
     const engine::FieldTable table{{k_random_seed}};
-    const auto random_seed = static_cast<std::uint64_t>(read_fields(object, table)[0].integer());
-    const Value samples = read_field(object, whole("samples", 1, k_most_runs, ""));
+    study_.random_seed = static_cast<std::uint64_t>(read_fields(object, table)[0].integer());
+    if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
+      study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
-    if (diagnostics.has_errors()) return std::move(study_);
-    if (samples.given())
-      draw_samples(static_cast<std::size_t>(samples.integer()), random_seed, root);
-    else
-      combine(root);
+    if (!diagnostics.has_errors()) check_runs(root);
     return std::move(study_);
   }
 
@@ -122,18 +125,14 @@ class StudyReader {
   static Choice read_choice(JsonObject& object);
   static Choice read_list_of_values(const JsonCursor& at);
   static Choice read_steps(JsonObject& object);
-  static Choice read_interval(const JsonCursor& at, Choice::Draw draw);
+  static Choice read_interval(const JsonCursor& at, Kind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
-  void add_runs(std::vector<std::string> values);
-  void combine(const JsonCursor& at);
-  void draw_samples(std::size_t samples, std::uint64_t seed, const JsonCursor& at);
+  void check_runs(const JsonCursor& at);
 
   const std::filesystem::path& file_;
   const engine::Registry& registry_;
   Study study_;
-  std::vector<Choice> choices_;  // beside study_.parameters
-  std::vector<std::uint64_t> seeds_;
 };
 
 void StudyReader::read_parameter(const JsonCursor& at) {
@@ -160,7 +159,7 @@ void StudyReader::read_parameter(const JsonCursor& at) {
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
        std::ranges::find(k_taken, parameter.name) != k_taken.end()))
     at.error(fmt::format("another column is called \"{}\": give it a \"name\" of its own", parameter.name));
-  choices_.push_back(read_choice(object));
+  study_.choices.push_back(read_choice(object));
   object.finish();
   study_.parameters.push_back(std::move(parameter));
 }
@@ -182,9 +181,9 @@ Choice StudyReader::read_choice(JsonObject& object) {
   const JsonCursor at(object.at(), way, *object.find(way));
   if (way == "values") return read_list_of_values(at);
   if (way == "steps") return read_steps(object);
-  return read_interval(at, way == "uniform"       ? Choice::Draw::uniform
-                           : way == "log_uniform" ? Choice::Draw::log_uniform
-                                                  : Choice::Draw::integers);
+  return read_interval(at, way == "uniform"       ? Kind::uniform
+                           : way == "log_uniform" ? Kind::log_uniform
+                                                  : Kind::integers);
 }
 
 Choice StudyReader::read_list_of_values(const JsonCursor& at) {
@@ -204,19 +203,18 @@ Choice StudyReader::read_steps(JsonObject& object) {
                                   whole("steps", 2, k_most_runs, "how many values")}};
   const engine::Record record = read_fields(object, table);
   if (!record[0].given() || !record[1].given() || !record[2].given()) return choice;
-  const double from = record[0].number();
-  const double to = record[1].number();
-  const auto steps = record[2].integer();
-  for (std::int64_t i = 0; i < steps; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(steps - 1);
-    choice.values.push_back(text_of(i == steps - 1 ? to : from + share * (to - from)));
-  }
+  choice.kind = Kind::steps;
+  choice.low = record[0].number();
+  choice.high = record[1].number();
+  choice.steps = static_cast<std::size_t>(record[2].integer());
+  if (!std::isfinite(choice.high - choice.low))
+    object.at().error("\"from\" and \"to\" are further apart than the largest number, 1.8e308");
   return choice;
 }
 
-Choice StudyReader::read_interval(const JsonCursor& at, Choice::Draw draw) {
+Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
   constexpr double k_most = 2147483647;  // between two integers
-  Choice choice{.draw = draw};
+  Choice choice{.kind = kind};
   const Value limits = read_value(at, {.name = "interval", .type = FieldType::numbers, .columns = 2});
   if (!limits.given()) return choice;
   choice.low = limits.numbers()[0];
@@ -225,9 +223,11 @@ Choice StudyReader::read_interval(const JsonCursor& at, Choice::Draw draw) {
   constexpr double k_exact = 9e15;
   if (!(choice.low < choice.high))
     at.error("the first number must be below the second");
-  else if (draw == Choice::Draw::log_uniform && choice.low <= 0)
+  else if (!std::isfinite(choice.high - choice.low))
+    at.error("the numbers are further apart than the largest number, 1.8e308");
+  else if (kind == Kind::log_uniform && choice.low <= 0)
     at.error("both numbers must be above 0");
-  else if (draw == Choice::Draw::integers &&
+  else if (kind == Kind::integers &&
            (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) || !is_whole(choice.high) ||
             choice.high - choice.low > k_most))
     at.error("expected two whole numbers, at most 2^31 - 1 apart");
@@ -242,7 +242,7 @@ void StudyReader::read_seeds(JsonObject& object) {
   if (node->list()) {
     for (std::size_t i = 0; i < node->list()->size(); ++i) {
       const Value seed = read_value(JsonCursor(at, i, (*node->list())[i]), whole("seed", 0, k_most, ""));
-      if (seed.given()) seeds_.push_back(static_cast<std::uint64_t>(seed.integer()));
+      if (seed.given()) study_.seeds.push_back(static_cast<std::uint64_t>(seed.integer()));
     }
     if (node->list()->empty()) at.expected("at least one seed");
     return;
@@ -255,7 +255,7 @@ void StudyReader::read_seeds(JsonObject& object) {
   range.finish();
   if (!record[0].given() || !record[1].given()) return;
   for (std::int64_t i = 0; i < record[1].integer(); ++i)
-    seeds_.push_back(static_cast<std::uint64_t>(record[0].integer() + i));
+    study_.seeds.push_back(static_cast<std::uint64_t>(record[0].integer() + i));
 }
 
 void StudyReader::read_measures(JsonObject& object) {
@@ -279,53 +279,50 @@ void StudyReader::read_measures(JsonObject& object) {
   study_.measure_every_s = read_fields(object, table)[0].number();
 }
 
-void StudyReader::add_runs(std::vector<std::string> values) {
-  if (seeds_.empty()) return study_.runs.push_back({std::move(values), {}});
-  for (const std::uint64_t seed : seeds_) study_.runs.push_back({values, seed});
-}
-
-/// All combinations, the first parameter slowest.
-void StudyReader::combine(const JsonCursor& at) {
-  double count = static_cast<double>(std::max<std::size_t>(seeds_.size(), 1));
-  for (std::size_t p = 0; p < choices_.size(); ++p) {
-    if (choices_[p].draw != Choice::Draw::listed)
+void StudyReader::check_runs(const JsonCursor& at) {
+  auto count = static_cast<double>(std::max<std::size_t>(study_.seeds.size(), 1));
+  if (study_.samples) count *= static_cast<double>(*study_.samples);
+  for (std::size_t p = 0; !study_.samples && p < study_.choices.size(); ++p) {
+    if (study_.choices[p].count() == 0)
       return at.error(fmt::format("\"{}\" is drawn at random: say how often, \"samples\": 100",
                                   study_.parameters[p].name));
-    count *= static_cast<double>(choices_[p].values.size());
+    count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
-    return at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
-  std::vector<std::size_t> digits(choices_.size(), 0);
-  while (true) {
-    std::vector<std::string> values;
-    for (std::size_t p = 0; p < choices_.size(); ++p) values.push_back(choices_[p].values[digits[p]]);
-    add_runs(std::move(values));
-    std::size_t p = choices_.size();
-    while (p > 0 && ++digits[p - 1] == choices_[p - 1].values.size()) digits[--p] = 0;
-    if (p == 0) return;
-  }
-}
-
-/// Each parameter has draws of its own, so that another one beside it changes none of them.
-void StudyReader::draw_samples(std::size_t samples, std::uint64_t seed, const JsonCursor& at) {
-  const double count =
-      static_cast<double>(samples) * static_cast<double>(std::max<std::size_t>(seeds_.size(), 1));
-  if (count > static_cast<double>(k_most_runs))
-    return at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
-  for (std::size_t i = 0; i < samples; ++i) {
-    std::vector<std::string> values;
-    for (std::size_t p = 0; p < choices_.size(); ++p) {
-      Random random(seed, stream_id("study", study_.parameters[p].pointer), static_cast<std::uint32_t>(i), 0);
-      values.push_back(choices_[p].drawn(random));
-    }
-    add_runs(std::move(values));
-  }
+    at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
 }
 
 }  // namespace
 
 std::string_view statistic_name(Statistic statistic) {
   return k_statistics[static_cast<std::size_t>(statistic)];
+}
+
+std::size_t Study::run_count() const {
+  std::size_t count = std::max<std::size_t>(seeds.size(), 1) * samples.value_or(1);
+  for (const Choice& choice : choices)
+    if (!samples) count *= choice.count();
+  return count;
+}
+
+Study::Run Study::run(std::size_t index) const {
+  Run run;
+  if (!seeds.empty()) {
+    run.seed = seeds[index % seeds.size()];
+    index /= seeds.size();
+  }
+  run.values.resize(choices.size());
+  for (std::size_t p = choices.size(); p-- > 0;) {
+    if (samples) {
+      // Each parameter has draws of its own, so that another one beside it changes none of them.
+      Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index), 0);
+      run.values[p] = drawn(choices[p], random);
+    } else {
+      run.values[p] = value_of(choices[p], index % choices[p].count());
+      index /= choices[p].count();
+    }
+  }
+  return run;
 }
 
 std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run) const {
@@ -343,7 +340,13 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
                       std::filesystem::exists(file) ? "the file cannot be read" : "there is no such file");
     return {};
   }
-  const std::optional<JsonNode> document = parse_json(*text, start, false, diagnostics);
+  return load_study_text(file, *text, registry, diagnostics);
+}
+
+Study load_study_text(const std::filesystem::path& file, std::string_view text,
+                      const engine::Registry& registry, Diagnostics& diagnostics) {
+  const Where start{diagnostics.files()->add(file.string()), 0};
+  const std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
   return document ? StudyReader(file, registry).read(*document, diagnostics) : Study{};
 }
 

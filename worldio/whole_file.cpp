@@ -11,9 +11,12 @@
 namespace troupe::worldio {
 
 void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
+  // A device or a pipe is written into: a rename would put a plain file in its place, for every program.
+  std::error_code ignored;
+  const bool is_special = std::filesystem::is_other(file, ignored);
   // The process id keeps two programs that write one name out of each other's way.
   std::filesystem::path partial = file;
-  partial += fmt::format(".{}.partial", getpid());
+  if (!is_special) partial += fmt::format(".{}.partial", getpid());
   const auto failed = [&] { return std::system_error(errno, std::generic_category()); };
 
   std::FILE* const out = std::fopen(partial.c_str(), "wb");
@@ -25,9 +28,10 @@ void write_whole(const std::filesystem::path& file, std::initializer_list<std::s
   const int write_error = errno;
   const bool closed = std::fclose(out) == 0;
   if (!written) errno = write_error;
-  if (!written || !closed || std::rename(partial.c_str(), file.c_str()) != 0) {
+  const bool renamed = is_special || (written && closed && std::rename(partial.c_str(), file.c_str()) == 0);
+  if (!written || !closed || !renamed) {
     const int reason = errno;
-    std::remove(partial.c_str());
+    if (!is_special) std::remove(partial.c_str());
     throw std::system_error(reason, std::generic_category());
   }
 }

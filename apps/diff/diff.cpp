@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -113,9 +112,7 @@ CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
 ExitCode diff(const DiffOptions& options) {
   try {
     const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
-    const ExitCode code = recordings ? diff_recordings(options) : diff_hash_logs(options);
-    if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
-    return code;
+    return recordings ? diff_recordings(options) : diff_hash_logs(options);
   } catch (const InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;

@@ -20,7 +20,6 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -135,7 +134,6 @@ ExitCode info(const InfoOptions& options) {
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   return k_finished;
 }
 

@@ -6,7 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 
 namespace troupe::apps {
@@ -14,11 +17,25 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};
 
+/// A world says which file a run writes: of those in or below the working folder alone, so that running a world
+/// of unknown origin creates or (with --force) replaces nothing elsewhere.
+void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
+  const std::filesystem::path file = record.file;
+  if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
+  Diagnostics diagnostics(simulation.world().spec().files);
+  diagnostics.error(record.where, fmt::format("/record/file: must be a file in or below the working folder (no leading "
+                                              "\"/\", no \"..\"), found \"{}\"; --record FILE.h5 records anywhere",
+                                              record.file));
+  diagnostics.throw_if_errors();
+}
+
 }  // namespace
 
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation) {
   const auto& record = simulation.world().spec().record;
-  return options.record.empty() && record ? std::filesystem::path(record->file) : options.record;
+  if (!options.record.empty() || !record) return options.record;
+  refuse_outside(*record, simulation);
+  return record->file;
 }
 
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation) {

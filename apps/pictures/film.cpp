@@ -80,7 +80,7 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
                   "yuv420p",
                   "-movflags",
                   "+faststart",
-                  partial_.string()});
+                  "file:" + partial_.string()});  // "http:film.mp4" is a name here, not a protocol of ffmpeg
 }
 
 Ffmpeg::~Ffmpeg() {

@@ -18,7 +18,9 @@ namespace {
 constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;
 constexpr double k_most_seconds = 1e9;
+constexpr double k_least_fps = 0.001;  // ffmpeg takes no rate below a millionth
 constexpr double k_most_fps = 1000;
+constexpr double k_least_speed = 0.001;  // slower still, a second of the world would be days of film
 constexpr double k_most_speed = 1e6;
 constexpr const char* k_number_mark = "%06d";
 
@@ -130,11 +132,17 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
           refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
       });
   add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
-    pictures.fps = number_within("--fps", text, k_most_fps, "pictures a second");
+    const std::optional<double> fps = finite(text);
+    if (!fps || *fps < k_least_fps || *fps > k_most_fps)
+      refuse("--fps", text, fmt::format("pictures a second, {:g} to {:g}", k_least_fps, k_most_fps));
+    pictures.fps = *fps;
   })->needs(film);
   add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
             [&pictures](const std::string& text) {
-              pictures.film_speed = number_within("--film-speed", text, k_most_speed, "times real time");
+              const std::optional<double> speed = finite(text);
+              if (!speed || *speed < k_least_speed || *speed > k_most_speed)
+                refuse("--film-speed", text, fmt::format("times real time, {:g} to {:g}", k_least_speed, k_most_speed));
+              pictures.film_speed = *speed;
             })
       ->needs(film);
 }

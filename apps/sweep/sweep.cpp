@@ -122,7 +122,7 @@ double end_of(const Study& study, const Simulation& simulation) {
 
 /// Makes a run; nothing where it was stopped on the way.
 std::optional<SweepOutcome> make(const Study& study, std::size_t index, const SweepOptions& options) {
-  Simulation simulation(study.world, options_of(study, study.runs[index], options));
+  Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
   Statistics statistics(measures.columns().size());
   const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
@@ -148,7 +148,7 @@ std::optional<SweepOutcome> make(const Study& study, std::size_t index, const Sw
 /// what says which study it is, and of which world (its images too), wherever they lie; and the columns of
 /// the measures.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
-  Simulation simulation(study.world, options_of(study, study.runs.front(), options));
+  Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
   end_of(study, simulation);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
@@ -192,7 +192,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
   std::exception_ptr fault;  // that ends all
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
-  Count count(study.runs.size() - runs.size(), study.runs.size(), !options.quiet);
+  Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
   const auto work = [&] {
     while (!stop_requested()) {
       const std::size_t i = next++;
@@ -234,10 +234,11 @@ void print_runs(const Study& study) {
   fmt::print("run");
   for (const Study::Parameter& parameter : study.parameters) fmt::print(",{}", parameter.name);
   fmt::print(",seed\n");
-  for (std::size_t r = 0; r < study.runs.size(); ++r) {
+  for (std::size_t r = 0; r < study.run_count(); ++r) {
+    const Study::Run run = study.run(r);
     fmt::print("{}", r);
-    for (const std::string& value : study.runs[r].values) fmt::print(",{}", value);
-    fmt::print(",{}\n", study.runs[r].seed ? fmt::format("{}", *study.runs[r].seed) : "world's");
+    for (const std::string& value : run.values) fmt::print(",{}", value);
+    fmt::print(",{}\n", run.seed ? fmt::format("{}", *run.seed) : "world's");
   }
 }
 
@@ -254,28 +255,36 @@ ExitCode sweep_checked(const SweepOptions& options) {
     throw InputError("troupe sweep: error: -o DIR is required: the folder for the runs and the table");
   const auto [identity, measures] = identify(study, options);
   check_folder(options.folder);
+  const fs::path csv = options.folder / "table.csv";
+  const fs::path hdf5 = options.folder / "table.h5";
+  if (fs::exists(options.folder)) check_outputs({}, {csv, hdf5});
   stop_on_signals();
   fs::create_directories(options.folder);
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
   const auto done = read_journals(options.folder, identity);
   std::vector<std::size_t> runs;
-  for (std::size_t r = options.part - 1; r < study.runs.size(); r += options.parts)
+  for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
     if (!done.contains(r)) runs.push_back(r);
 
   SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
   table.failed = make_all(study, runs, options, journal);
   for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   table.outcomes = read_journals(options.folder, identity);
-  const std::size_t left = study.runs.size() - table.outcomes.size() - table.failed.size();
+  const std::size_t left = study.run_count() - table.outcomes.size() - table.failed.size();
   if (left == 0) {
-    write_csv(table, options.folder / "table.csv");
-    if (worldio::has_hdf5()) write_hdf5(table, options.folder / "table.h5");
+    try {
+      write_csv(table, csv);
+      if (worldio::has_hdf5()) write_hdf5(table, hdf5);
+    } catch (const OutputError& error) {  // not bad usage any more: the runs are made and noted
+      fmt::print(stderr, "{}\n", error.what());
+      return k_failed;
+    }
   }
   if (!options.quiet) {
-    fmt::print("{} of {} runs done", table.outcomes.size(), study.runs.size());
+    fmt::print("{} of {} runs done", table.outcomes.size(), study.run_count());
     if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
     if (left == 0)
-      fmt::print(": {}\n", (options.folder / "table.csv").string());
+      fmt::print(": {}\n", csv.string());
     else
       fmt::print("; the table follows when all are\n");
   }
@@ -294,7 +303,10 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
       ->option_text(" ")
       ->required();
   add_value(*command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
-            [&options](const std::string& text) { options.folder = text; });
+            [&options](const std::string& text) {
+              if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
+              options.folder = text;
+            });
   add_value(*command, "--threads", "N", "Runs at once (default: one for each processor it may use)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
   add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on",
@@ -303,8 +315,9 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
               const auto part = number<std::size_t>(text.substr(0, slash));
               const auto parts =
                   slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
-              if (!part || !parts || *part < 1 || *part > *parts)
-                refuse("--part", text, "a part of several, from 1/N to N/N");
+              if (!part || !parts || *part < 1 || *part > *parts || *parts > worldio::k_most_runs)
+                refuse("--part", text, fmt::format("a part of several, from 1/N to N/N, N at most {}",
+                                                   worldio::k_most_runs));
               options.part = *part;
               options.parts = *parts;
             });

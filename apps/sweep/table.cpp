@@ -42,30 +42,34 @@ std::string plain(const std::string& json) {
   return quoted ? json.substr(1, json.size() - 2) : json;
 }
 
-Column parameter_column(const worldio::Study& study, std::size_t p) {
+/// Of a parameter's JSON texts, one a run: numbers where all are.
+Column parameter_column(const std::string& name, const Texts& values) {
   Numbers numbers;
   Texts texts;
-  for (const worldio::Study::Run& run : study.runs) {
-    texts.push_back(plain(run.values[p]));
-    if (const auto number = number_of(run.values[p])) numbers.push_back(*number);
+  for (const std::string& value : values) {
+    texts.push_back(plain(value));
+    if (const auto number = number_of(value)) numbers.push_back(*number);
   }
-  if (numbers.size() == texts.size()) return {study.parameters[p].name, std::move(numbers)};
-  return {study.parameters[p].name, std::move(texts)};
+  if (numbers.size() == texts.size()) return {name, std::move(numbers)};
+  return {name, std::move(texts)};
 }
 
 std::vector<Column> columns_of(const SweepTable& table) {
   constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
-  const std::size_t runs = table.study.runs.size();
+  const std::size_t runs = table.study.run_count();
   Counts index, seeds, ticks;
   Numbers times;
   Texts conditions, hashes, errors;
+  std::vector<Texts> values(table.study.parameters.size());
   std::vector<Numbers> measures(table.measures.size());
   for (std::size_t r = 0; r < runs; ++r) {
+    const worldio::Study::Run run = table.study.run(r);
+    for (std::size_t p = 0; p < values.size(); ++p) values[p].push_back(run.values[p]);
     const auto found = table.outcomes.find(r);
     const auto failed = table.failed.find(r);
     const bool is_there = found != table.outcomes.end();
     index.push_back(r);
-    seeds.push_back(is_there ? found->second.seed : table.study.runs[r].seed.value_or(0));
+    seeds.push_back(is_there ? found->second.seed : run.seed.value_or(0));
     ticks.push_back(is_there ? found->second.ticks : 0);
     times.push_back(is_there ? found->second.time_s : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");
@@ -76,7 +80,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
   }
   std::vector<Column> columns{{"run", std::move(index)}};
   for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
-    columns.push_back(parameter_column(table.study, p));
+    columns.push_back(parameter_column(table.study.parameters[p].name, values[p]));
   columns.push_back({"seed", std::move(seeds)});
   columns.push_back({"ticks", std::move(ticks)});
   columns.push_back({"time_s", std::move(times)});
@@ -122,7 +126,7 @@ void write_csv(const SweepTable& table, const fs::path& file) {
   for (const Column& column : columns)
     text += fmt::format("{}{}", text.empty() ? "" : ",", csv_cell(column.name));
   text += '\n';
-  for (std::size_t row = 0; row < table.study.runs.size(); ++row)
+  for (std::size_t row = 0; row < table.study.run_count(); ++row)
     for (const Column& column : columns)
       text += fmt::format("{}{}", cell_of(column, row), &column == &columns.back() ? '\n' : ',');
   write_file(file, text);

@@ -13,6 +13,7 @@
 #include "worldio/replay_data.hpp"
 #include "worldio/ros_map.hpp"
 #include "worldio/sealed_file.hpp"
+#include "worldio/study.hpp"
 
 #include <unistd.h>
 #include <zlib.h>
@@ -34,6 +35,9 @@ namespace {
 
 // What worlds include and draw stands beside them: tests/fuzz/files.
 const std::filesystem::path k_folder = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
+
+constexpr int k_ticks = 5;
+constexpr double k_most_bodies = 200;
 
 const engine::Registry& registry() {
   static const engine::Registry all = make_registry();
@@ -77,7 +81,7 @@ bool is_small(const engine::WorldSpec& spec) {
         readings += rays_of(kind->params, device.params);
     if (vertices > 5000 || readings > 5000) return false;
   }
-  return spec.bodies.size() <= 200;
+  return static_cast<double>(spec.bodies.size()) <= k_most_bodies;
 }
 
 /// What was read can be written, or is told why not; the writer itself sees to it that it reads back.
@@ -94,13 +98,20 @@ bool tells_of_a_throw(const std::exception& error) {
   return text.find(" threw: ") != text.npos || text.find(" threw an exception") != text.npos;
 }
 
+/// Several: what was decided in one moves bodies in the next, and what an experiment does comes later still.
+void make_ticks(engine::World& world) {
+  for (int tick = 0; tick < k_ticks; ++tick) world.step();
+  world.hashes();
+}
+
 void run(engine::WorldSpec spec, Diagnostics& diagnostics) {
   if (!is_small(spec)) return;
   spec.ranging = engine::RangingEngine::exact;  // the grid may take 2 GiB, by design
   try {
+    const std::size_t bodies = spec.bodies.size();
     engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
-    world.step();
-    world.hashes();
+    for (std::uint32_t body = 0; body < bodies; ++body) world.subscribe(BodyId(body));
+    make_ticks(world);
   } catch (const InputError& error) {
     check(!tells_of_a_throw(error));
   } catch (const engine::StepError& error) {
@@ -114,7 +125,7 @@ void read(Load load) {
     Diagnostics diagnostics(thorough);
     worldio::LoadOptions options;
     options.threads = 1;
-    options.most_bodies = 200;
+    options.most_bodies = k_most_bodies;
     try {
       engine::WorldSpec spec = load(options, diagnostics);
       if (diagnostics.has_errors()) continue;
@@ -235,8 +246,7 @@ void read_checkpoint(std::string_view text) {
       spec.ranging = engine::RangingEngine::exact;
       engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
       checkpoint.restore(world);
-      world.step();
-      world.hashes();
+      make_ticks(world);
     }
   } catch (const InputError& error) {
     check(!tells_of_a_throw(error));
@@ -245,6 +255,34 @@ void read_checkpoint(std::string_view text) {
   }
   std::filesystem::remove(content);
   std::filesystem::remove(file);
+}
+
+void read_study(std::string_view text) {
+  Diagnostics diagnostics;
+  worldio::Study study;
+  try {
+    study = worldio::load_study_text(k_folder / "study.json", text, registry(), diagnostics);
+  } catch (const InputError&) {
+    check(diagnostics.has_errors());
+  }
+  if (diagnostics.has_errors()) return;
+  const std::size_t runs = study.run_count();
+  check(runs >= 1 && runs <= worldio::k_most_runs);
+  for (const std::size_t index : {std::size_t{0}, runs / 2, runs - 1}) {
+    worldio::LoadOptions options;
+    options.threads = 1;
+    options.most_bodies = k_most_bodies;
+    options.set = study.settings(study.run(index));
+    check(options.set.size() == study.parameters.size());
+    if (study.world != k_folder / "study_room.json") continue;
+    Diagnostics found;
+    try {
+      engine::WorldSpec spec = worldio::load_world(study.world, registry(), options, found);
+      if (!found.has_errors()) run(std::move(spec), found);
+    } catch (const InputError&) {
+      check(found.has_errors());
+    }
+  }
 }
 
 }  // namespace troupe::fuzz

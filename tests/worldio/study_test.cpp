@@ -4,6 +4,7 @@
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +38,8 @@ class StudyFile : public test::ScratchTest {
   }
   std::vector<std::vector<std::string>> values(const std::string& members) {
     std::vector<std::vector<std::string>> all;
-    for (const Study::Run& run : study(members).runs) all.push_back(run.values);
+    const Study read = study(members);
+    for (std::size_t r = 0; r < read.run_count(); ++r) all.push_back(read.run(r).values);
     EXPECT_THAT(findings(diagnostics_), IsEmpty());
     return all;
   }
@@ -49,9 +51,9 @@ class StudyFile : public test::ScratchTest {
 TEST_F(StudyFile, WithoutParametersIsOneRunOfTheWorldBesideIt) {
   const Study one = study("");
   EXPECT_EQ(one.world, file_.parent_path() / "w/hall.json");
-  ASSERT_THAT(one.runs, SizeIs(1));
-  EXPECT_THAT(one.runs[0].values, IsEmpty());
-  EXPECT_FALSE(one.runs[0].seed || one.for_s);
+  ASSERT_EQ(one.run_count(), 1u);
+  EXPECT_THAT(one.run(0).values, IsEmpty());
+  EXPECT_FALSE(one.run(0).seed || one.for_s);
   EXPECT_THAT(one.statistics, ElementsAre(Statistic::last));
   EXPECT_EQ(one.measure_every_s, 1);
 }
@@ -61,15 +63,15 @@ TEST_F(StudyFile, AGridIsAllCombinationsTheFirstSlowestAndSeedsFastest) {
     {"set": "/a/0/b", "values": [1, "two", {"x": [3]}]}, {"set": "/c", "name": "gain", "from": 0, "to": 1, "steps": 3}],
     "seeds": [7, 5])");
   EXPECT_EQ(grid.for_s, 0.5);
-  ASSERT_THAT(grid.runs, SizeIs(3 * 3 * 2));
-  EXPECT_THAT(grid.runs[0].values, ElementsAre("1", "0"));
-  EXPECT_EQ(grid.runs[0].seed, 7u);
-  EXPECT_EQ(grid.runs[1].seed, 5u);
-  EXPECT_THAT(grid.runs[2].values, ElementsAre("1", "0.5"));
-  EXPECT_THAT(grid.runs[17].values, ElementsAre("{\"x\": [3]}", "1"));
+  ASSERT_EQ(grid.run_count(), 3u * 3 * 2);
+  EXPECT_THAT(grid.run(0).values, ElementsAre("1", "0"));
+  EXPECT_EQ(grid.run(0).seed, 7u);
+  EXPECT_EQ(grid.run(1).seed, 5u);
+  EXPECT_THAT(grid.run(2).values, ElementsAre("1", "0.5"));
+  EXPECT_THAT(grid.run(17).values, ElementsAre("{\"x\": [3]}", "1"));
   EXPECT_EQ(grid.parameters[0].name, "a.0.b");
   EXPECT_EQ(grid.parameters[1].name, "gain");
-  EXPECT_THAT(grid.settings(grid.runs[7]),
+  EXPECT_THAT(grid.settings(grid.run(7)),
               ElementsAre(testing::Pair("/a/0/b", "\"two\""), testing::Pair("/c", "0")));
 }
 
@@ -115,6 +117,29 @@ TEST_F(StudyFile, SamplesOfOneParameterDependNeitherOnTheOthersNorOnTheirNumber)
       alone,
       column(values(R"("samples": 3, "random_seed": 2, "parameters": [{"set": "/u", "uniform": [0, 1]}])"),
              0));
+}
+
+// A few kilobytes that ask for a million runs of 300 parameters, two of whose values are long: kept, they would
+// take 100 GB.
+TEST_F(StudyFile, RunsAreMadeOnDemand) {
+  std::string parameters;
+  for (int p = 0; p < 300; ++p)
+    parameters += fmt::format("{{\"set\": \"/p{}\", \"from\": 0, \"to\": 1, \"steps\": 1000000}},", p);
+  parameters += fmt::format("{{\"set\": \"/long\", \"values\": [\"{}\"]}}", std::string(8000, 'x'));
+  const Study large = study(fmt::format("\"samples\": 1000000, \"parameters\": [{}]", parameters));
+  EXPECT_THAT(findings(diagnostics_), IsEmpty());
+  ASSERT_EQ(large.run_count(), 1000000u);
+  EXPECT_THAT(large.run(999999).values, SizeIs(301));
+  EXPECT_NE(large.run(0).values, large.run(999999).values);
+}
+
+TEST_F(StudyFile, ValuesAreFiniteOrAnError) {
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "from": -1e308, "to": 1e308, "steps": 3}])"),
+              ElementsAre(HasSubstr("further apart")));
+  EXPECT_THAT(wrong(R"("samples": 1, "parameters": [{"set": "/x", "uniform": [-1e308, 1e308]}])"),
+              ElementsAre(HasSubstr("further apart")));
+  const auto drawn = values(R"("samples": 50, "parameters": [{"set": "/x", "log_uniform": [1e308, 1.7976931348623157e308]}])");
+  for (const auto& row : drawn) EXPECT_LE(std::stod(row[0]), 1.7976931348623157e308);
 }
 
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {

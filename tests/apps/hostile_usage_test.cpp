@@ -1,0 +1,158 @@
+// Command lines as somebody writes them who wants to break the program, or by accident.
+
+#include "tests/apps/program.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace troupe::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class HostileUsage : public ProgramTest {
+ protected:
+  HostileUsage() { write("room.world", k_room); }
+
+  /// The exit code of a shell that runs `troupe ARGUMENTS REDIRECTIONS` in the folder.
+  int shell(const std::string& command) const {
+    const std::string line = "cd '" + path("").string() + "' && '" TROUPE_PROGRAM "' " + command;
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  std::string study(const std::string& name) {
+    write(name, R"({"troupe_study": 1, "world": "room.world", "for_s": 0.2, "seeds": [1, 2], "measures": ["stalls"]})");
+    return name;
+  }
+};
+
+TEST_F(HostileUsage, ASecondCommandIsNotIgnored) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"lint", "room.world", "info", "room.world"},
+        std::vector<std::string>{"manual", "describe", "ranger"}, std::vector<std::string>{"manual", "manual"},
+        std::vector<std::string>{"info", "room.world", "info"}}) {
+    const Outcome outcome = troupe(words);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, HasSubstr("one argument too many: "));
+  }
+}
+
+TEST_F(HostileUsage, LostOutputIsAFailure) {
+  study("study.json");
+  for (const char* command : {"--help", "--version", "describe", "describe ranger", "describe --schema", "completion bash",
+                              "manual", "run --help", "sweep study.json --list", "sweep study.json -o results",
+                              "lint room.world", "info room.world", "check room.world --for 0.1 --threads 1",
+                              "run room.world --for 0.1"}) {
+    EXPECT_EQ(shell(command + std::string(" >/dev/full 2>err.txt")), 1) << command;
+    EXPECT_EQ(read("err.txt").substr(0, 15), "troupe: error: ") << command << read("err.txt");
+    EXPECT_EQ(shell(command + std::string(" >&- 2>err.txt")), 1) << command;
+  }
+  EXPECT_EQ(shell("run room.world --for 0.1 --quiet >/dev/full"), 0);  // prints nothing
+}
+
+// The first file that is opened gets the number of a stream that was closed: without care, its summary too.
+TEST_F(HostileUsage, ClosedStreamsDoNotEndInOutputs) {
+  ASSERT_EQ(shell("run room.world --for 0.3 --threads 1 --hash-log right.log --quiet"), 0);
+  EXPECT_EQ(shell("run room.world --for 0.3 --threads 1 --hash-log out.log >&- 2>/dev/null"), 1);
+  EXPECT_EQ(read("out.log"), read("right.log"));
+  write("warned.world", std::string(k_room) + "model( nonsense 1 pose [3 3 0 0] size [0.1 0.1 0.1] )\n");
+  ASSERT_EQ(shell("run warned.world --for 0.3 --threads 1 --hash-log right.log --quiet 2>/dev/null"), 0);
+  shell("run warned.world --for 0.3 --threads 1 --hash-log err.log --quiet 2>&-");
+  EXPECT_EQ(read("err.log"), read("right.log"));
+}
+
+TEST_F(HostileUsage, DevicesAreWrittenIntoAndNotReplaced) {
+  ASSERT_EQ(shell("run room.world --for 0.3 --record run.h5 --quiet"), 0);
+  ASSERT_EQ(mkfifo(path("pipe.html").c_str(), 0600), 0);
+  EXPECT_EQ(shell("replay run.h5 -o pipe.html --force >/dev/null & cat pipe.html >page.html; wait $!"), 0);
+  EXPECT_THAT(read("page.html"), HasSubstr("</html>"));
+  EXPECT_TRUE(fs::is_fifo(path("pipe.html")));
+  ASSERT_EQ(symlink("/dev/full", path("full.html").c_str()), 0);
+  EXPECT_EQ(shell("replay run.h5 -o full.html --force 2>/dev/null"), 1);
+  EXPECT_TRUE(fs::is_symlink(path("full.html")));
+  EXPECT_TRUE(fs::is_character_file(path("full.html")));
+}
+
+// A world of unknown origin records nowhere but in or below the working folder.
+TEST_F(HostileUsage, WorldsRecordBelowTheWorkingFolder) {
+  const fs::path elsewhere = path("elsewhere");
+  fs::create_directory(elsewhere);
+  fs::create_directory(path("inside"));
+  const auto world = [](const std::string& file) {
+    nlohmann::json json = nlohmann::json::parse(R"({"troupe": 1, "quit_time_s": 0.3, "types": {"box": {"size_m": [1, 1, 1]}},
+      "models": [{"name": "b", "type": "box"}]})");
+    json["record"]["file"] = file;
+    return json.dump();
+  };
+  for (const std::string& file : {(elsewhere / "run.h5").string(), std::string("../run.h5"), std::string("inside/../../run.h5")}) {
+    write("world.json", world(file));
+    const Outcome outcome = troupe({"run", "world.json", "--force"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("world.json:1: error: /record/file: must be a file in or below the working folder"));
+  }
+  EXPECT_TRUE(fs::is_empty(elsewhere));
+  EXPECT_FALSE(fs::exists(path("").parent_path().parent_path() / "run.h5"));
+  write("world.json", world("inside/run.h5"));
+  EXPECT_EQ(troupe({"run", "world.json"}).code, 0);
+  EXPECT_TRUE(fs::exists(path("inside/run.h5")));
+  // The saved world of a checkpoint says the same; the command line may name any file.
+  write("world.json", world("/nowhere/run.h5"));
+  EXPECT_EQ(troupe({"run", "world.json", "--record", "a.h5", "--checkpoint", "c.h5"}).code, 0);
+  const Outcome resumed = troupe({"resume", "c.h5", "--for", "0.5"});
+  EXPECT_EQ(resumed.code, 2);
+  EXPECT_THAT(resumed.err, HasSubstr("error: /record/file: must be a file in or below"));
+}
+
+TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
+  study("study.json");
+  fs::create_directories(path("out/table.csv"));
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("out/table.csv: error: cannot be written: it is a folder"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1);
+  for (const char* folder : {"", "--list"}) {
+    const Outcome refused = troupe({"sweep", "study.json", "-o", folder});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("is not the name of a folder"));
+  }
+  // Run 1, and run 0 once more where the sum wraps around.
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "o2", "--part", "2/18446744073709551615"}).err,
+              HasSubstr("is not a part of several, from 1/N to N/N, N at most 1000000"));
+  EXPECT_FALSE(fs::exists(path("o2")));
+}
+
+TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
+  for (const auto& [option, value] : {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {
+    const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--film", "f%06d.png", option, value});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("0.001 to "));
+  }
+  EXPECT_THAT(files(), ElementsAre("room.world"));
+}
+
+// ffmpeg takes names with a colon for protocols: it would open a connection, and write elsewhere.
+TEST_F(HostileUsage, NamesOfFilmsAreNamesOfFiles) {
+  if (shell("--version >/dev/null; command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  ASSERT_EQ(shell("run room.world --for 0.3 --record run.h5 --quiet"), 0);
+  for (const char* film : {"file:b.mp4", "http:x.mp4", "a:b.mp4"}) {
+    const Outcome outcome = troupe({"render", "run.h5", "--film", film, "--size", "64x64"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(fs::exists(path(film))) << film;
+  }
+  EXPECT_EQ(files().size(), 5u);  // the world, the recording and three films
+}
+
+}  // namespace
+}  // namespace troupe::apps

@@ -1,0 +1,196 @@
+#include "apps/command_line.hpp"
+#include "tests/fuzz/targets.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double k_wall_s = 0.2;
+constexpr double k_for_s = 0.3;
+constexpr std::size_t k_most_robots = 30;
+constexpr std::size_t k_most_arguments = 40;
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Whatever lies below a folder, with the files' content.
+using Tree = std::map<std::string, std::optional<std::string>>;
+
+int run_program(const std::vector<std::string>& arguments,
+                const std::function<void(apps::CommandOptions&)>& limit) {
+  std::vector<const char*> argv{"troupe"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  return apps::run_command_line(static_cast<int>(argv.size()), argv.data(), limit);
+}
+
+/// The folder in which every command line is run, made once a process and removed at its end. While it is
+/// entered, it is the working folder.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "troupe-fuzz-command-XXXXXX").string();
+    if (!mkdtemp(name.data())) std::abort();
+    folder_ = name;
+    enter();
+    const fs::path files = fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
+    for (const char* file : {"study_room.json", "room.world", "gate.pgm"}) fs::copy_file(files / file, file);
+    fs::rename("study_room.json", "room.json");
+    std::ofstream("study.json") << R"({"troupe_study": 1, "world": "room.json", "for_s": 0.2, "seeds": [1, 2],
+      "parameters": [{"set": "/populations/0/count", "values": [2, 3]}], "measures": ["stalls"]})";
+    std::vector<std::string> run{"run", "room.json", "--for", "0.5", "--threads", "1", "--hash-log", "a.log",
+                                 "--measures", "m.csv", "--events", "e.csv", "--profile", "p.json"};
+    if (worldio::has_hdf5())
+      for (const char* more : {"--record", "run.h5", "--checkpoint", "c.h5"}) run.emplace_back(more);
+    if (run_program(run, nullptr) != 0) std::abort();
+    fs::copy_file("a.log", "b.log");
+    fs::create_directory("folder");
+    before_ = tree();
+    leave();
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  void enter() {
+    outside_ = fs::current_path();
+    fs::current_path(folder_);
+  }
+  void leave() const { fs::current_path(outside_); }
+
+  bool is_unchanged() const { return tree() == before_; }
+  bool has_partial() const {
+    return std::ranges::any_of(tree(), [](const auto& entry) {
+      return entry.first.find(".partial") != std::string::npos;
+    });
+  }
+  /// As it was before.
+  void restore() const {
+    for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path());
+    for (const auto& [name, text] : before_) {
+      if (text)
+        std::ofstream(folder_ / name, std::ios::binary) << *text;
+      else
+        fs::create_directory(folder_ / name);
+    }
+  }
+
+ private:
+  Tree tree() const {
+    Tree all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_))
+      all.emplace(entry.path().lexically_relative(folder_).string(),
+                  entry.is_directory() ? std::nullopt : std::optional(content(entry.path())));
+    return all;
+  }
+
+  fs::path folder_;
+  fs::path outside_;
+  Tree before_;
+};
+
+/// Whether an argument may name a file outside the working folder, whatever it turns out to be the value of.
+/// The slashes of `--set=/a/b=` and `--part=1/2` cannot: as names of files these are relative.
+bool may_leave_folder(const std::string& argument) {
+  if (argument.find("..") != argument.npos) return true;
+  if (argument.starts_with("--part=")) return false;
+  if (!argument.starts_with("--set=")) return argument.find('/') != argument.npos;
+  // A world can name the file that it is recorded in: neither a slash nor an escaped one in the value.
+  const std::size_t equals = argument.find('=', std::string_view("--set=").size());
+  return equals != argument.npos && argument.find_first_of("/\\", equals) != argument.npos;
+}
+
+/// Whether a value that is set could make a world large: more than three digits in a row, or an exponent.
+bool may_be_large(const std::string& value) {
+  std::size_t digits = 0;
+  for (const char c : value) {
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (digits > 0 && (c == 'e' || c == 'E')) return true;
+    digits = is_digit ? digits + 1 : 0;
+    if (digits > 3) return true;
+  }
+  return false;
+}
+
+void limit_world(apps::WorldOptions& options) {
+  SimulationOptions& simulation = options.simulation;
+  simulation.threads = std::clamp(simulation.threads, 1u, 2u);
+  for (auto& [population, count] : simulation.robots) count = std::min(count, k_most_robots);
+  std::erase_if(simulation.set, [](const auto& set) { return may_be_large(set.second); });
+}
+
+void limit_run(apps::RunOptions& options) {
+  limit_world(options);
+  options.wall_limit_s = std::min(options.wall_limit_s.value_or(k_wall_s), k_wall_s);
+  if (options.rate > 0) options.rate = std::max(options.rate, 10.0);
+  if (options.worlds.size() > 3) options.worlds.resize(3);
+}
+
+/// Short runs, small worlds, and few threads.
+void limit(apps::CommandOptions& options) {
+  limit_run(options.run);
+  limit_run(options.resume);
+  apps::CheckOptions& check = options.check;
+  limit_world(check);
+  check.for_s = std::min(check.for_s.value_or(k_for_s), k_for_s);
+  std::erase_if(check.simulation.set, [](const auto& set) { return set.first.starts_with("/tick"); });
+  if (check.threads.size() > 2) check.threads.resize(2);
+  for (unsigned& threads : check.threads) threads = std::min(threads, 3u);
+  if (check.tile_sizes_m.size() > 2) check.tile_sizes_m.resize(2);
+  options.sweep.runs_at_once = std::clamp(options.sweep.runs_at_once, 1u, 2u);
+}
+
+std::vector<std::string> arguments_of(std::string_view text) {
+  std::vector<std::string> arguments;
+  while (!text.empty() && arguments.size() < k_most_arguments) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string argument(text.substr(0, end));
+    argument.resize(std::min(argument.find('\0'), argument.size()));
+    if (!may_leave_folder(argument)) arguments.push_back(std::move(argument));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return arguments;
+}
+
+}  // namespace
+
+void run_command(std::string_view arguments) {
+  static Scratch scratch;
+  const auto on_interrupt = std::signal(SIGINT, SIG_DFL);
+  const auto on_terminate = std::signal(SIGTERM, SIG_DFL);
+  scratch.enter();
+  const int code = run_program(arguments_of(arguments), limit);
+  scratch.leave();
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_terminate);
+  if (code < 0 || code > 3) std::abort();
+  if (scratch.has_partial()) std::abort();
+  if (scratch.is_unchanged()) return;
+  if (code == 2) std::abort();
+  scratch.restore();
+}
+
+}  // namespace troupe::fuzz

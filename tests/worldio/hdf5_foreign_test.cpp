@@ -1,0 +1,95 @@
+// HDF5 can keep values in other files and read them by code of its own plug-ins. A file of unknown origin must be
+// able to do neither: it would read, and in a recording that goes on write, any file of the user.
+
+#include "tests/support/scratch.hpp"
+#include "worldio/hdf5_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#if __has_include(<hdf5.h>)
+#include <hdf5.h>
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace troupe::worldio {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ForeignHdf5 : public test::ScratchTest {
+ protected:
+  void SetUp() override {
+    std::ofstream(other_) << "eight by";
+    const hid_t file = H5Fcreate(file_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hsize_t extent = 1;
+    const hid_t space = H5Screate_simple(1, &extent, nullptr);
+
+    const hid_t external = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(external, other_.c_str(), 0, 8);
+    H5Dclose(H5Dcreate2(file, "external", H5T_STD_U64LE, space, H5P_DEFAULT, external, H5P_DEFAULT));
+    const hid_t text = H5Tcopy(H5T_C_S1);
+    H5Tset_size(text, 8);
+    H5Dclose(H5Dcreate2(file, "external_text", text, space, H5P_DEFAULT, external, H5P_DEFAULT));
+
+    const hid_t virtual_layout = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_virtual(virtual_layout, space, (folder_ / "other.h5").c_str(), "/x", space);
+    H5Dclose(H5Dcreate2(file, "virtual", H5T_STD_U64LE, space, H5P_DEFAULT, virtual_layout, H5P_DEFAULT));
+
+    // A filter of somebody else's number, optional so that the dataset can be made without it.
+    const hid_t filtered = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(filtered, 1, &extent);
+    H5Pset_filter(filtered, 32000, H5Z_FLAG_OPTIONAL, 0, nullptr);
+    H5Dclose(H5Dcreate2(file, "filtered", H5T_STD_U64LE, space, H5P_DEFAULT, filtered, H5P_DEFAULT));
+
+    const hid_t other = H5Fcreate((folder_ / "other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dclose(H5Dcreate2(other, "x", H5T_STD_U64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Gclose(H5Gcreate2(other, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Fclose(other);
+    H5Lcreate_external("other.h5", "/x", file, "linked", H5P_DEFAULT, H5P_DEFAULT);
+    H5Lcreate_external("other.h5", "/group", file, "linked_group", H5P_DEFAULT, H5P_DEFAULT);
+    for (const hid_t properties : {external, virtual_layout, filtered}) H5Pclose(properties);
+    H5Tclose(text);
+    H5Sclose(space);
+    H5Fclose(file);
+  }
+  template <class Call>
+  std::string error_of(Call&& call) {
+    try {
+      call(Hdf5File::open(file_));
+    } catch (const Hdf5Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  const std::filesystem::path other_ = folder_ / "other.txt";
+  const std::filesystem::path file_ = folder_ / "a.h5";
+};
+
+TEST_F(ForeignHdf5, ValuesInOtherFilesAreNotRead) {
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("external"); }),
+              HasSubstr("/external keeps its values in other files"));
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.read_texts("external_text"); }),
+              HasSubstr("/external_text keeps its values in other files"));
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("virtual"); }),
+              HasSubstr("/virtual keeps its values in other files"));
+}
+
+TEST_F(ForeignHdf5, PlugInsOfHdf5AreNotLoaded) {
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("filtered"); }),
+              HasSubstr("/filtered is compressed by filter 32000"));
+}
+
+TEST_F(ForeignHdf5, LinksEndInTheFile) {
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("linked"); }), HasSubstr("there is no dataset /linked"));
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.group("linked_group"); }),
+              HasSubstr("there is no group /linked_group"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio
+#endif
