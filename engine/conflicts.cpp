@@ -749,6 +749,8 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
   }
   rounds_ = settling.round() - base_ - 1;
   push_count_ = settling.push_count();
+  for (const Push& push : pushes())
+    longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
 }
 
 }  // namespace troupe::engine

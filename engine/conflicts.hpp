@@ -126,7 +126,7 @@ class Conflicts {
   }
   /// Rounds of the last settling: 1 where nobody had to wait.
   std::uint64_t rounds() const { return rounds_; }
-  /// No body moved farther in the last settling, m; but for what was pushed.
+  /// No body's origin went farther in the last settling, by itself or pushed, m.
   double longest() const { return longest_; }
   /// All pushes of the last settling, in any order; of one row perhaps several, of which one is_last.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }

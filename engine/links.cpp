@@ -322,7 +322,10 @@ void World::for_roots(Work&& work) {
 void World::settle_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
-  double reach = conflicts_.longest();  // the index still has all where they were
+  // The index still has each tree as a circle about where its origin was. To where it is now its origin went
+  // no farther than the longest motion or push; its radius has grown by what joints have moved in this tick
+  // and would move in this round. Turns change neither.
+  double reach = conflicts_.longest();
   for (std::size_t round = 0; round < links.rounds; ++round) {
     std::atomic<std::uint64_t> longest = 0;  // bits of a number that is not negative, ordered as it is
     for_roots([&](std::size_t c, std::uint32_t r) {

@@ -57,6 +57,7 @@ struct Beeclust {
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
   double speed, max_wait, half, meet, min_front;
+  double radio_heading = 0;  // rad, of the radio in the frame of its drive
   Scanner scanner;
   bool has_led = false;
 
@@ -68,6 +69,7 @@ struct Beeclust {
                                   std::string& fault) {
     DeviceChoice choice(devices, claimed);
     scanner = choice.take_ground_radio_scanner(4, fault);
+    if (fault.empty()) radio_heading = devices[choice.chosen()[k_radio]].pose.heading;
     has_led = fault.empty() && choice.take_kind("led");
     return choice.chosen();
   }
@@ -102,7 +104,7 @@ struct Beeclust {
   bool meets(const RadioPort& radio) const {
     for (std::size_t i = 0; i < radio.count(); ++i) {
       const RadioPort::Message other = radio[i];
-      if (other.range <= meet && std::abs(other.bearing) <= k_ahead) return true;
+      if (other.range <= meet && std::abs(wrap_angle(radio_heading + other.bearing)) <= k_ahead) return true;
     }
     return false;
   }

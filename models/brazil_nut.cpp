@@ -55,11 +55,12 @@ struct BrazilNut {
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
   double radius, speed, gain, taxis, noise, push, shake;
-  std::vector<SinCos> directions;  // of the light sensor
+  double radio_heading = 0;        // rad, of the radio in the frame of its drive
+  std::vector<SinCos> directions;  // of the light sensor, in that frame
 
   static BrazilNut make(const Record& p) {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(),
-            p[4].number(), p[5].number(), p[6].number(), {}};
+            p[4].number(), p[5].number(), p[6].number()};
   }
 
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
@@ -75,12 +76,14 @@ struct BrazilNut {
       fault = "needs a light sensor of three directions or more";
       return {};
     }
+    const double heading = devices[choice.chosen().front()].pose.heading;
     for (std::size_t k = 0; k < count; ++k)
-      directions.push_back(sincos(2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
+      directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
     if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
+    if (has_radio) radio_heading = devices[choice.chosen().back()].pose.heading;
     return choice.chosen();
   }
 
@@ -116,7 +119,7 @@ struct BrazilNut {
       if (!message.read(theirs)) continue;
       const double both = radius + std::max<double>(theirs, 0);
       if (message.range >= both) continue;
-      const SinCos way = sincos(message.bearing);
+      const SinCos way = sincos(radio_heading + message.bearing);
       sum -= push * (1 - message.range / both) * Vec2(way.cos, way.sin);
     }
     return sum;

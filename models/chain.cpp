@@ -85,6 +85,7 @@ struct Chain {
 
   bool is_nest, is_prey;
   double spacing, speed, min_front, joins, leaves;
+  double radio_heading = 0;  // rad, of the radio in the frame of its drive
   Scanner scanner;
   std::size_t led = 0;  // its place among the devices; 0: none
 
@@ -100,6 +101,7 @@ struct Chain {
       return device.kind == "radio" && payload_of(device.prepared) >= 2;
     });
     if (!has_radio) fault = "needs a radio with a payload of 2 bytes or more";
+    if (has_radio) radio_heading = devices[choice.chosen().front()].pose.heading;
     if (has_radio && !is_nest && !is_prey) {
       scanner = choice.take_scanner(4);
       if (!scanner.is_usable()) fault = choice.scanner_fault();
@@ -181,7 +183,7 @@ struct Chain {
   // ---- as an explorer
 
   /// The nearest that says this number, or, without one, the nearest of all but the prey.
-  static std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) {
+  std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) const {
     Post best;
     for (std::size_t i = 0; i < radio.count(); ++i) {
       const RadioPort::Message message = radio[i];
@@ -189,7 +191,7 @@ struct Chain {
       std::uint8_t path = 0;
       if (!message.read(number, path) || number == k_prey || message.range >= best.range) continue;
       if (wanted && number != *wanted) continue;
-      const SinCos way = sincos(message.bearing);
+      const SinCos way = sincos(radio_heading + message.bearing);
       best = {number, message.range, message.range * Vec2(way.cos, way.sin)};
     }
     return best.range < std::numeric_limits<double>::infinity() ? std::optional(best) : std::nullopt;

@@ -5,6 +5,7 @@
 #include "engine/world_spec.hpp"
 #include "models/device_choice.hpp"
 #include "models/evasion.hpp"
+#include "models/fiducial_readings.hpp"
 #include "models/gripper.hpp"
 #include "models/power.hpp"
 #include "partition/box_grid.hpp"
@@ -73,6 +74,7 @@ struct Collector {
   std::string sink;
   std::int32_t puck_mark = 1, charger_mark = 2;
   Scanner scanner;
+  FiducialReadings sights;  // of the finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
   partition::BoxGrid sinks_about;  // where pucks are delivered
@@ -125,6 +127,7 @@ std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, 
   else if (!choice.take_kind("gripper"))
     fault = "needs a gripper";
   if (!fault.empty()) return {};
+  sights = FiducialReadings(devices[choice.chosen()[k_finder]]);
   has_pack = choice.take_kind("power_pack");
   return choice.chosen();
 }
@@ -198,17 +201,10 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
 
 /// The nearest that does not lie at a sink.
 std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
-  constexpr std::size_t k_count = 0, k_id = 1, k_range = 3, k_bearing = 4, k_pose = 7;  // of finders
   const engine::Readings& seen = percept.devices[k_finder];
-  const std::span<const std::int32_t> ids = seen.field<std::int32_t>(k_id);
-  const std::size_t count = std::min<std::size_t>(seen.field<std::uint32_t>(k_count)[0], ids.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    if (ids[i] != puck_mark) continue;
-    const std::span<const double> pose = seen.field<double>(k_pose).subspan(4 * i, 4);
-    const Vec2 at(pose[0], pose[1]);
-    if (is_delivered(at)) continue;
-    return Puck{seen.field<float>(k_range)[i], seen.field<float>(k_bearing)[i]};
-  }
+  for (std::size_t i = 0; i < sights.count(seen); ++i)
+    if (sights.id(seen, i) == puck_mark && !is_delivered(sights.position(seen, i)))
+      return Puck{sights.range(seen, i), sights.bearing(seen, i)};
   return {};
 }
 

@@ -15,7 +15,8 @@ bool DeviceChoice::has_fan(const engine::DeviceInfo& device) {
 
 std::string DeviceChoice::scanner_fault() const {
   std::string fault = fmt::format(
-      "needs a scanner: a ranger with {} or more beams, in one transducer or several, one of them within 30 degrees of straight ahead",
+      "needs a scanner: a ranger with {} or more beams, in one transducer or several, one of them within 30 "
+      "degrees of straight ahead",
       k_least_samples);
   bool has_ranger = false;
   for (std::size_t d = 0; d < devices_.size(); ++d) {

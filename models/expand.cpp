@@ -51,6 +51,11 @@ const FieldTable& expand_fields() {
        .type = FieldType::boolean,
        .fallback = false,
        .text = "turn away from the vector sum: robots cluster instead of dispersing"},
+      {.name = "hold_on_axis",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "a vector sum that lies exactly on an axis changes nothing: the last command stays, as in Stage's "
+               "examples"},
   }};
   return table;
 }
@@ -66,10 +71,11 @@ struct Expand {
   std::vector<double> clearances;
   double cone;
   bool invert;
+  bool hold_on_axis;
   std::vector<Feeler> feelers;
 
   static Expand make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), {}};
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), p[6].boolean(), {}};
   }
 
   /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
@@ -99,13 +105,14 @@ struct Expand {
     }
     const std::vector<Beam> beams = beams_of(ranger);
     if (!can_point_ahead(beams))
-      fault = fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
-                          "sum of those of \"{}\" never points ahead",
-                          ranger.name);
+      fault = fmt::format(
+          "needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
+          "sum of those of \"{}\" never points ahead",
+          ranger.name);
     for (const Beam& beam : beams) {
-      const double demand = clearances.empty()                      ? clearance * beam.direction.cos
+      const double demand = clearances.empty()                    ? clearance * beam.direction.cos
                             : beam.transducer < clearances.size() ? clearances[beam.transducer]
-                                                                    : 0.0;
+                                                                  : 0.0;
       feelers.push_back({beam.reading, beam.direction, demand > 0 ? demand : -1.0});
     }
     return choice.chosen();
@@ -134,15 +141,17 @@ struct Expand {
           all_clear &= r > feeler.clearance;
         }
         // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
-        const bool is_even = sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
+        const bool is_even =
+            !hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
         x[i] = is_even ? 1 : invert ? -sum_x : sum_x;
         y[i] = is_even ? 0 : invert ? -sum_y : sum_y;
         clear[i] = all_clear;
       }
       for (std::size_t i = 0; i < count; ++i) {
+        if (hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
         // Straight before a wall nothing would ever turn it.
-        if (!clear[i] && !invert && std::abs(theta) < k_even) theta = k_turn_away;
+        if (!hold_on_axis && !invert && !clear[i] && std::abs(theta) < k_even) theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < cone ? speed : 0.0, 0.0, gain * theta};
       }
     }
@@ -162,7 +171,9 @@ engine::Registry::Preset expand_pioneer_preset() {
       .name = "expand_pioneer",
       .kind = "expand",
       .text = "expand for 16 sonars, as in Stage's cave benchmark",
-      .params = {{"speed", 0.2}, {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}}}};
+      .params = {{"speed", 0.2},
+                 {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}},
+                 {"hold_on_axis", true}}};
 }
 
 engine::Registry::Preset expand_swarm_preset() {
@@ -171,7 +182,8 @@ engine::Registry::Preset expand_swarm_preset() {
           .kind = "expand",
           .text = "expand for a ring of 12 infrared rangers, as in Stage's hospital benchmark",
           .params = {{"clearances",
-                      std::vector<double>{d, d / 1.5, d / 3, d / 5, 0, 0, 0, 0, 0, d / 5, d / 3, d / 1.5}}}};
+                      std::vector<double>{d, d / 1.5, d / 3, d / 5, 0, 0, 0, 0, 0, d / 5, d / 3, d / 1.5}},
+                     {"hold_on_axis", true}}};
 }
 
 }  // namespace troupe::models

@@ -72,7 +72,7 @@ struct Flocking {
     else if (!choice.take_kind("fiducial"))
       fault = "needs a fiducial finder";
     if (!fault.empty()) return {};
-    finder = FiducialReadings(devices[choice.chosen()[1]].prepared);
+    finder = FiducialReadings(devices[choice.chosen()[1]]);
     sonars = front_of(devices[choice.chosen()[0]]);
     return choice.chosen();
   }

@@ -141,7 +141,7 @@ std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, st
   if (choice.take_kind("power_pack")) pack = last();
   if (choice.take_kind("fiducial")) {
     finder = last();
-    sights = FiducialReadings(devices[choice.chosen().back()].prepared);
+    sights = FiducialReadings(devices[choice.chosen().back()]);
   }
   return choice.chosen();
 }

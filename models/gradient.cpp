@@ -83,7 +83,8 @@ struct Gradient {
     if (!choice.take_kind("radio")) fault = "needs a radio";
     if (!beacon) {
       scanner = choice.take_scanner(3);
-      // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say why.
+      // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say
+      // why.
       for (std::size_t d = 0; d < devices.size() && !scanner.is_usable() && fault.empty(); ++d)
         if (!claimed[d] && !devices[d].prepared.bearings.empty()) fault = choice.scanner_fault();
     }
@@ -156,8 +157,7 @@ struct Gradient {
       memory.avoid_updates = 0;
       return;
     }
-    const auto [obstruction, stop, left, right] =
-        scanner.look(ranges, min_front, k_stop_share * min_front);
+    const auto [obstruction, stop, left, right] = scanner.look(ranges, min_front, k_stop_share * min_front);
     if (!obstruction && memory.avoid_updates == 0) {
       command = {speed, 0, 0};
       return;

@@ -50,10 +50,11 @@ const FieldTable& flocking_fields() {
 
 struct RadioFlocking {
   double speed, distance, spacing_weight, gain, clearance;
+  double radio_heading = 0;  // rad, of the radio in the frame of its drive
   std::vector<Beam> beams;
 
   static RadioFlocking make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number(), {}};
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
   }
 
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
@@ -63,6 +64,7 @@ struct RadioFlocking {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
     if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
+    if (has_radio) radio_heading = devices[choice.chosen().front()].pose.heading;
     if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       beams = beams_of(devices[choice.chosen().back()]);
     return choice.chosen();
@@ -81,7 +83,7 @@ struct RadioFlocking {
       ++heard;
       const SinCos theirs = sincos(heading - own);
       headings += Vec2(theirs.cos, theirs.sin);
-      const SinCos way = sincos(message.bearing);
+      const SinCos way = sincos(radio_heading + message.bearing);
       const double near = distance / std::max<double>(message.range, k_least_range);
       spacing += std::clamp(1 - near * near, -k_repulsion, k_attraction) * Vec2(way.cos, way.sin);
     }

@@ -33,8 +33,8 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
     const bool is_middle = is_near(beam) && (!left_is_near || beam.bearing >= -tolerance);
     const bool is_ahead = (is_middle && least <= tolerance) ||
                           (beam.bearing > tolerance - window && beam.bearing <= window + tolerance);
-    beams_.push_back({static_cast<std::uint32_t>(beam.reading), is_ahead, !is_middle && beam.bearing > 0,
-                      is_middle});
+    beams_.push_back(
+        {static_cast<std::uint32_t>(beam.reading), is_ahead, !is_middle && beam.bearing > 0, is_middle});
     sees_ahead_ = sees_ahead_ || (is_ahead && least <= k_ahead + tolerance);
     if (!is_middle) continue;
     y_min = std::min(y_min, beam.origin.y());

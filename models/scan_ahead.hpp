@@ -23,8 +23,8 @@ struct ScanAhead {
   float right = std::numeric_limits<float>::infinity();  ///< to the right and straight ahead
 };
 
-/// How a controller looks ahead by a ranger: by the bearing of each beam, in whatever transducers and whatever
-/// order the ranger has them.
+/// How a controller looks ahead by a ranger: by the bearing of each beam, in whatever transducers and
+/// whatever order the ranger has them.
 ///
 /// window  With n beams over an angle of F in all (both ends included, so F / (n - 1) from beam to beam on
 ///         average) and a margin of n / `share` beams at either end: bearings b, -W < b <= W, where

@@ -56,8 +56,7 @@ struct Wander {
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
-    const auto [obstruction, stop, left, right] =
-        scanner.look(percept.ranges(0), min_front, stop_distance);
+    const auto [obstruction, stop, left, right] = scanner.look(percept.ranges(0), min_front, stop_distance);
     // Whatever was commanded from outside before, it is speeds from now on.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {

@@ -1,5 +1,5 @@
-// Controllers that read rangers, by where each beam looks: however its beams are shared out among transducers, in whatever
-// order and wherever the ranger is turned to, a robot does the same.
+// Controllers that read rangers, by where each beam looks: however its beams are shared out among
+// transducers, in whatever order and wherever the ranger is turned to, a robot does the same.
 
 #include "models/beams.hpp"
 
@@ -82,7 +82,8 @@ TEST(Scanner, OfAFanAheadItIsStagesLaw) {
         for (std::size_t near = 0; near < n; ++near) {
           std::vector<float> scan(n, 8.0f);
           scan[near] = 0.4f + 0.5f * static_cast<float>(random.uniform());
-          const std::string what = fmt::format("beam {} of {} over {} degrees, share {}", near, n, degrees, share);
+          const std::string what =
+              fmt::format("beam {} of {} over {} degrees, share {}", near, n, degrees, share);
           expect_equal(scanner.look(scan, 0.7, 0.6), by_stage(scan, share, 0.7, 0.6), what);
           EXPECT_EQ(scanner.straight_ahead(scan), scan[n / 2]) << what;
         }
@@ -198,7 +199,8 @@ Form singles(double degrees, int samples) {
   Form form{{}, {0, 0, 0.1, 0}};
   for (int i = 0; i < samples; ++i)
     form.transducers.push_back(
-        {.pose = {0, 0, 0, angle_of(radians(degrees), static_cast<std::size_t>(samples), static_cast<std::size_t>(i))},
+        {.pose = {0, 0, 0,
+                  angle_of(radians(degrees), static_cast<std::size_t>(samples), static_cast<std::size_t>(i))},
          .range_max = 1.5});
   return form;
 }
@@ -213,9 +215,10 @@ engine::DeviceSpec device(const std::string& kind,
   return {.name = kind, .kind = kind, .params = test::record(test::registry().device(kind)->params, values)};
 }
 
-/// Robots with a ranger and with all else that the controllers want. `crowd`: several in a yard with walls; else one in
-/// the open.
-SceneBuilder robots(const engine::ControllerSpec& controller, const Form& form, bool crowd) {
+/// Robots with a ranger and with all else that the controllers want. `crowd`: several in a yard with walls;
+/// else one in the open. `turned`: the heading of radio and finder on each robot, rad.
+SceneBuilder robots(const engine::ControllerSpec& controller, const Form& form, bool crowd,
+                    double turned = 0) {
   SceneBuilder scene;
   scene.spec.seed = 7;
   const engine::Returns unseen{.obstacle = false, .ranger = -1};
@@ -233,7 +236,8 @@ SceneBuilder robots(const engine::ControllerSpec& controller, const Form& form, 
   engine::DeviceSpec ranger = test::ranger("eyes", form.transducers);
   ranger.pose_body_sensor = form.pose_body_sensor;
   scene[type].devices = {ranger, device("ground"), device("radio", {{"range", 2.0}, {"payload", 4}}),
-                         device("fiducial"), device("flags")};
+                         device("fiducial", {{"fov", 2 * k_pi}}), device("flags")};
+  for (const std::size_t d : {2, 3}) scene[type].devices[d].pose_body_sensor = {0, 0, 0.1, turned};
   if (controller.kind == "collector") test::add_device(scene[type], "hand", "gripper", {0.2, 0, 0, 0});
   scene[type].controllers = {controller};
   for (int i = 0; i < (crowd ? 12 : 1); ++i)
@@ -263,15 +267,16 @@ void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 engine::ControllerSpec controller_of(const Kind& kind) {
   engine::ControllerSpec spec = test::controller(kind.name);
   const engine::FieldTable& table = test::registry().controller(kind.name)->params;
-  for (const auto& [name, value] : kind.params) spec.params.at(static_cast<std::size_t>(table.find(name))) = value;
+  for (const auto& [name, value] : kind.params)
+    spec.params.at(static_cast<std::size_t>(table.find(name))) = value;
   return spec;
 }
 
 class OfRanges : public ::testing::TestWithParam<Kind> {
  protected:
   /// Poses of all robots, tick by tick.
-  std::vector<std::vector<Pose>> run(const Form& form, bool crowd, int ticks) const {
-    World world = robots(controller_of(GetParam()), form, crowd).world({.threads = 1});
+  std::vector<std::vector<Pose>> run(const Form& form, bool crowd, int ticks, double turned = 0) const {
+    World world = robots(controller_of(GetParam()), form, crowd, turned).world({.threads = 1});
     std::vector<std::vector<Pose>> log{poses_of(world)};
     for (int tick = 0; tick < ticks; ++tick) {
       world.step();
@@ -288,7 +293,8 @@ class OfRanges : public ::testing::TestWithParam<Kind> {
 
 double farthest(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, (a[i].position() - b[i].position()).norm());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max(most, (a[i].position() - b[i].position()).norm());
   return most;
 }
 
@@ -308,6 +314,14 @@ TEST_P(OfRanges, OneFanDoesAsManyTransducersDo) {
       EXPECT_EQ(fan, turned);
     }
   }
+}
+
+// Radios and finders read floats, so that the last digits differ.
+TEST_P(OfRanges, TurnedRadiosAndFindersTellTheSame) {
+  const int ticks = 40;
+  const auto ahead = run(one_fan(180, 15), true, ticks);
+  for (const double turned : {0.5, -2.0, k_pi})
+    EXPECT_LT(farthest(ahead.back(), run(one_fan(180, 15), true, ticks, turned).back()), 1e-4) << turned;
 }
 
 TEST_P(OfRanges, ALoneRobotInTheOpenGoesSomewhere) {
@@ -334,13 +348,14 @@ TEST_P(OfRanges, WhatLooksBackIsRefused) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Controllers, OfRanges,
-    ::testing::Values(Kind{"expand"}, Kind{"wander", {{"min_front", 0.5}, {"stop", 0.2}}}, Kind{"pioneer_flocking"},
-                      Kind{"radio_flocking"}, Kind{"beeclust"}, Kind{"chain"}, Kind{"clustering"},
-                      Kind{"collective_perception"}, Kind{"informed_aggregation"}, Kind{"gradient"},
-                      Kind{"collector"}, Kind{"fasr"}, Kind{"fasr2", {{"task", std::string("red")}}}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Controllers, OfRanges,
+                         ::testing::Values(Kind{"expand"},
+                                           Kind{"wander", {{"min_front", 0.5}, {"stop", 0.2}}},
+                                           Kind{"pioneer_flocking"}, Kind{"radio_flocking"}, Kind{"beeclust"},
+                                           Kind{"chain"}, Kind{"clustering"}, Kind{"collective_perception"},
+                                           Kind{"informed_aggregation"}, Kind{"gradient"}, Kind{"collector"},
+                                           Kind{"fasr"}, Kind{"fasr2", {{"task", std::string("red")}}}),
+                         [](const auto& test) { return test.param.name; });
 
 // ---- expand
 
@@ -369,8 +384,8 @@ double mean_way_in_an_office(const Form& form) {
     const int room = i % 9;
     const int place = i / 9;
     scene.body(fmt::format("r{}", i), type,
-               {4.0 * (room % 3 - 1) - 1.3 + 0.65 * (place % 5), 4.0 * (room / 3 - 1) - 1.3 + 0.65 * (place / 5), 0,
-                random.uniform(-k_pi, k_pi)});
+               {4.0 * (room % 3 - 1) - 1.3 + 0.65 * (place % 5),
+                4.0 * (room / 3 - 1) - 1.3 + 0.65 * (place / 5), 0, random.uniform(-k_pi, k_pi)});
   }
   World world = scene.world({.threads = 1});
   const std::vector<Pose> start = poses_of(world);

@@ -153,20 +153,27 @@ TEST(Expand, PioneerPresetHasTheNumbersOfTheCaveBenchmark) {
 }
 
 TEST(Expand, WhereAllIsFreeItGoesStraightAhead) {
-  Decision one(Decision::ring({0}), "expand", preset("expand_swarm"));
+  const engine::Record defaults = test::registry().controller("expand")->params.defaults();
+  Decision one(Decision::ring({0}), "expand", defaults);
   EXPECT_EQ(one({1.0f}).x, 0.3) << "one beam ahead: the sum has no sideways part at all";
   EXPECT_EQ(one({1.0f}).turn, 0);
-  Decision ring(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
+  Decision ring(Decision::ring(swarm_headings()), "expand", defaults);
   const Command c = ring(std::vector<float>(12, 1.9f));
   EXPECT_EQ(c.x, 0.3) << "what is left of the sum is rounding, which has no direction";
   EXPECT_EQ(c.turn, 0);
 }
 
 TEST(Expand, StraightBeforeAWallItTurns) {
-  Decision decide(Decision::ring({-0.5, 0, 0.5}), "expand", preset("expand_swarm"));
+  Decision decide(Decision::ring({-0.5, 0, 0.5}), "expand",
+                  test::registry().controller("expand")->params.defaults());
   const Command c = decide({1, 0.1f, 1});
   EXPECT_EQ(c.x, 0);
   EXPECT_EQ(c.turn, 0.5);
+}
+
+TEST(Expand, StagesExamplesKeepTheLastCommandOnAnAxis) {
+  Decision decide(Decision::ring({0}), "expand", preset("expand_swarm"));
+  EXPECT_EQ(decide({1.0f}).x, 9) << "one beam ahead: the sum has no sideways part at all";
 }
 
 TEST(Expand, EachBeamOfATransducerHasItsClearance) {
@@ -189,16 +196,17 @@ TEST(Expand, WhatNeverPointsAheadIsAFault) {
   const std::string fault =
       "needs a ranger with a beam ahead, or beams to the left and to the right: the vector sum of those of "
       "\"sensor\" never points ahead";
-  for (const std::vector<double>& headings :
-       {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
-    EXPECT_EQ(Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
-                  .fault,
-              fault)
+  for (const std::vector<double>& headings : {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
+    EXPECT_EQ(
+        Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
+            .fault,
+        fault)
         << headings[0];
   for (const std::vector<double>& headings : {std::vector{0.4}, {1.5, -1.5}, {k_pi, 0.1}})
-    EXPECT_EQ(Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
-                  .fault,
-              "")
+    EXPECT_EQ(
+        Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
+            .fault,
+        "")
         << headings[0];
 }
 
@@ -252,9 +260,10 @@ TEST(Wander, OutsideTheMiddleThirdNothingObstructs) {
 
 TEST(Wander, NeedsMoreThanEightSamples) {
   Decision decide(Decision::scanner(8), "wander", test::registry().controller("wander")->params.defaults());
-  EXPECT_EQ(decide.fault,
-            "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
-            "30 degrees of straight ahead; \"sensor\" (8) has too few");
+  EXPECT_EQ(
+      decide.fault,
+      "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
+      "30 degrees of straight ahead; \"sensor\" (8) has too few");
 }
 
 TEST(Script, WaveFollowsItsLaw) {

@@ -30,7 +30,8 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
   const Row row = world.row(body);
   const engine::BodyType::Device& device = world.type(row).devices[0];
   const engine::Readings seen(world.percepts(device), world.slot(row));
-  const FiducialReadings readings(device.prepared);
+  const engine::DeviceInfo info{"finder", "fiducial", device.prepared};
+  const FiducialReadings readings(info);
 
   EXPECT_EQ(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0], 3u);
   ASSERT_EQ(readings.count(seen), 2u) << "as many as there are entries";
@@ -43,6 +44,12 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
   }
   EXPECT_FLOAT_EQ(readings.heading(seen, 1), 0.5f);
   EXPECT_FLOAT_EQ(readings.bearing(seen, 0), 0.7853982f);
+  EXPECT_EQ(readings.position(seen, 1), Vec2(2, 0.5));
+
+  // Of a finder that is turned to the left on its robot: angles from where the robot looks.
+  const FiducialReadings turned({"finder", "fiducial", device.prepared, {0, 0, 0, 3}});
+  EXPECT_NEAR(turned.bearing(seen, 0), 3.7853982 - 2 * k_pi, 1e-6);
+  EXPECT_NEAR(turned.heading(seen, 1), 3.5 - 2 * k_pi, 1e-6);
 }
 
 }  // namespace

@@ -864,7 +864,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "w.world:2: error: controller \"wander\" takes no more than 5 arguments",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
-          "clearances, cone, invert (did you mean \"speed\"?)",
+          "clearances, cone, invert, hold_on_axis (did you mean \"speed\"?)",
           "w.world:4: error: controller \"expand\": \"speed\" needs a number; here is \"fast\"",
           "w.world:5: error: controller \"expand\": \"cone\" must be at least 0 rad; here is \"-1\"",
           "w.world:6: error: controller \"expand\": \"invert\" needs true or false; here is \"2\"",
