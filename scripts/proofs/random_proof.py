@@ -186,8 +186,9 @@ class RandomProof:
     """Makes worlds and checks them until so many are done, or so much time has passed."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
-                 kinds=None, sound=None):
+                 kinds=None, sound=None, least=0):
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
+        self.least = least  # worlds, however long they take
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
         # Where given, a program in which worlds that differ do not count: a fault was planted in the other one.
         self.sound = sound
@@ -202,7 +203,7 @@ class RandomProof:
         pairs, start = pairs_of(self.kinds), time.monotonic()
         shown = start
         while (self.count is None or self.made < self.count) and \
-                (self.seconds is None or time.monotonic() - start < self.seconds):
+                (self.seconds is None or time.monotonic() - start < self.seconds or self.made < self.least):
             index = self.first + self.made
             self.made += 1
             world, ticks, focus = make_world(self.kinds, self.seed, index, pairs)
