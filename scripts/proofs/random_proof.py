@@ -25,7 +25,9 @@ WORKER = pathlib.Path(__file__).resolve().parent / "library_worker.py"
 # From so many worlds on, what has not occurred is a fault of the generator.
 COMPLETE_AT = 2000
 LEAST_VALID = 0.9
-TIMEOUT_S = 60
+# A check hangs that takes so much processor time, or comes to no end for so long on a machine that has other work.
+TIMEOUT_CPU_S = 60
+TIMEOUT_S = 900
 MOST_KEPT = 10
 
 
@@ -63,15 +65,25 @@ class Library:
         self._process = subprocess.Popen([self.interpreter, WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                          stderr=open(self.folder / "worker.log", "w"), cwd=self.folder, env=environment)
         self._pending = b""
-        self._answer(TIMEOUT_S)
+        self._answer()
 
-    def _answer(self, timeout_s):
-        """The next line, or None where the process ended or took too long."""
-        end = time.monotonic() + timeout_s
+    def _cpu_s(self):
+        """What the process has taken of the processor."""
+        try:
+            fields = pathlib.Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            return 0.0
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def _answer(self):
+        """("told", the next line), or ("crash" or "hangs", what is known of it)."""
+        end, cpu_end = time.monotonic() + TIMEOUT_S, self._cpu_s() + TIMEOUT_CPU_S
         output = self._process.stdout.fileno()
         while b"\n" not in self._pending:
-            if not select.select([output], [], [], max(0, end - time.monotonic()))[0]:
-                return "hangs", f"no end after {timeout_s} s"
+            if not select.select([output], [], [], 1)[0]:
+                if time.monotonic() > end or self._cpu_s() > cpu_end:
+                    return "hangs", f"no end after {TIMEOUT_CPU_S} s of the processor's time or {TIMEOUT_S} s"
+                continue
             got = os.read(output, 1 << 20)
             if not got:
                 code = self._process.wait()
@@ -87,7 +99,7 @@ class Library:
                    "cover": cover}
         self._process.stdin.write(json.dumps(request).encode() + b"\n")
         self._process.stdin.flush()
-        how, told = self._answer(TIMEOUT_S)
+        how, told = self._answer()
         if how == "told":
             return told
         self.close()
@@ -174,12 +186,15 @@ class RandomProof:
     """Makes worlds and checks them until so many are done, or so much time has passed."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
-                 kinds=None):
+                 kinds=None, sound=None, least=0):
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
+        self.least = least  # worlds, however long they take
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
+        # Where given, a program in which worlds that differ do not count: a fault was planted in the other one.
+        self.sound = sound
         self.kinds = kinds or kinds_of(runner.program)
         self.coverage = Coverage(self.kinds)
-        self.made = self.valid = self.checks = self.stopped = 0
+        self.made = self.valid = self.checks = self.stopped = self.differing = 0
         self.refusals, self.invalid, self.failed = Counter(), Counter(), []
         (runner.folder / PLAN).write_bytes(plan_image())
 
@@ -188,7 +203,7 @@ class RandomProof:
         pairs, start = pairs_of(self.kinds), time.monotonic()
         shown = start
         while (self.count is None or self.made < self.count) and \
-                (self.seconds is None or time.monotonic() - start < self.seconds):
+                (self.seconds is None or time.monotonic() - start < self.seconds or self.made < self.least):
             index = self.first + self.made
             self.made += 1
             world, ticks, focus = make_world(self.kinds, self.seed, index, pairs)
@@ -202,16 +217,19 @@ class RandomProof:
             self.stopped += bool(told["stopped"])
             self.refusals.update(told["refused"])
             self.coverage.add(world, told)
-            if told["failures"]:
-                self._found(index, world, ticks, told["failures"])
+            failures = told["failures"]
+            if failures and self.sound is not None:
+                failures = [] if self.sound.run(world, ticks, [failures[0]["check"]])["failures"] else failures
+            if failures:
+                self._found(index, world, ticks, failures)
                 if stop_at_first:
                     break
-            if len(self.failed) >= MOST_KEPT:
+            if self.differing >= MOST_KEPT:
                 self.failed.append(f"given up after {MOST_KEPT} differences")
                 break
             if time.monotonic() - shown > 60:
                 shown = time.monotonic()
-                self.say(f"  random worlds: {self.made} made, {len(self.failed)} differences, {clock(shown - start)} gone")
+                self.say(f"  random worlds: {self.made} made, {self.differing} differ, {clock(shown - start)} gone")
         self.took_s = time.monotonic() - start
         if self.made >= 20 and self.valid < LEAST_VALID * self.made:
             self.failed.append(f"random worlds: only {self.valid} of {self.made} could be loaded; the first of each sort: "
@@ -226,7 +244,7 @@ class RandomProof:
         """Lines: how many worlds, of which seed, what occurred."""
         yield (f"random worlds: {self.made} of seed {self.seed}"
                f"{f' from {self.first} on' if self.first else ''}, {self.valid} could be loaded "
-               f"({100 * self.valid / max(1, self.made):.1f} %), {self.checks} checks, {len(self.failed)} differences, "
+               f"({100 * self.valid / max(1, self.made):.1f} %), {self.checks} checks, {self.differing} of them differ, "
                f"{clock(self.took_s)} minutes")
         if not self.runner.program_only:
             missing = self.coverage.missing()
@@ -237,6 +255,7 @@ class RandomProof:
 
     def _found(self, index, world, ticks, failures):
         """Keeps a world, made small for the first of the checks in which it differs."""
+        self.differing += 1
         failure = failures[0]
         others = "".join(f"; also in {other['check']['check']}" for other in failures[1:])
         folder = self.kept / f"{self.seed}-{index}-{failure['check']['check']}"

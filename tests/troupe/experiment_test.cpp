@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -122,7 +122,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::Values("door.json
 // A list that a controller's memory points into may become shorter while the world runs.
 
 /// A number of a controller's memory, of each robot that has such a controller.
-std::vector<int> remembered(const Simulation& simulation, std::string_view component, std::string_view field) {
+std::vector<int> remembered(const Simulation& simulation, std::string_view component,
+                            std::string_view field) {
   std::vector<int> values;
   for (const engine::StateTable& table : simulation.world().tables()) {
     if (table.component() != component) continue;
