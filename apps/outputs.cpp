@@ -35,8 +35,8 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
 /// changed when it was resumed belongs to the ticks from there on.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   const auto is_free = [](std::string_view key) {
-    return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" || key.starts_with("set ") ||
-           key.starts_with("plugin ");
+    return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" ||
+           key.starts_with("set ") || key.starts_with("plugin ");
   };
   for (const auto& [key, value] : simulation.effective_options()) {
     const auto& entries = log.header().entries;

@@ -13,8 +13,9 @@ namespace troupe::apps {
 namespace {
 
 // Entries that may differ between runs that agree; the version is compared by its parts.
-constexpr std::array k_free = {"version", "threads",            "tile_m",        "simd",           "kind",
-                               "layout",  "record_every_ticks", "record_fields", "resumed_at_tick"};
+constexpr std::array k_free = {
+    "version",       "threads",        "tile_m", "simd", "kind", "layout", "record_every_ticks",
+    "record_fields", "resumed_at_tick"};
 
 /// A part of the version line that bits may depend on.
 struct DomainPart {

@@ -6,8 +6,8 @@
 
 namespace troupe::partition {
 
-/// For each mask of kLanes lanes, the permutation that moves the lanes where it holds to the front, in their order: where
-/// each lane comes from, or each byte of it. What follows them comes from the first lane.
+/// For each mask of kLanes lanes, the permutation that moves the lanes where it holds to the front, in their
+/// order: where each lane comes from, or each byte of it. What follows them comes from the first lane.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};

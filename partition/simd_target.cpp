@@ -1,5 +1,5 @@
-// The instruction sets of the kernels by their names. This file is compiled for each of them, too, so that what
-// it says of the dispatch is what the dispatch does.
+// The instruction sets of the kernels by their names. This file is compiled for each of them, too, so that
+// what it says of the dispatch is what the dispatch does.
 
 #include "partition/simd_target.hpp"
 
@@ -82,10 +82,10 @@ void use_simd_target(std::string_view name) {
   }
   const SimdTargets& targets = simd_targets();
   const bool is_compiled = std::ranges::find(targets.missing, name) != targets.missing.end();
-  throw std::invalid_argument(fmt::format(
-      "\"{}\" is not an instruction set {}; {} {}", name,
-      is_compiled ? "of this processor" : "that this program is compiled for",
-      is_compiled ? "it has" : "this processor can use", list_of(targets.usable)));
+  throw std::invalid_argument(
+      fmt::format("\"{}\" is not an instruction set {}; {} {}", name,
+                  is_compiled ? "of this processor" : "that this program is compiled for",
+                  is_compiled ? "it has" : "this processor can use", list_of(targets.usable)));
 }
 
 }  // namespace troupe::partition

@@ -6,9 +6,9 @@
 
 namespace troupe::partition {
 
-/// The instruction sets that the kernels of the exact ray engine are compiled for. All of them compute the same
-/// bits; they differ in speed alone. Named scalar (no vectors), ssse3, sse4, avx2, avx512 on x86-64; scalar,
-/// neon, sve, sve2, sve_256, sve2_128 on Arm; others as Highway calls them, in lower case.
+/// The instruction sets that the kernels of the exact ray engine are compiled for. All of them compute the
+/// same bits; they differ in speed alone. Named scalar (no vectors), ssse3, sse4, avx2, avx512 on x86-64;
+/// scalar, neon, sve, sve2, sve_256, sve2_128 on Arm; others as Highway calls them, in lower case.
 struct SimdTargets {
   std::vector<std::string> usable;   ///< compiled in, and this processor has them: the best first
   std::vector<std::string> missing;  ///< compiled in, but this processor lacks them

@@ -144,13 +144,12 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
             .robots = 1000,
             .for_s = times * k_table_3_s});
 
-  for (const Scene& scene :
-       {population("hospital", quick ? 50 : 2000, times * k_simd_s),
-        population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s),
-        population("cave-simple", quick ? 10 : 100, times * k_simd_s),
-        population("cave-complex", quick ? 10 : 100, times * k_simd_s),
-        population("cave-simple-laser", quick ? 10 : 100, times * k_simd_s),
-        population("cave-complex-laser", quick ? 10 : 100, times * k_simd_s)}) {
+  for (const Scene& scene : {population("hospital", quick ? 50 : 2000, times * k_simd_s),
+                             population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s),
+                             population("cave-simple", quick ? 10 : 100, times * k_simd_s),
+                             population("cave-complex", quick ? 10 : 100, times * k_simd_s),
+                             population("cave-simple-laser", quick ? 10 : 100, times * k_simd_s),
+                             population("cave-complex-laser", quick ? 10 : 100, times * k_simd_s)}) {
     Case sets{"simd", {}};
     for (const std::string& name : simd) sets.runs.push_back({.scene = scene, .threads = 1, .simd = name});
     plan.cases.push_back(std::move(sets));

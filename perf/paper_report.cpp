@@ -251,8 +251,7 @@ Reference read_reference(const std::filesystem::path& file) {
 std::vector<Scaling> scalings(const Report& report) {
   std::vector<Scaling> out;
   for (const CaseTiming& one : report.cases) {
-    if (one.table == "clusters" || one.table == "watching" || one.table == "grid" ||
-        one.table == "simd")
+    if (one.table == "clusters" || one.table == "watching" || one.table == "grid" || one.table == "simd")
       continue;
     const Timing& single = one.timings.front();
     if (single.run.threads != 1) continue;

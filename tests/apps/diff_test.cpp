@@ -109,7 +109,8 @@ TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
 }
 
 TEST_F(Diff, AnotherInstructionSetOfTheKernelsIsNoOtherDomainOrRun) {
-  const Outcome outcome = diff(header() + "# simd: avx2\n" + lines(0, 3), header() + "# simd: neon\n" + lines(0, 3));
+  const Outcome outcome =
+      diff(header() + "# simd: avx2\n" + lines(0, 3), header() + "# simd: neon\n" + lines(0, 3));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(diff(header() + lines(0, 3), header() + "# simd: neon\n" + lines(0, 3)).code, 0);
 }

@@ -114,7 +114,8 @@ TEST_F(Run, TheInstructionSetOfTheEnvironmentHoldsUnlessAnotherIsGiven) {
   EXPECT_EQ(json({"--for", "1"}).at("simd"), best);
   unsetenv("TROUPE_SIMD");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, StartsWith("TROUPE_SIMD: error: \"avx9\" is not an instruction set that this program is"));
+  EXPECT_THAT(refused.err,
+              StartsWith("TROUPE_SIMD: error: \"avx9\" is not an instruction set that this program is"));
 }
 
 constexpr std::string_view k_runner = R"({"troupe": 1, "bounds_m": [[-1, -1], [20, 1]],

@@ -18,20 +18,44 @@ class Usage : public ProgramTest {};
 TEST_F(Usage, VersionIsOneLine) {
   const Outcome outcome = troupe({"--version"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(lines_of(outcome.out), ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"),
-                                                      HasSubstr(" simd " + partition::simd_target() + " (of "))));
+  EXPECT_THAT(lines_of(outcome.out),
+              ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"),
+                                HasSubstr(" simd " + partition::simd_target() + " (of "))));
   EXPECT_THAT(outcome.err, IsEmpty());
 }
 
 TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
   const Outcome outcome = troupe({"run", "--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* word :
-       {"WORLD",     "--for",           "--rate",       "--clock",    "--threads",  "--seed",
-        "--robots",  "--set",           "--tile-size",  "--hash-log", "--snapshot", "--snapshot-at",
-        "--film",    "--camera",        "--layers",     "[scans]",    "--color-by", "--size",
-        "--profile", "--profile-ticks", "--camera-png", "--json",     "--quiet",    "--camera-every",
-        "quit_time", "Exit codes",      "Examples",     "Advanced:", "--simd scalar|ssse3|sse4|avx2|avx512|neon|sve"})
+  for (const char* word : {"WORLD",
+                           "--for",
+                           "--rate",
+                           "--clock",
+                           "--threads",
+                           "--seed",
+                           "--robots",
+                           "--set",
+                           "--tile-size",
+                           "--hash-log",
+                           "--snapshot",
+                           "--snapshot-at",
+                           "--film",
+                           "--camera",
+                           "--layers",
+                           "[scans]",
+                           "--color-by",
+                           "--size",
+                           "--profile",
+                           "--profile-ticks",
+                           "--camera-png",
+                           "--json",
+                           "--quiet",
+                           "--camera-every",
+                           "quit_time",
+                           "Exit codes",
+                           "Examples",
+                           "Advanced:",
+                           "--simd scalar|ssse3|sse4|avx2|avx512|neon|sve"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }
@@ -150,9 +174,10 @@ INSTANTIATE_TEST_SUITE_P(
                                                     "program is compiled for; this processor can use " +
                                                     usable_targets())},
         WrongUsage{{"resume", "room.h5", "--simd", ""},
-                   in_command("resume", "--simd: \"\" is not an instruction set that this program is compiled "
-                                        "for; this processor can use " +
-                                            usable_targets())},
+                   in_command("resume",
+                              "--simd: \"\" is not an instruction set that this program is compiled "
+                              "for; this processor can use " +
+                                  usable_targets())},
         WrongUsage{room({"--raytracer", "Grid"}), in_run("--raytracer: \"Grid\" is not exact or grid")},
         WrongUsage{room({"--tile-size", "0"}), in_run("--tile-size: \"0\" is not a length in metres, above 0 "
                                                       "(tiles are never smaller than the cells they hold)")},

@@ -5,8 +5,6 @@ import subprocess
 import sys
 import unittest
 
-import support  # noqa: F401  (skips where the package cannot be imported)
-
 SHOW = """
 import troupe
 world = '{"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.4]}}, "models": [{"name": "r", "type": "bot"}]}'

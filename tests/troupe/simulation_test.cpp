@@ -179,11 +179,11 @@ TEST_F(SimulationTest, EffectiveOptionsSayWhatWasUsed) {
   options.set = {{"/tick_s", "0.05"}};
   const Simulation simulation = json(options);
   EXPECT_EQ(simulation.threads(), 3u);
-  EXPECT_THAT(simulation.effective_options(),
-              ElementsAre(Pair("world", (folder_ / "room.json").string()), Pair("seed", "99"),
-                          Pair("tick_s", "0.05"), Pair("ranging", "exact"), Pair("robots", "2"),
-                          Pair("threads", "3"), Pair("tile_m", "6.5"), Pair("simd", partition::simd_target()),
-                          Pair("set /tick_s", "0.05")));
+  EXPECT_THAT(
+      simulation.effective_options(),
+      ElementsAre(Pair("world", (folder_ / "room.json").string()), Pair("seed", "99"), Pair("tick_s", "0.05"),
+                  Pair("ranging", "exact"), Pair("robots", "2"), Pair("threads", "3"), Pair("tile_m", "6.5"),
+                  Pair("simd", partition::simd_target()), Pair("set /tick_s", "0.05")));
 }
 
 TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
