@@ -8,9 +8,8 @@ import random
 
 THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: as chosen
-# Those that the Python module runs in one process, and those that take the program.
-LIBRARY = ("threads", "checkpoints", "reset", "steps", "observed", "converted")
-PROGRAM = ("program", "program_checkpoints")
+# Checks that are an option of `troupe check`, with one thread and one tile size.
+OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia"}
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
@@ -31,6 +30,7 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
             checks.append({"check": "converted", "to": draws.choice(("json", "json", "world"))})
         if draws.random() < 0.1:
             checks.append(program)
+    checks.append({"check": "amnesia"})
     if controllers:
         checks.append({"check": "controllers"})
     return checks

@@ -17,7 +17,7 @@ import sys
 import troupe
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from checks import difference  # noqa: E402
+from checks import OPTIONS, difference  # noqa: E402
 
 
 class Job:
@@ -130,8 +130,8 @@ class Job:
     def program_check(self, check):
         yield from ()
         command = [self.program, "check", self.folder / "world.json", "--for", repr(self.ticks * self.world.get("tick_s", 0.1))]
-        if check["check"] == "controllers":
-            command += ["--threads", "1", "--tile-size", "auto", "--controllers"]
+        if check["check"] in OPTIONS:
+            command += ["--threads", "1", "--tile-size", "auto", OPTIONS[check["check"]]]
         else:
             command += ["--threads", ",".join(map(str, check["threads"])),
                         "--tile-size", ",".join(str(tile) if tile else "auto" for tile in check["tiles"])]
@@ -144,7 +144,7 @@ class Job:
         """None, or what is wrong: {"check", "tick", "text"}."""
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
-               "controllers": self.program_check}[check["check"]]
+               "amnesia": self.program_check, "controllers": self.program_check}[check["check"]]
         plain = self.expected
         try:
             for lines in run(check):
