@@ -32,6 +32,17 @@ void raise_input_error(const InputError& error) {
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
+/// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one.
+void obey_simd_variable() {
+  const char* name = std::getenv("TROUPE_SIMD");
+  if (name == nullptr || *name == '\0') return;
+  try {
+    partition::use_simd_target(name);
+  } catch (const std::invalid_argument& error) {
+    throw py::import_error(std::string("TROUPE_SIMD: error: ") + error.what());
+  }
+}
+
 }  // namespace
 
 Unlocked::~Unlocked() {
@@ -115,21 +126,6 @@ void bind_errors(py::module_& module) {
   });
 }
 
-namespace troupe::python {
-namespace {
-
-/// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one.
-void obey_simd_variable() {
-  const char* name = std::getenv("TROUPE_SIMD");
-  if (name == nullptr || *name == '\0') return;
-  try {
-    partition::use_simd_target(name);
-  } catch (const std::invalid_argument& error) {
-    throw py::import_error(std::string("TROUPE_SIMD: error: ") + error.what());
-  }
-}
-
-}  // namespace
 }  // namespace troupe::python
 
 PYBIND11_MODULE(_core, module) {
