@@ -1,35 +1,15 @@
 #include "worldio/whole_file.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
+#include "worldio/partial_file.hpp"
 
-#include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <system_error>
+#include <span>
 
 namespace troupe::worldio {
 
 void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
-  // The process id keeps two programs that write one name out of each other's way.
-  std::filesystem::path partial = file;
-  partial += fmt::format(".{}.partial", getpid());
-  const auto failed = [&] { return std::system_error(errno, std::generic_category()); };
-
-  std::FILE* const out = std::fopen(partial.c_str(), "wb");
-  if (!out) throw failed();
-  const auto write = [out](std::string_view piece) {
-    return std::fwrite(piece.data(), 1, piece.size(), out) == piece.size();
-  };
-  const bool written = std::all_of(pieces.begin(), pieces.end(), write) && std::fflush(out) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!written) errno = write_error;
-  if (!written || !closed || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const int reason = errno;
-    std::remove(partial.c_str());
-    throw std::system_error(reason, std::generic_category());
-  }
+  PartialFile out(file);
+  for (const std::string_view piece : pieces) out.write(std::as_bytes(std::span(piece)));
+  out.commit();
 }
 
 }  // namespace troupe::worldio
