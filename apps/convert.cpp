@@ -19,8 +19,8 @@ namespace {
 
 constexpr const char* k_convert_footer = R"(
 The formats are those that the names end in: .world is Stage's syntax, .json that of docs/world-format.md. What is
-written has the same hash log as what was read. JSON can say all that a .world can: macros and included files are
-expanded, images stay images, and everything is in SI units. The other way, what Stage has no word for is an error that
+written has the same hash log as what was read; where it may have another one, a warning says so. JSON can say all that
+a .world can: macros and included files are expanded, images stay images, and everything is in SI units. The other way, what Stage has no word for is an error that
 names it, and nothing is written. From JSON to JSON is a normal form: populations are listed one by one.
 
 Exit codes: 0 written; 2 the world cannot be loaded, or not be said in that format, or OUT is there already.

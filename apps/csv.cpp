@@ -46,7 +46,8 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header)
 }
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header, std::uint64_t keep_before) : file_(file) {
-  const bool is_new = !fs::exists(file);
+  std::error_code ignored;
+  const bool is_new = !fs::exists(file, ignored);
   if (!is_new) fs::resize_file(file, bytes_to_keep(file, header, keep_before));
   stream_.open(file, std::ios::binary | std::ios::app);
   if (!stream_) refuse_output(file, std::strerror(errno));

@@ -1,6 +1,7 @@
 #include "apps/hash_log_reader.hpp"
 
 #include "base/diagnostics.hpp"
+#include "worldio/input_file.hpp"
 
 #include <fmt/format.h>
 
@@ -37,13 +38,11 @@ std::vector<std::string_view> words_of(std::string_view line) {
 
 }  // namespace
 
-HashLogReader::HashLogReader(const std::filesystem::path& file)
-    : header_{.file = file, .entries = {}}, stream_(file, std::ios::binary) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored))
-    throw InputError(fmt::format("{}: error: there is no such file", file.string()));
-  if (!stream_ || std::filesystem::is_directory(file, ignored))
-    throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file = file, .entries = {}} {
+  if (const std::string reason = worldio::unreadable(file); !reason.empty())
+    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
+  stream_.open(file, std::ios::binary);
+  if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   std::string line;
   if (!read_line(line) || line != k_hash_log_mark)
     throw InputError(

@@ -1,25 +1,47 @@
 #include "apps/interrupt.hpp"
 
+#include <unistd.h>
+
+#include <array>
 #include <atomic>
 #include <csignal>
+#include <string>
 
 namespace troupe::apps {
 namespace {
 
-// The one thing a signal handler may do is to set a flag.
+// A signal handler may set flags, remove a file and raise a signal; it may not lock or allocate.
 std::atomic<bool> requested = false;
+std::atomic<bool> has_doomed = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
+std::array<char, 4096> doomed{};  // written while has_doomed is false
+
+void handle(int signal) {
+  if (!requested.exchange(true)) return;
+  if (has_doomed) unlink(doomed.data());
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
 
 }  // namespace
 
 void stop_on_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { requested = true; };
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  action.sa_handler = handle;
+  action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool stop_requested() { return requested; }
+
+void remove_when_killed(const std::filesystem::path& file) {
+  const std::string& name = file.native();
+  has_doomed = false;
+  if (name.empty() || name.size() >= doomed.size()) return;
+  name.copy(doomed.data(), name.size());
+  doomed[name.size()] = '\0';
+  has_doomed = true;
+}
 
 }  // namespace troupe::apps

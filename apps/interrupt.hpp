@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 namespace troupe::apps {
 
 /// From here on Ctrl-C and SIGTERM end what runs after the current tick; a second one ends it at once. A file
@@ -7,5 +9,8 @@ namespace troupe::apps {
 void stop_on_signals();
 /// Whether one has come.
 bool stop_requested();
+/// A file that a second signal removes before it ends the program, in place of the one before; empty: none.
+/// Names of 4,096 bytes or more are not remembered.
+void remove_when_killed(const std::filesystem::path& file);
 
 }  // namespace troupe::apps

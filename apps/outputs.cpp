@@ -18,6 +18,8 @@ void check_output(const fs::path& file) {
   if (!fs::is_directory(folder, ignored))
     refuse_output(file, fmt::format("there is no folder {}", folder.string()));
   if (fs::is_directory(file, ignored)) refuse_output(file, "it is a folder");
+  std::error_code error;
+  if (fs::status(file, error).type() == fs::file_type::none) refuse_output(file, error.message());
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }

@@ -390,6 +390,37 @@ class PartsThatMove(Used):
         self.page.run("troupe.select(null)")
 
 
+class ShownColors(Used):
+    """LEDs and painted zones look as they did, whatever the world calls their colours."""
+
+    options = []  # as they are recorded unless something else is asked for
+    seconds = 1
+
+    @classmethod
+    def world(cls, folder):
+        lamp = {"name": "lamp", "kind": "led", "shows": [0, 0.6, 0.2]}
+        types = {"lit": {**WORLD["types"]["runner"], "devices": [lamp]}, "plain": WORLD["types"]["runner"],
+                 "zone": {"size_m": [1, 1, 0.01], "obstacle": False, "ranger_return": -1, "devices": [{**lamp, "shows": [1, 0.8, 0]}]}}
+        models = [{"name": name, "type": name, "color": [0.1, 0.2, 0.8], "pose": {"x_m": 0, "y_m": y}}
+                  for name, y in (("lit", -2), ("plain", 0), ("zone", 2))]
+        path = folder / "lamps.json"
+        path.write_text(json.dumps({"troupe": 1, "types": types, "models": models}))
+        return path
+
+    def test_own_colours_are_those_that_are_shown(self):
+        self.seek(0.5)
+        self.keep("shown_colors")
+        self.assertEqual(self.pixel(self.spot("lit")), (0, 153, 51))
+        self.assertEqual(self.pixel(self.spot("plain")), (26, 51, 204))
+        self.assertEqual(self.pixel(self.spot("zone")), (255, 204, 0))
+        self.page.run("troupe.color('speed')")  # which a zone has not
+        self.page.wait("troupe.state().coloured")
+        self.shown()
+        self.assertEqual(self.pixel(self.spot("zone")), (255, 204, 0))
+        self.assertNotEqual(self.pixel(self.spot("lit")), (0, 153, 51))
+        self.page.run("troupe.color('own colours')")
+
+
 class TenThousandRobots(Used):
     options = ["--record-fields", "pose,stall"]
     seconds = 2

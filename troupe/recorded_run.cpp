@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/mount.hpp"
+#include "engine/shown_color.hpp"
 #include "troupe/value_names.hpp"
 #include "worldio/hdf5_file.hpp"
 #include "worldio/recorded_scene.hpp"
@@ -84,7 +85,8 @@ struct RecordedRun::Impl {
   const Array* stalled = nullptr;
   /// What each ranger of the scene reads: null where that was not recorded.
   std::vector<const Array*> readings;
-  std::vector<std::uint32_t> rows;  // of each body: its row of the recording, or k_none
+  std::vector<std::uint32_t> rows;         // of each body: its row of the recording, or k_none
+  std::vector<const Array*> shown_colors;  // of each type: null where none was recorded
   /// Where the joints of each type were, four numbers each; empty where that was not recorded.
   std::vector<std::vector<std::array<const Array*, 4>>> joints;
   std::size_t frame = 0;
@@ -109,6 +111,8 @@ struct RecordedRun::Impl {
         for (const RecordedScene::Fan& fan : eye.fans) beams += fan.beams;
         readings.push_back(ranges && ranges->field.columns == beams ? ranges : nullptr);
       }
+      shown_colors.push_back(type.shown_color.empty() ? nullptr
+                                                      : find(type.shown_color, engine::k_shown_color));
       auto& of_type = joints.emplace_back();
       for (const RecordedScene::Joint& joint : type.joints) of_type.push_back(find_pose(joint.component));
       const auto is_whole = [](const auto& arrays) {
@@ -176,7 +180,23 @@ struct RecordedRun::Impl {
         continue;  // it was not there then
       shown.mobile.push_back({body.type, at, body.color, row < stalls.size() && stalls[row] > 0, id});
     }
+    color(shown);
     return shown;
+  }
+
+  /// Bodies with a device that shows a colour have that one.
+  void color(Frame& shown) const {
+    const std::vector<std::uint32_t> places = places_in(shown);
+    for (const Array* array : shown_colors) {
+      if (!array) continue;
+      const std::vector<double> colors = read(*array);
+      for (std::size_t r = 0; r < array->bodies.size(); ++r) {
+        const std::uint32_t place = places[array->bodies[r]];
+        if (place == k_none) continue;
+        Color& own = shown.mobile[place].color;
+        own = worldio::shown_color(std::span(colors).subspan(3 * r, 3), own);
+      }
+    }
   }
 
   /// Where the joints of a type have carried what stands on them, in the body's frame: of each recorded row a

@@ -77,6 +77,27 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
                     file.string(), simulation.tick()));
 }
 
+/// A recording has one interval and one list of fields: those it was begun with.
+void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
+                        const RecordingOptions& options) {
+  const worldio::RecordingReader recording(file);
+  if (options.every_s > 0) {
+    const std::uint64_t ticks = engine::period_ticks(options.every_s, simulation.tick_s());
+    if (ticks != recording.every_ticks())
+      throw std::runtime_error(
+          fmt::format("{}: error: the recording has a frame every {:.10g} s, and goes on so: --record-every "
+                      "asks for {:.10g} s",
+                      file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
+                      options.every_s));
+  }
+  const std::string fields = fmt::format("{}", fmt::join(options.fields, ","));
+  const auto recorded = recording.meta().find("record_fields");
+  if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
+    throw std::runtime_error(
+        fmt::format("{}: error: the recording is of {}, and goes on so: --record-fields asks for {}",
+                    file.string(), recorded->second, fields));
+}
+
 }  // namespace
 
 struct Recording::Impl {
@@ -88,6 +109,8 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
   std::error_code ignored;
   if (!options.replace && std::filesystem::exists(file, ignored))
     throw InputError(fmt::format("{}: error: exists already; --force replaces it", file.string()));
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    throw InputError(fmt::format("{}: error: cannot be written: it is no regular file", file.string()));
   const worldio::RecordingHead head = head_of(simulation, options);
   std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
   try {
@@ -103,9 +126,11 @@ Recording::Recording(Recording&&) noexcept = default;
 Recording& Recording::operator=(Recording&&) noexcept = default;
 Recording::~Recording() = default;
 
-Recording Recording::resume(const std::filesystem::path& file, const Simulation& simulation) {
+Recording Recording::resume(const std::filesystem::path& file, const Simulation& simulation,
+                            const RecordingOptions& options) {
   worldio::repair_recording(file);
   check_same_run(file, simulation);
+  check_same_options(file, simulation, options);
   Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world()}}));
   recording.observe(simulation);
   return recording;

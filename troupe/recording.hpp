@@ -39,9 +39,11 @@ class Recording {
   Recording(const std::filesystem::path& file, const Simulation& simulation,
             const RecordingOptions& options = {});
   /// Goes on with a recording of the same world from the simulation's tick on, for a run that was resumed:
-  /// with its fields, without a gap and without a repeat. Frames of later ticks are cut off. Throws
-  /// std::runtime_error where that cannot be.
-  static Recording resume(const std::filesystem::path& file, const Simulation& simulation);
+  /// with its fields and its interval, without a gap and without a repeat. Frames of later ticks are cut off.
+  /// `options` may repeat fields and interval. Throws std::runtime_error where that cannot be, or where they
+  /// are others.
+  static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
+                          const RecordingOptions& options = {});
   Recording(Recording&&) noexcept;             ///< the one moved from is of no use
   Recording& operator=(Recording&&) noexcept;  ///< as that
   /// Closes it; what fails is lost: call close() to know.

@@ -1,5 +1,8 @@
 #include "worldio/hdf5_file.hpp"
 
+#include "worldio/hdf5_heap.hpp"
+#include "worldio/input_file.hpp"
+
 #include <fmt/format.h>
 #define H5_USE_110_API  // as newer libraries name what Debian 12's has
 #include <hdf5.h>
@@ -38,12 +41,35 @@ class Quiet {
   void* data_ = nullptr;
 };
 
+Hdf5Id text_type(std::size_t size) {
+  Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  return type;
+}
+
+/// Texts of variable length as the references that the file holds, so that HDF5 does not follow them
+/// (worldio/hdf5_heap.hpp). HDF5 asks each registered conversion, by H5T_CONV_INIT, whether it is this one.
+herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t,
+                            std::size_t, void*, void*, hid_t) {
+  if (conversion->command != H5T_CONV_INIT) return 0;  // the bytes are those of the file already
+  conversion->need_bkg = H5T_BKG_NO;
+  const bool is_this = H5Tis_variable_str(from) > 0 && H5Tget_size(from) == k_heap_reference_bytes &&
+                       H5Tget_class(to) == H5T_OPAQUE && H5Tget_size(to) == k_heap_reference_bytes;
+  return is_this ? 0 : -1;
+}
+
+Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes), H5Tclose}; }
+
 /// At its end HDF5 flushes what is open. A file that was abandoned on a full disk is still open then, and the
 /// library would try for ever: what is to be written is closed by its owner.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
-    return H5open() >= 0;
+    return H5open() >= 0 &&
+           H5Tregister(H5T_PERS_SOFT, "troupe: text to reference", text_type(H5T_VARIABLE).get(),
+                       reference_type().get(), convert_to_reference) >= 0;
   }();
   if (!started) throw Hdf5Error("HDF5 cannot be started");
 }
@@ -151,14 +177,6 @@ std::optional<engine::Element> element_of_type(hid_t type) {
   return std::nullopt;
 }
 
-Hdf5Id text_type(std::size_t size) {
-  Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
-  H5Tset_cset(type.get(), H5T_CSET_UTF8);
-  if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
-  return type;
-}
-
 /// The bytes of a text of fixed length, without what pads it.
 std::string unpadded(std::string text) {
   text.resize(text.find_last_not_of('\0') + 1);
@@ -178,11 +196,34 @@ Hdf5Id creation_properties(hid_t kind) {
   return properties;
 }
 
+/// HDF5's cache of a file's metadata grows to 32 MiB by default: what a long recording has written, and never
+/// needs again. With a bound of 2 MiB a run's memory stays what it is after some seconds.
+void bound_metadata_cache(hid_t access) {
+  constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  if (H5Pget_mdc_config(access, &config) < 0) return;
+  config.set_initial_size = true;
+  config.initial_size = config.min_size = k_most_bytes / 2;
+  config.max_size = k_most_bytes;
+  H5Pset_mdc_config(access, &config);
+}
+
 /// Without the newest features of the library at hand: what HDF5 1.10 reads, and what SWMR needs.
 Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing early is an error, not a surprise
+  bound_metadata_cache(access.get());
+  return access;
+}
+
+/// Of files that are written: without a cache of chunks. Batches are appended once and whole; HDF5 would keep
+/// up to 1 MiB of each dataset for good, and a recording of all state has hundreds. Readers have the caches:
+/// of a file that was compressed later they would unpack a chunk for every frame of it.
+Hdf5Id writing_access_properties() {
+  Hdf5Id access = access_properties();
+  H5Pset_cache(access.get(), 0, 0, 0, 0);
   return access;
 }
 
@@ -250,11 +291,19 @@ void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std
 }
 
 void Hdf5Object::set_text(const std::string& name, std::string_view value) {
+  // The header of an object has room for 64 KiB, in files of the format that checkpoints need. Longer texts
+  // lie in the global heap, which no checksum protects.
+  constexpr std::size_t k_most_fixed = 60000;
   const Quiet quiet;
+  const std::string text = value.empty() ? std::string(1, '\0') : std::string(value);
+  if (text.size() <= k_most_fixed) {
+    const Hdf5Id type = text_type(text.size());
+    write_attribute(name, type.get(), type.get(), text.data());
+    return;
+  }
   const Hdf5Id type = text_type(H5T_VARIABLE);
-  const std::string copy(value);
-  const char* const text = copy.c_str();
-  write_attribute(name, type.get(), type.get(), &text);
+  const char* const pointer = text.c_str();
+  write_attribute(name, type.get(), type.get(), &pointer);
 }
 
 void Hdf5Object::set_integer(const std::string& name, std::int64_t value) {
@@ -295,13 +344,28 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Quiet quiet;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) <= 0)
+  if (H5Tget_class(type.get()) != H5T_STRING)
     fail(fmt::format("has an attribute \"{}\" that is no text", name));
-  char* text = nullptr;
-  check(H5Aread(attribute.get(), type.get(), static_cast<void*>(&text)), "read");
-  std::string value(text ? text : "");
-  H5free_memory(text);
-  return value;
+  if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
+  const std::size_t size = H5Tget_size(type.get());
+  if (size > H5Aget_storage_size(attribute.get()))
+    fail(fmt::format("has an attribute \"{}\" that is larger than the file says: the file is damaged", name));
+  std::string value(size, '\0');
+  check(H5Aread(attribute.get(), type.get(), value.data()), "read");
+  return unpadded(std::move(value));
+}
+
+/// A text of an older recording.
+std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string& name) const {
+  std::array<std::uint8_t, k_heap_reference_bytes> reference{};
+  check(H5Aread(attribute, reference_type().get(), reference.data()), "read");
+  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
+  const Hdf5Id creation(H5Fget_create_plist(open_file.get()), H5Pclose);
+  hsize_t user_block = 0;
+  check(H5Pget_userblock(creation.get(), &user_block), "read");
+  std::optional<std::string> text = read_heap_text(file_, user_block, reference);
+  if (!text) fail(fmt::format("has an attribute \"{}\" whose text is not there: the file is damaged", name));
+  return std::move(*text);
 }
 
 std::int64_t Hdf5Object::integer(const std::string& name) const {
@@ -615,7 +679,7 @@ Hdf5File::Hdf5File(Hdf5Id id, fs::path file) : Hdf5Group(std::move(id), std::mov
 Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
   start_library();
   const Quiet quiet;
-  const Hdf5Id access = access_properties();
+  const Hdf5Id access = writing_access_properties();
   return {made(file, user_block, access.get()), file};
 }
 
@@ -634,9 +698,8 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   start_library();
   const Quiet quiet;
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) fail_with(file, "there is no such file");
-  const Hdf5Id access = access_properties();
+  if (const std::string why = unreadable(file); !why.empty()) fail_with(file, why);
+  const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
   if (!found.valid()) fail_with(file, fmt::format("cannot be read: {}", reason()));
   return {std::move(found), file};

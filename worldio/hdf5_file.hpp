@@ -50,8 +50,8 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// A new attribute. Texts are UTF-8, of variable length: what h5py gives its users as str, and not as
-  /// bytes.
+  /// A new attribute. Texts are UTF-8 of fixed length, which lie in the object's header and under its
+  /// checksum; h5py gives them as bytes. Those of more than 60,000 bytes are of variable length.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
@@ -73,6 +73,7 @@ class Hdf5Object {
   std::int64_t check(std::int64_t result, std::string_view action) const;
   void write_attribute(const std::string& name, std::int64_t type, std::int64_t file_type, const void* value);
   Hdf5Id open_attribute(const std::string& name) const;
+  std::string variable_text(std::int64_t attribute, const std::string& name) const;
 
   Hdf5Id id_;
   std::filesystem::path file_;

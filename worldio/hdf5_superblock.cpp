@@ -1,5 +1,8 @@
 #include "worldio/hdf5_superblock.hpp"
 
+#include "worldio/input_file.hpp"
+#include "worldio/little_endian.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -26,12 +29,6 @@ constexpr std::size_t k_end = 28;
 constexpr std::size_t k_checksum = 44;
 
 using Head = std::array<std::uint8_t, k_bytes>;
-
-std::uint64_t little_endian(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-  return value;
-}
 
 void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
   for (std::uint8_t& byte : bytes) {
@@ -106,6 +103,7 @@ std::optional<Head> read_head(int fd) {
 }  // namespace
 
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
+  if (!unreadable(file).empty()) return std::nullopt;
   const std::optional<Head> head = read_head(Descriptor(file, O_RDONLY).get());
   if (!head) return std::nullopt;
   return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end, 8))};

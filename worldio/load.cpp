@@ -1,5 +1,6 @@
 #include "worldio/load.hpp"
 
+#include "worldio/input_file.hpp"
 #include "worldio/stage_files.hpp"
 
 #include <fmt/format.h>
@@ -28,11 +29,11 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
                              const LoadOptions& options, Diagnostics& diagnostics) {
   if (const std::string fault = ending_fault(file); !fault.empty()) return fail(file, diagnostics, fault);
   const auto found = find_stage_file(file, options.search_path);
-  if (!found)
-    return fail(file, diagnostics,
-                std::filesystem::exists(file) ? "this is no file that can be read" : "there is no such file");
+  if (!found) return fail(file, diagnostics, unreadable(file));
+  if (const std::string reason = unreadable(*found, k_most_input_bytes); !reason.empty())
+    return fail(file, diagnostics, reason);
   auto text = read_file(*found);
-  if (!text) return fail(file, diagnostics, "the file cannot be read");
+  if (!text) return fail(file, diagnostics, "cannot be read");
   return load_world_text(*found, std::move(*text), registry, options, diagnostics);
 }
 

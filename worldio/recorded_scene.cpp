@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/names.hpp"
+#include "engine/shown_color.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/fields_json.hpp"
 #include "worldio/json_document.hpp"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -135,6 +137,7 @@ RecordedScene::Type type_of(const Json& json) {
   for (const Json& sensor : json.at("sensors")) {
     std::string name = hdf5_name(text_of(sensor.at("name")));
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
+    if (sensor.value("part", 0) == 0) type.body_devices.push_back(name);
     if (sensor.at("params").contains("transducers"))  // a ranger, of whatever kind
       type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
@@ -166,7 +169,30 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
   return scene;
 }
 
+/// Of several devices of a body that show a colour the first counts, as in the engine.
+void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
+  std::vector<std::size_t> best(scene.types.size(), std::numeric_limits<std::size_t>::max());
+  for (const RecordingReader::Array& array : recording.arrays()) {
+    if (array.field.name != engine::k_shown_color || array.field.columns != 3 || array.bodies.empty() ||
+        !array.component.starts_with("sensors/"))
+      continue;
+    const std::uint32_t t = scene.bodies[recording.ids()[array.bodies.front()]].type;
+    RecordedScene::Type& type = scene.types[t];
+    const auto device =
+        std::ranges::find(type.body_devices, array.component.substr(array.component.rfind('/') + 1));
+    const auto place = static_cast<std::size_t>(device - type.body_devices.begin());
+    if (device == type.body_devices.end() || place >= best[t]) continue;
+    best[t] = place;
+    type.shown_color = array.component;
+  }
+}
+
 }  // namespace
+
+Color shown_color(std::span<const double> parts, const Color& of_the_world) {
+  if (!std::ranges::all_of(parts, [](double part) { return std::isfinite(part); })) return of_the_world;
+  return {static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]), 1};
+}
 
 RecordedScene recorded_scene(const RecordingReader& recording) {
   const std::optional<RecordingReader::Scene> columns = recording.scene();
@@ -175,7 +201,9 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
          "does not say where walls stand and what colours robots have (/scene): an older version of Troupe "
          "recorded it; record it again");
   try {
-    return scene_of(Json::parse(recording.world_json()), *columns);
+    RecordedScene scene = scene_of(Json::parse(recording.world_json()), *columns);
+    find_shown_colors(recording, scene);
+    return scene;
   } catch (const Json::exception&) {
     fail(recording, "/world is not what a recording holds: the file is damaged");
   } catch (const Damaged&) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ struct RecordedScene {
     engine::FrameType look;  ///< joints at rest
     std::vector<Eye> eyes;
     std::vector<Joint> joints;
+    std::vector<std::string> body_devices;  ///< those of the first part, as steps of /sensors/<type>/<sensor>
+    /// Component whose field `shown_color` gives each body its colour (engine/shown_color.hpp):
+    /// "sensors/robot/lamp"; empty where none was recorded.
+    std::string shown_color;
     std::vector<std::int32_t> shape_joints;  ///< beside look.shapes: index of the joint that each moves with
   };
   struct Body {
@@ -49,6 +54,10 @@ struct RecordedScene {
   std::vector<Type> types;
   std::vector<Body> bodies;  ///< by BodyId
 };
+
+/// Red, green and blue of a body, each 0 to 1, from a recorded `shown_color`; the colour of the world where
+/// the body was not there, or has none.
+Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
 /// Throws Hdf5Error, with the file's name: a recording from before /scene was kept, or a damaged one.
 RecordedScene recorded_scene(const RecordingReader& recording);

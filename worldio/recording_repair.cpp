@@ -1,6 +1,7 @@
 #include "worldio/recording_repair.hpp"
 
 #include "worldio/hdf5_superblock.hpp"
+#include "worldio/input_file.hpp"
 #include "worldio/recording_reader.hpp"
 
 #include <fcntl.h>
@@ -89,9 +90,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
 }  // namespace
 
 Repair repair_recording(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored))
-    throw Hdf5Error(fmt::format("{}: error: there is no such file", file.string()));
+  if (const std::string reason = unreadable(file); !reason.empty())
+    throw Hdf5Error(fmt::format("{}: error: {}", file.string(), reason));
   const std::optional<Hdf5Superblock> head = read_superblock(file);
   if (!head)
     throw Hdf5Error(fmt::format(
@@ -105,6 +105,7 @@ Repair repair_recording(const fs::path& file) {
     throw Hdf5Error(fmt::format("{}: error: process {} is writing it: there is nothing to repair yet",
                                 file.string(), *writer));
 
+  std::error_code ignored;
   const fs::path copy = fs::path(file).concat(fmt::format(".{}.partial", getpid()));
   try {
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);

@@ -61,6 +61,7 @@ Json type_json(const RecordedScene::Type& type) {
     if (joint.parent != engine::k_rigid) said["parent"] = joint.parent;
     said["pose"] = pose_json(joint.pose_body_joint);
   }
+  if (!type.shown_color.empty()) json["shown_color"] = type.shown_color;
   json["eyes"] = Json::object();
   for (const RecordedScene::Eye& eye : type.eyes) {
     Json fans = Json::array();

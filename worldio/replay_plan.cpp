@@ -1,6 +1,7 @@
 #include "worldio/replay_plan.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/shown_color.hpp"
 
 #include <fmt/format.h>
 
@@ -45,6 +46,9 @@ std::string name_of(const Array& array) { return fmt::format("{}/{}", array.comp
 /// Where a part is that moves: as poses, a page needs it to draw the body.
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
 
+/// Without them a page cannot draw bodies as they looked.
+bool is_look(const Array& array) { return is_joint(array) || array.field.name == engine::k_shown_color; }
+
 /// Which arrays a name of --fields chooses.
 bool chooses(std::string_view name, const Array& array) {
   const std::string_view component = array.component;
@@ -66,7 +70,7 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
   std::vector<const Array*> arrays;
   for (const Array& array : recording.arrays())
     if (array.component != "pose" && array.field.columns > 0 &&
-        (names.empty() || is_joint(array) ||
+        (names.empty() || is_look(array) ||
          std::ranges::any_of(names, [&](const std::string& name) { return chooses(name, array); })))
       arrays.push_back(&array);
   return arrays;

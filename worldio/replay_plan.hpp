@@ -58,8 +58,8 @@ class FrameReader {
 };
 
 /// Reads every frame once, for what the numbers span. `fields`: components ("stall"), fields ("ranges") or
-/// both ("stall/stalled"); empty: all that was recorded. Joints are always among them. Throws InputError: no
-/// poses, no frame, a field that was not recorded; and Hdf5Error.
+/// both ("stall/stalled"); empty: all that was recorded. Joints and shown colours are always among them.
+/// Throws InputError: no poses, no frame, a field that was not recorded; and Hdf5Error.
 ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields);
 
 }  // namespace troupe::worldio

@@ -3,6 +3,8 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "worldio/hdf5_superblock.hpp"
+#include "worldio/input_file.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -70,40 +72,14 @@ Content content_of(const fs::path& file) {
   return content;
 }
 
-/// A file or folder, open until the end of the scope. Throws std::system_error.
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags) : id_(open(path.c_str(), flags | O_CLOEXEC, k_mode)) {
-    check(id_);
-  }
-  ~Descriptor() { close(id_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int id() const { return id_; }
-  static void check(std::int64_t result) {
-    if (result < 0) throw std::system_error(errno, std::generic_category());
-  }
-
- private:
-  static constexpr mode_t k_mode = 0666;  // of a new file, less what the user's umask takes away
-  int id_;
-};
-
-void write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    Descriptor::check(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-}
-
-/// The name, too, is on the disk when this returns.
-void give_name(const fs::path& partial, const fs::path& file) {
-  Descriptor::check(std::rename(partial.c_str(), file.c_str()));
-  const Descriptor folder(file.has_parent_path() ? file.parent_path() : ".", O_RDONLY | O_DIRECTORY);
-  // Not every file system can do that with a folder; the file itself is safe.
-  static_cast<void>(fsync(folder.id()));
+/// Where the file system can do that, the names in a folder are on the disk when this returns; the files in
+/// it are safe without.
+void sync_folder_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(fsync(descriptor));
+  close(descriptor);
 }
 
 }  // namespace
@@ -118,29 +94,23 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) refuse("it is no regular file");
   const std::span<const std::byte> rest = bytes.subspan(k_seal_bytes);
   const std::string text = head(kind, layout, rest.size(), hash_bytes(rest));
-  // One name for all of them: who is killed now and then leaves one such file, not many.
-  const fs::path partial = fs::path(file).concat(".partial");
   try {
-    {
-      const Descriptor out(partial, O_WRONLY | O_CREAT | O_TRUNC);
-      write_all(out.id(), std::as_bytes(std::span(text)));
-      write_all(out.id(), rest);
-      Descriptor::check(fsync(out.id()));
-    }
-    give_name(partial, file);
+    PartialFile out(file);
+    out.write(std::as_bytes(std::span(text)));
+    out.write(rest);
+    out.sync();
+    out.commit();
   } catch (const std::system_error& fault) {
-    fs::remove(partial, ignored);
     refuse(fault.code().message());
   }
+  sync_folder_of(file);
 }
 
 void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   const auto refuse = [&file](std::string_view reason) {
     throw InputError(fmt::format("{}: error: {}", file.string(), reason));
   };
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) refuse("there is no such file");
-  if (fs::is_directory(file, ignored)) refuse("this is a folder");
+  if (const std::string reason = unreadable(file); !reason.empty()) refuse(reason);
   Content content;
   try {
     content = content_of(file);
@@ -169,6 +139,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
 }
 
 bool has_seal(const fs::path& file, std::string_view kind) {
+  if (!unreadable(file).empty()) return false;
   std::ifstream stream(file, std::ios::binary);
   const std::string mark = first_line(kind);
   std::string text(mark.size(), ' ');

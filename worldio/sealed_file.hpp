@@ -20,7 +20,7 @@ namespace troupe::worldio {
 inline constexpr std::size_t k_seal_bytes = 512;
 
 /// Writes the head and what follows it in `bytes`, whose own first 512 are room for the head: to another name
-/// beside `file` (FILE.partial, replaced when there), hands it to the disk, and gives it its name. Throws
+/// beside `file` (worldio/partial_file.hpp), hands it to the disk, and gives it its name. Throws
 /// std::runtime_error `run.h5: error: ...` where that fails; no partial file is left then, and `file` is what
 /// it was.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,

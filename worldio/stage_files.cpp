@@ -1,5 +1,7 @@
 #include "worldio/stage_files.hpp"
 
+#include "worldio/input_file.hpp"
+
 #include <array>
 #include <fstream>
 #include <system_error>
@@ -31,7 +33,7 @@ std::filesystem::path tidied(const std::filesystem::path& path) {
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  if (!is_file(path)) return {};
+  if (!unreadable(path, k_most_input_bytes).empty()) return {};
   std::ifstream in(path, std::ios::binary);
   if (!in) return {};
   std::string text;

@@ -112,7 +112,7 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   }
   if (!is_the_ranger)
     read("pose", [&](const StageProperty& property) {
-      const auto given = values_.pose(property);
+      const auto given = values_.pose_in_device(property);
       pose_sensor_transducer = given.value_or(pose_sensor_transducer);
       return given.has_value();
     });

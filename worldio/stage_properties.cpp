@@ -23,6 +23,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "StageWorld.PosesTakeTheFilesUnits"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error",
      "StageWorld.PosesTakeTheFilesUnits"},
+    {"world", "wrap_headings", honoured,
+     "an addition: 0 keeps headings of transducers and bumpers beyond half a turn as they are, which Stage "
+     "wraps",
+     "StageWorld.HeadingsInDevicesAreWrappedUnlessTheWorldSaysNo"},
     {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given",
      "StageWorld.TakesItsPropertiesFromTheTopLevel"},
     {"world", "resolution", honoured,

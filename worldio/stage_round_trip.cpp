@@ -100,8 +100,6 @@ void RoundTrip::check_params(Where where, std::string_view owner, const Record& 
   for (std::size_t i = 0; i < table.fields.size() && i < a.size() && i < b.size(); ++i) {
     const engine::Field& field = table.fields[i];
     if (same_bits(a[i], b[i])) continue;
-    if (field.name == "heading" && is_turned(where, std::string(owner), a[i].number(), b[i].number()))
-      continue;
     const bool is_block = field.type == engine::FieldType::record || field.type == engine::FieldType::records;
     if (is_block && a[i].given() && b[i].given() && a[i].records().size() == b[i].records().size())
       for (std::size_t k = 0; k < a[i].records().size(); ++k)

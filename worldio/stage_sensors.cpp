@@ -64,7 +64,7 @@ bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& 
   for (std::int64_t k = 0; k < *count; ++k) {
     Record pose = engine::pose_fields().defaults();
     if (const StageProperty* property = model.find(document_, fmt::format("bpose[{}]", k))) {
-      const auto given = values_.pose(*property);
+      const auto given = values_.pose_in_device(*property);
       if (!given) return false;
       pose = {given->x, given->y, given->z, given->heading};
     }

@@ -118,7 +118,13 @@ std::optional<std::vector<double>> StageValues::tuple(const StageProperty& prope
   return out;
 }
 
-std::optional<Pose> StageValues::pose(const StageProperty& property) {
+std::optional<Pose> StageValues::pose(const StageProperty& property) { return pose(property, true); }
+
+std::optional<Pose> StageValues::pose_in_device(const StageProperty& property) {
+  return pose(property, wraps_headings_);
+}
+
+std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wrapped) {
   const auto v = tuple(property, 3, 4, "[x y z heading]");
   if (!v) return {};
   if (v->size() == 3)
@@ -133,7 +139,8 @@ std::optional<Pose> StageValues::pose(const StageProperty& property) {
                                          key(property), k_world_limit / 1000));
       return {};
     }
-  return Pose{(*v)[0] * length_, (*v)[1] * length_, z * length_, wrap_angle(v->back() * angle_)};
+  const double heading = v->back() * angle_;
+  return Pose{(*v)[0] * length_, (*v)[1] * length_, z * length_, is_wrapped ? wrap_angle(heading) : heading};
 }
 
 std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, double default_height) {

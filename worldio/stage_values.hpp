@@ -25,6 +25,7 @@ class StageValues {
 
   /// Factors to metres and radians, from then on.
   void set_units(double length, double angle) { length_ = length, angle_ = angle; }
+  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
 
@@ -58,6 +59,8 @@ class StageValues {
 
   /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi]. At most 100 km away.
   std::optional<Pose> pose(const StageProperty& property);
+  /// The same of a transducer or a bumper in its device's frame: wrapped unless set_wraps_headings(false).
+  std::optional<Pose> pose_in_device(const StageProperty& property);
   /// [x y z], each 0 or above and at most 200 km, or the older [x y]. Whether 0 will do is the caller's
   /// matter.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
@@ -67,12 +70,14 @@ class StageValues {
 
  private:
   std::optional<double> number(const StageProperty& property, const StageToken& token);
+  std::optional<Pose> pose(const StageProperty& property, bool is_wrapped);
   bool first_time(Where where, const std::string& message);
 
   const StageDocument& document_;
   Diagnostics& diagnostics_;
   double length_ = 1;
   double angle_ = radians(1);
+  bool wraps_headings_ = true;
   std::set<std::tuple<std::uint32_t, std::uint32_t, std::string>> reported_;
 };
 

@@ -277,6 +277,8 @@ void StageWorld::read_world() {
   const double length = choose("unit_length", {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}});
   const double angle = choose("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
   values_.set_units(length, angle);
+  if (const StageProperty* property = document_.world_property("wrap_headings"))
+    values_.set_wraps_headings(values_.flag(*property).value_or(true));
 
   if (const StageProperty* property = document_.world_property("interval_sim"))
     if (const auto ms = values_.number(*property)) {

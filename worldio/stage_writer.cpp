@@ -31,6 +31,30 @@ std::string word_of(const std::string& name) {
   return word.empty() ? "type" : word;
 }
 
+/// Whether a heading in a record, or below it, is beyond half a turn: Stage would wrap it.
+bool has_wide_heading(const engine::Record& record, const engine::FieldTable& table) {
+  for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i) {
+    const engine::Field& field = table.fields[i];
+    if (!record[i].given()) continue;
+    if (field.record) {
+      for (const engine::Record& below : record[i].records())
+        if (has_wide_heading(below, *field.record)) return true;
+    } else if (field.name == "heading" && std::abs(record[i].number()) > k_pi) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool has_wide_heading(const WorldSpec& spec, const engine::Registry& registry) {
+  for (const TypeSpec& type : spec.types)
+    for (const engine::DeviceSpec& device : type.devices)
+      if (const engine::DeviceKind* kind = registry.device(device.kind);
+          kind && has_wide_heading(device.params, kind->params))
+        return true;
+  return false;
+}
+
 class WorldText {
  public:
   WorldText(const WorldSpec& spec, const std::filesystem::path& file, const JsonNode* document,
@@ -107,6 +131,7 @@ void WorldText::write_settings() {
   if (!spec_.title.empty()) text_.text("name", spec_.title);
   text_.text("unit_length", "m");
   text_.text("unit_angle", "radians");
+  if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
   const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };  // whole microseconds
   text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
   text_.at(where_of("quit_time_s"));

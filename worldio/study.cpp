@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 #include "engine/fields.hpp"
 #include "worldio/fields_json.hpp"
+#include "worldio/input_file.hpp"
 #include "worldio/json_document.hpp"
 #include "worldio/json_reader.hpp"
 #include "worldio/json_text.hpp"
@@ -336,8 +337,8 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
   const Where start{diagnostics.files()->add(file.string()), 0};
   const auto text = read_file(file);
   if (!text) {
-    diagnostics.error(start,
-                      std::filesystem::exists(file) ? "the file cannot be read" : "there is no such file");
+    const std::string reason = unreadable(file, k_most_input_bytes);
+    diagnostics.error(start, reason.empty() ? "cannot be read" : reason);
     return {};
   }
   return load_study_text(file, *text, registry, diagnostics);

@@ -1,39 +1,40 @@
 #include "worldio/whole_file.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
+#include "worldio/partial_file.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <span>
+#include <string_view>
 #include <system_error>
 
 namespace troupe::worldio {
+namespace {
 
-void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
-  // A device or a pipe is written into: a rename would put a plain file in its place, for every program.
-  std::error_code ignored;
-  const bool is_special = std::filesystem::is_other(file, ignored);
-  // The process id keeps two programs that write one name out of each other's way.
-  std::filesystem::path partial = file;
-  if (!is_special) partial += fmt::format(".{}.partial", getpid());
-  const auto failed = [&] { return std::system_error(errno, std::generic_category()); };
-
-  std::FILE* const out = std::fopen(partial.c_str(), "wb");
+/// A device or a pipe is written into: a rename would put a plain file in its place, for every program.
+void write_into(const std::filesystem::path& special, std::initializer_list<std::string_view> pieces) {
+  const auto failed = [] { return std::system_error(errno, std::generic_category()); };
+  std::FILE* const out = std::fopen(special.c_str(), "wb");
   if (!out) throw failed();
   const auto write = [out](std::string_view piece) {
     return std::fwrite(piece.data(), 1, piece.size(), out) == piece.size();
   };
   const bool written = std::all_of(pieces.begin(), pieces.end(), write) && std::fflush(out) == 0;
-  const int write_error = errno;
+  const int error = errno;
   const bool closed = std::fclose(out) == 0;
-  if (!written) errno = write_error;
-  const bool renamed = is_special || (written && closed && std::rename(partial.c_str(), file.c_str()) == 0);
-  if (!written || !closed || !renamed) {
-    const int reason = errno;
-    if (!is_special) std::remove(partial.c_str());
-    throw std::system_error(reason, std::generic_category());
-  }
+  if (!written) errno = error;
+  if (!written || !closed) throw failed();
+}
+
+}  // namespace
+
+void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces) {
+  std::error_code ignored;
+  if (std::filesystem::is_other(file, ignored)) return write_into(file, pieces);
+  PartialFile out(file);
+  for (const std::string_view piece : pieces) out.write(std::as_bytes(std::span(piece)));
+  out.commit();
 }
 
 }  // namespace troupe::worldio

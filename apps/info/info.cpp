@@ -9,6 +9,7 @@
 #include "troupe/registry.hpp"
 #include "worldio/checkpoint.hpp"
 #include "worldio/hdf5_superblock.hpp"
+#include "worldio/input_file.hpp"
 #include "worldio/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
@@ -43,11 +44,8 @@ Examples:
 constexpr std::size_t k_start_bytes = 4096;
 
 std::string start_of(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored))
-    throw InputError(fmt::format("{}: error: there is no such file", file.string()));
-  if (fs::is_directory(file, ignored))
-    throw InputError(fmt::format("{}: error: this is a folder", file.string()));
+  if (const std::string reason = worldio::unreadable(file); !reason.empty())
+    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
   std::ifstream stream(file, std::ios::binary);
   std::string start(k_start_bytes, '\0');
   stream.read(start.data(), k_start_bytes);
@@ -57,6 +55,8 @@ std::string start_of(const fs::path& file) {
 }
 
 std::string all_of(const fs::path& file) {
+  if (const std::string reason = worldio::unreadable(file, worldio::k_most_input_bytes); !reason.empty())
+    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad() || !stream.is_open())

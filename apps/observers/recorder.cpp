@@ -49,13 +49,8 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
   }
   if (std::error_code ignored;
       simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
-    if (options.recording.every_s > 0 || !options.recording.fields.empty())
-      throw InputError(fmt::format(
-          "{}: error: the recording is there, and goes on as it was begun: without --record-every and "
-          "--record-fields",
-          file.string()));
     try {
-      return std::make_unique<Recorder>(Recording::resume(file, simulation));
+      return std::make_unique<Recorder>(Recording::resume(file, simulation, options.recording));
     } catch (const std::runtime_error& fault) {
       throw InputError(fault.what());
     }

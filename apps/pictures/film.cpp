@@ -1,5 +1,6 @@
 #include "apps/pictures/film.hpp"
 
+#include "apps/interrupt.hpp"
 #include "apps/outputs.hpp"
 
 #include <fcntl.h>
@@ -53,8 +54,12 @@ void check_film(const PictureFiles& pictures) {
 Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::move(film)) {
   const std::string program = find_ffmpeg();
   if (program.empty()) refuse_output(film_, k_no_ffmpeg);
-  partial_ = film_;
-  partial_ += fmt::format(".{}.partial.mp4", getpid());
+  try {
+    partial_.emplace(film_, ".mp4");
+  } catch (const std::system_error& error) {
+    refuse_output(film_, error.code().message());
+  }
+  remove_when_killed(partial_->path());
   // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines.
   start(program, {"ffmpeg",
                   "-y",
@@ -80,16 +85,17 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
                   "yuv420p",
                   "-movflags",
                   "+faststart",
-                  "file:" + partial_.string()});  // "http:film.mp4" is a name here, not a protocol of ffmpeg
+                  "file:" + partial_->path().string()});  // "http:film.mp4" is a name here, not a protocol of ffmpeg
 }
 
 Ffmpeg::~Ffmpeg() {
-  if (process_ < 0) return;
-  close_if_open(pipe_);
-  kill(process_, SIGTERM);
-  wait();
-  std::error_code ignored;
-  fs::remove(partial_, ignored);
+  if (process_ >= 0) {
+    close_if_open(pipe_);
+    kill(process_, SIGTERM);
+    wait();
+  }
+  partial_.reset();
+  remove_when_killed({});
 }
 
 void Ffmpeg::start(const std::string& program, const std::vector<std::string>& arguments) {
@@ -106,7 +112,10 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
     const int nothing = open("/dev/null", O_WRONLY);
     dup2(ends[0], STDIN_FILENO);
     dup2(nothing, STDOUT_FILENO);
-    for (int file = STDERR_FILENO + 1; file <= k_last_open_file; ++file) close(file);
+    // With the lock on the film: ffmpeg may outlive this process for a moment, and still write.
+    for (int file = STDERR_FILENO + 1; file <= k_last_open_file; ++file)
+      if (file != partial_->descriptor()) close(file);
+    fcntl(partial_->descriptor(), F_SETFD, 0);
     execv(program.c_str(), words.data());
     _exit(127);
   }
@@ -139,24 +148,21 @@ int Ffmpeg::wait() {
 void Ffmpeg::fail() {
   close_if_open(pipe_);
   const int code = process_ >= 0 ? wait() : 0;
-  std::error_code ignored;
-  fs::remove(partial_, ignored);
   throw std::runtime_error(
       fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
 }
 
 void Ffmpeg::finish() {
   close_if_open(pipe_);
-  if (const int code = wait(); code != 0) {
-    std::error_code ignored;
-    fs::remove(partial_, ignored);
+  if (const int code = wait(); code != 0)
     throw std::runtime_error(
         fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
+  try {
+    partial_->commit();
+  } catch (const std::system_error& error) {
+    throw std::runtime_error(
+        fmt::format("{}: error: writing failed: {}", film_.string(), error.code().message()));
   }
-  std::error_code fault;
-  fs::rename(partial_, film_, fault);
-  if (fault)
-    throw std::runtime_error(fmt::format("{}: error: writing failed: {}", film_.string(), fault.message()));
 }
 
 }  // namespace troupe::apps

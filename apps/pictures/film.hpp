@@ -1,10 +1,12 @@
 #pragma once
 
 #include "apps/pictures/picture_options.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,7 +14,8 @@
 namespace troupe::apps {
 
 /// A film that ffmpeg, a process of its own, makes of pictures. It is written beside its name and renamed
-/// when it is whole; a film that is not finished leaves nothing.
+/// when it is whole; a film that is not finished leaves nothing, unless the program is killed by SIGKILL: the
+/// next film of the name then takes the place of what it left.
 class Ffmpeg {
  public:
   /// Throws OutputError where there is no ffmpeg, with the package to install.
@@ -33,7 +36,7 @@ class Ffmpeg {
   int wait();
 
   std::filesystem::path film_;
-  std::filesystem::path partial_;
+  std::optional<worldio::PartialFile> partial_;
   int pipe_ = -1;
   int process_ = -1;
 };

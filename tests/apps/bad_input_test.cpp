@@ -1,5 +1,9 @@
 #include "tests/apps/program.hpp"
+#include "worldio/hdf5_file.hpp"
 
+#include <sys/stat.h>
+
+#include <filesystem>
 #include <ostream>
 
 namespace troupe::apps {
@@ -216,6 +220,66 @@ TEST_F(NoWorld, IsNamed) {
 TEST_F(NoWorld, EveryErrorOfAWorldIsReportedAtOnce) {
   write("bad.json", json_world("\"count\": 5", "\"cuont\": 5, \"colour\": 1"));
   EXPECT_GE(lines_of(troupe({"run", "bad.json", "--for", "1"}).err).size(), 2u);
+}
+
+/// Every command that reads a file, with this one.
+std::vector<std::vector<std::string>> commands_with(const std::string& file) {
+  std::vector<std::vector<std::string>> commands{{"run", file, "--for", "1"},
+                                                 {"check", file, "--for", "1"},
+                                                 {"lint", file},
+                                                 {"convert", file, "out.json"},
+                                                 {"render", file, "-o", "p.png"},
+                                                 {"info", file},
+                                                 {"sweep", file, "-o", "out"},
+                                                 {"diff", file, file}};
+  if (worldio::has_hdf5())
+    for (const char* command : {"replay", "repair", "resume"}) commands.push_back({command, file});
+  return commands;
+}
+
+class NoRegularFile : public ProgramTest {
+ protected:
+  void refused(const std::string& file, const std::string& reason) {
+    for (const std::vector<std::string>& command : commands_with(file)) {
+      const Outcome outcome = troupe(command);
+      EXPECT_EQ(outcome.code, 2) << command.front() << ' ' << file;
+      EXPECT_EQ(outcome.err.substr(0, outcome.err.find('\n') + 1), file + ": error: " + reason + "\n")
+          << command.front();
+      EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+    }
+  }
+};
+
+TEST_F(NoRegularFile, IsRefusedByEveryCommandAtOnce) {
+  ASSERT_EQ(mkfifo(path("pipe.world").c_str(), 0600), 0);
+  refused("pipe.world", "this is a pipe, no regular file");
+  std::filesystem::create_symlink("loop.json", path("loop.json"));
+  refused("loop.json", "cannot be read: Too many levels of symbolic links");
+  std::filesystem::create_symlink("/dev/zero", path("zero.json"));
+  refused("zero.json", "this is a device, no regular file");
+  std::filesystem::create_directory(path("folder.json"));
+  refused("folder.json", "this is a folder");
+  EXPECT_THAT(files(), ::testing::ElementsAre("folder.json", "loop.json", "pipe.world", "zero.json"));
+}
+
+TEST_F(NoRegularFile, IsNoOutputOfARecordingOrALogEither) {
+  write("room.world", k_room);
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("loop", path("loop"));
+  std::vector<std::vector<std::string>> outputs{{"--hash-log", "loop"}, {"--measures", "loop"}};
+  if (worldio::has_hdf5()) {
+    outputs.push_back({"--record", "pipe", "--force"});
+    outputs.push_back({"--record", "loop"});
+    outputs.push_back({"--checkpoint", "pipe", "--force"});
+  }
+  for (const std::vector<std::string>& output : outputs) {
+    std::vector<std::string> command{"run", "room.world", "--for", "1", "--quiet"};
+    command.insert(command.end(), output.begin(), output.end());
+    const Outcome outcome = troupe(command);
+    EXPECT_EQ(outcome.code, 2) << output[0] << ' ' << output[1] << outcome.err;
+    EXPECT_THAT(outcome.err, StartsWith(output[1] + ": error: "));
+    EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  }
 }
 
 }  // namespace

@@ -51,6 +51,16 @@ TEST_F(ConvertCommand, SaysInALineWhatItWrote) {
   EXPECT_EQ(hashes("again.world"), log);
 }
 
+TEST_F(ConvertCommand, WorldsWithHeadingsBeyondHalfATurnHaveOneLogInBothFormats) {
+  const std::string worlds = std::string(TROUPE_SOURCE_DIR) + "/worlds/";
+  ASSERT_EQ(troupe({"convert", worlds + "crowd.json", "crowd.world"}).code, 0);
+  EXPECT_EQ(hashes("crowd.world"), hashes(worlds + "crowd.json"));
+  const std::vector<std::string> few{"--set", "/populations/0/count=30"};
+  ASSERT_EQ(troupe({"convert", worlds + "hospital.json", "few.json", few[0], few[1]}).code, 0);
+  ASSERT_EQ(troupe({"convert", worlds + "hospital.json", "few.world", few[0], few[1]}).code, 0);
+  EXPECT_EQ(hashes("few.world"), hashes("few.json"));
+}
+
 TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
   write("w.world", k_world);
   write("w.json", "mine");

@@ -123,6 +123,20 @@ TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
   }
 }
 
+TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  const std::string world = std::string(TROUPE_SOURCE_DIR) + "/worlds/gradient.json";  // hops by LEDs
+  ASSERT_EQ(troupe({"run", world, "--for", "5", "--quiet", "--record", "g.h5"}).code, 0);
+  ASSERT_EQ(draw({world, "--at", "5", "--layers=-stalls"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({world, "--at", "0", "--layers=-stalls"}).code, 0);
+  const std::string at_first = pixels("p.png");
+  ASSERT_EQ(draw({"g.h5", "--layers=-stalls"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+  ASSERT_EQ(draw({"g.h5", "--at", "0", "--layers=-stalls"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), at_first);
+}
+
 TEST_F(Render, ARecordingCanBeFilmed) {
   record();
   if (IsSkipped()) return;

@@ -257,7 +257,31 @@ TEST_F(Resume, ARecordingGoesOnWithoutAGapOrARepeat) {
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("same"));
   good({"resume", "c.h5", "--for", "4", "--record", "later.h5"});
-  EXPECT_EQ(troupe(with({"resume", "c.h5", "--for", "4", "--record", "r.h5"})).code, 2);
+}
+
+TEST_F(Resume, OptionsOfARecordingMayBeRepeatedButNotChanged) {
+  const std::vector<std::string> resume{"resume", "c.h5", "--for", "4", "--record", "r.h5"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  const std::vector<std::string> record{"--record-every", "0.3", "--record-fields", "pose,stall"};
+  good(with({"run", "room.world", "--for", "2", "--record", "r.h5", "--checkpoint", "c.h5"}, record));
+  good(with(resume, record));
+  good(with({"run", "room.world", "--for", "4", "--record", "straight.h5"}, record));
+  EXPECT_EQ(troupe({"diff", "straight.h5", "r.h5"}).code, 0);
+
+  const std::string before = read("r.h5");
+  const Outcome every = troupe(with(resume, {"--record-every", "0.2"}));
+  EXPECT_EQ(every.code, 2);
+  EXPECT_EQ(
+      every.err,
+      "r.h5: error: the recording has a frame every 0.3 s, and goes on so: --record-every asks for 0.2 s\n");
+  const Outcome fields = troupe(with(resume, {"--record-fields", "pose"}));
+  EXPECT_EQ(fields.code, 2);
+  EXPECT_EQ(fields.err,
+            "r.h5: error: the recording is of pose,stall, and goes on so: --record-fields asks for pose\n");
+  EXPECT_EQ(read("r.h5"), before);
 }
 
 TEST_F(Resume, ARecordingWhoseRunWasKilledGoesOn) {

@@ -337,16 +337,29 @@ TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
   EXPECT_THAT(found, ElementsAre(HasSubstr("an extent other than that of its outline")));
 }
 
-TEST_F(ConvertTest, HeadingsBeyondHalfATurnAreAWarning) {
+TEST_F(ConvertTest, HeadingsBeyondHalfATurnComeBackAsTheyWere) {
   const fs::path json = write("w.json", R"({"troupe": 1, "types": {
-    "bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
-      {"pose": {"heading_deg": 210}}, {"pose": {"heading_deg": 330}}]}]}},
+    "bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [
+      {"name": "eye", "kind": "ranger", "transducers": [
+        {"pose": {"heading_deg": 210}}, {"pose": {"heading_deg": 330}}, {"pose": {"heading_deg": -345}}]},
+      {"name": "skin", "kind": "bumper", "bumpers": [{"pose": {"x_m": -0.15, "heading_deg": 270}, "length_m": 0.2}]}]}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_THAT(content(folder_ / "w.world"), HasSubstr("wrap_headings 0"));
+}
+
+TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [
+      {"name": "eye", "kind": "ranger", "pose": {"heading_deg": 210}, "transducers": [{}]}]}},
   "models": [{"name": "r", "type": "bot"}]})");
   convert(json, "w.world");
   EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings,
-              ElementsAre(HasSubstr("w.json:2: warning: type \"bot\": device \"eye\" transducers pose: "
-                                    "Stage has headings within half a turn")));
+              ElementsAre(HasSubstr("w.json:2: warning: type \"bot\": device \"eye\": Stage has headings "
+                                    "within half a turn")));
 }
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {

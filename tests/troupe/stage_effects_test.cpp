@@ -50,6 +50,10 @@ constexpr Effect k_effects[] = {
     {"world", "quit_time", "@", "quit_time 7", loaded},
     {"world", "unit_length", "@ mover( pose [1 0 0 0] )", "unit_length \"cm\""},
     {"world", "unit_angle", "@ mover( pose [0 0 0 1] )", "unit_angle \"radians\""},
+    {"world", "wrap_headings",
+     "@ position( size [0.2 0.2 0.2] ctrl \"expand\" ranger( sensor( pose [0 0 0 190] )\n"
+     "  sensor( pose [0 0 0 250] ) sensor( pose [0 0 0 340] ) ) ) model( pose [-2 0 0 0] )",
+     "wrap_headings 0"},
     {"world", "show_clock", "@", "show_clock 1", loaded},
     {"world", "show_clock_interval", "@", "show_clock_interval 10", loaded},
     {"world", "speedup", "@", "speedup 4", loaded},

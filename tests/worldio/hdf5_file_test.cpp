@@ -238,6 +238,38 @@ TEST_F(Hdf5, ADatasetThatCannotBeTrueIsNotAllocated) {
   EXPECT_THAT(error_of([&] { x.read<double>(); }), HasSubstr("/x is larger than the file"));
 }
 
+std::size_t resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t total = 0;
+  std::size_t resident = 0;
+  statm >> total >> resident;
+  return resident * 4096;
+}
+
+// What was written stays in no cache: HDF5's own would hold 1 MiB of each dataset.
+TEST_F(Hdf5, WritingForLongTakesNoMoreMemory) {
+  constexpr std::size_t k_datasets = 60;
+  constexpr std::size_t k_row_bytes = 8192;
+  Hdf5File file = Hdf5File::create(file_);
+  std::vector<Hdf5Dataset> datasets;
+  for (std::size_t d = 0; d < k_datasets; ++d)
+    datasets.push_back(
+        file.create_extendible(std::to_string(d), Element::u8, {k_row_bytes}, {.extent = {1, k_row_bytes}}));
+  file.start_swmr();
+  const std::vector<std::uint8_t> row(k_row_bytes, 7);
+  const auto write = [&](int rows) {
+    for (int r = 0; r < rows; ++r)
+      for (Hdf5Dataset& dataset : datasets) {
+        dataset.append(std::span<const std::uint8_t>(row));
+        dataset.flush();
+      }
+  };
+  write(10);
+  const std::size_t before = resident_bytes();
+  write(100);  // 48 MB
+  EXPECT_LT(resident_bytes(), before + (std::size_t{12} << 20));
+}
+
 TEST_F(Hdf5, NamesAreOneStep) {
   EXPECT_EQ(hdf5_name("ranger:0"), "ranger:0");
   EXPECT_EQ(hdf5_name("/x%"), "%2Fx%25");

@@ -1,6 +1,7 @@
 #include "worldio/recording_reader.hpp"
 
 #include "tests/support/scratch.hpp"
+#include "tests/worldio/recording_by_hand.hpp"
 #include "worldio/hdf5_superblock.hpp"
 #include "worldio/recording_repair.hpp"
 #include "worldio/recording_writer.hpp"
@@ -9,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -21,64 +21,12 @@ using engine::Element;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A recording written by hand, from the layout as docs/recordings.md tells it.
-struct ByHand {
-  std::string kind = "troupe recording";
-  std::int64_t layout = 1;
-  std::int64_t every = 2;
-  std::vector<std::uint32_t> ids = {1, 3, 4};
-  std::vector<std::string> types = {"bot", "cart", "bot"};
-  std::vector<std::string> names = {"a", "b", "c"};
-  std::vector<std::uint64_t> ticks = {0, 2, 4};
-  std::size_t times = 3;
-  std::size_t x_frames = 3;
-  std::vector<std::size_t> x_row = {3, 1};
-  std::size_t sensor_rows = 2;
-  bool with_frames = true;
-
-  template <class T>
-  static void array(Hdf5Group group, const std::string& name, std::size_t frames,
-                    std::vector<std::size_t> row) {
-    std::vector<std::size_t> chunk = {4};
-    chunk.insert(chunk.end(), row.begin(), row.end());
-    Hdf5Dataset dataset = group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk});
-    dataset.set_text("unit", "m");
-    dataset.set_text("frame", "world");
-    dataset.set_text("text", "a number");
-    std::vector<T> values(frames * dataset.row_values());
-    std::iota(values.begin(), values.end(), T(0));
-    dataset.append(std::span<const T>(values));
-  }
-
-  void write(const fs::path& name) const {
-    Hdf5File file = Hdf5File::create(name);
-    Hdf5Group meta = file.create_group("meta");
-    meta.set_text("kind", kind);
-    meta.set_integer("layout", layout);
-    meta.set_integer("record_every_ticks", every);
-    meta.set_text("seed", "5");
-    file.write_text("world", "{}");
-    Hdf5Group bodies = file.create_group("bodies");
-    bodies.write("id", std::span<const std::uint32_t>(ids));
-    bodies.write_texts("type", types);
-    bodies.write_texts("name", names);
-    array<double>(file.create_group("state").create_group("pose"), "x", x_frames, x_row);
-    array<float>(file.create_group("sensors").create_group("bot").create_group("eye"), "ranges", 3,
-                 {sensor_rows, 2});
-    if (!with_frames) return;
-    Hdf5Group frames = file.create_group("frames");
-    frames.write("tick", std::span<const std::uint64_t>(ticks));
-    frames.write("time_s", std::span<const double>(std::vector<double>(times, 0.5)));
-    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>(ticks.size(), 9)));
-  }
-};
-
 class Reader : public test::ScratchTest {
  protected:
   void SetUp() override {
     if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
   }
-  std::string error_of(const ByHand& recording) {
+  std::string error_of(const RecordingByHand& recording) {
     recording.write(file_);
     try {
       RecordingReader reader(file_);
@@ -93,7 +41,7 @@ class Reader : public test::ScratchTest {
 };
 
 TEST_F(Reader, ReadsWhatStandsInTheLayout) {
-  ByHand().write(file_);
+  RecordingByHand().write(file_);
   const RecordingReader recording(file_);
   EXPECT_EQ(recording.every_ticks(), 2u);
   EXPECT_EQ(recording.meta().at("seed"), "5");
@@ -112,8 +60,8 @@ TEST_F(Reader, ReadsWhatStandsInTheLayout) {
 }
 
 TEST_F(Reader, CountsWholeFramesOnly) {
-  for (const ByHand& recording :
-       {ByHand{.ticks = {0, 2, k_no_tick}}, ByHand{.times = 2}, ByHand{.x_frames = 2}}) {
+  for (const RecordingByHand& recording : {RecordingByHand{.ticks = {0, 2, k_no_tick}},
+                                           RecordingByHand{.times = 2}, RecordingByHand{.x_frames = 2}}) {
     recording.write(file_);
     EXPECT_EQ(RecordingReader(file_).frames(), 2u);
   }
@@ -165,7 +113,7 @@ TEST_F(Reader, TheHeadSaysWhetherAWriterHasTheFile) {
 }
 
 TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {
-  ByHand{.kind = "another"}.write(file_);
+  RecordingByHand{.kind = "another"}.write(file_);
   const std::string before = content(file_);
   EXPECT_THROW(repair_recording(file_), Hdf5Error);
   EXPECT_EQ(content(file_), before);

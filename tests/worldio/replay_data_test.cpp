@@ -85,6 +85,31 @@ class Replay : public test::ScratchTest {
   }
 };
 
+TEST_F(Replay, ShownColoursAndLightsAreRecordedWithPoses) {
+  const char* const world = R"({
+    "troupe": 1,
+    "types": {
+      "bot": {"size_m": [0.3, 0.2, 0.2], "drive": {"kind": "diff"}, "color": "blue",
+              "devices": [{"name": "light", "kind": "blinkenlight"},
+                          {"name": "lamp", "kind": "led", "shows": [0, 0.5, 1]},
+                          {"name": "other", "kind": "led", "shows": [1, 1, 1]}]}
+    },
+    "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"x_m": 1}}]
+  })";
+  const RecordingReader recording(record(0.2, {}, world));
+  std::vector<std::string> names;
+  for (const RecordingReader::Array& array : recording.arrays())
+    if (array.component != "pose") names.push_back(array.component + "/" + array.field.name);
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("sensors/bot/lamp/shown_color", "sensors/bot/light/lit",
+                                                     "sensors/bot/other/shown_color"));
+  EXPECT_EQ(recorded_scene(recording).types.back().shown_color, "sensors/bot/lamp");
+
+  const Unpacked page = unpacked(replay_data(recording, {.fields = {"pose"}}).bytes);
+  EXPECT_EQ(page.header["types"].back()["shown_color"], "sensors/bot/lamp");
+  ASSERT_EQ(page.header["fields"].size(), 2u);  // both LEDs: the first is the one to draw
+  EXPECT_EQ(page.header["fields"][0]["name"], "shown_color");
+}
+
 TEST_F(Replay, TheSceneIsThatOfTheWorld) {
   const RecordingReader recording(record(0.2));
   const RecordedScene scene = recorded_scene(recording);

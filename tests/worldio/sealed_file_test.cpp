@@ -2,10 +2,13 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "tests/support/scratch.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <span>
@@ -109,6 +112,54 @@ TEST_F(SealedFile, AFullDiskLeavesTheFileBefore) {
   EXPECT_EQ(fault, file_.string() + ": error: cannot be written: File too large");
   EXPECT_EQ(content(file_), before);
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+}
+
+TEST_F(SealedFile, TwoWritersOfOneFileDoNotWriteIntoEachOther) {
+  const PartialFile one(file_);
+  EXPECT_EQ(one.path(), file_.string() + ".partial");
+  {
+    const PartialFile other(file_);
+    EXPECT_EQ(other.path(), file_.string() + ".2.partial");
+    seal("whole");  // a third
+    EXPECT_EQ(fault_of(content(file_)), "");
+    EXPECT_TRUE(fs::exists(one.path()));
+    EXPECT_TRUE(fs::exists(other.path()));
+  }
+  EXPECT_FALSE(fs::exists(file_.string() + ".2.partial"));
+  EXPECT_FALSE(fs::exists(file_.string() + ".3.partial"));
+}
+
+TEST_F(SealedFile, ManyWritersOfOneFileLeaveAWholeOne) {
+  constexpr int k_writers = 4;
+  std::vector<pid_t> writers;
+  for (int w = 0; w < k_writers; ++w) {
+    const pid_t child = fork();
+    if (child == 0) {
+      try {
+        for (int i = 0; i < 20; ++i) seal(std::string(200000, static_cast<char>('a' + w)));
+        _exit(0);
+      } catch (...) {
+        _exit(1);
+      }
+    }
+    writers.push_back(child);
+  }
+  for (const pid_t writer : writers) {
+    int status = 0;
+    waitpid(writer, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_EQ(fault_of(content(file_)), "");
+  fs::remove(folder_ / "b.kept");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "leftovers";
+}
+
+TEST_F(SealedFile, TakesTheNameThatALinkOrAFolderHasForAnother) {
+  fs::create_directory(file_.string() + ".partial");
+  fs::create_symlink("elsewhere", file_.string() + ".2.partial");
+  seal("new");
+  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_FALSE(fs::exists(folder_ / "elsewhere"));
 }
 
 TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {

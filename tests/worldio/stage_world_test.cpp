@@ -469,6 +469,15 @@ TEST_F(StageWorld, PosesTakeTheFilesUnits) {
   EXPECT_NEAR(load("model( pose [0 0 0 270] )").bodies[1].pose_world_body.heading, -k_pi / 2, 1e-15);
 }
 
+TEST_F(StageWorld, HeadingsInDevicesAreWrappedUnlessTheWorldSaysNo) {
+  const std::string robot = "unit_angle \"radians\"\nposition( ranger( sensor( pose [0 0 0 6] ) ) )";
+  EXPECT_EQ(transducer_pose(type_of(load(robot), 1).devices[0], 0, "heading"), wrap_angle(6));
+  EXPECT_EQ(transducer_pose(type_of(load("wrap_headings 1\n" + robot), 1).devices[0], 0, "heading"),
+            wrap_angle(6));
+  EXPECT_EQ(transducer_pose(type_of(load("wrap_headings 0\n" + robot), 1).devices[0], 0, "heading"), 6);
+  EXPECT_THAT(messages(), IsEmpty());
+}
+
 TEST_F(StageWorld, OldTuplesAreReadWithAWarning) {
   const auto spec = load("model( pose [1 2 90] size [3 4] origin [0.5 0 0] )");
   EXPECT_THAT(

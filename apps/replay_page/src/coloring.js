@@ -57,7 +57,8 @@ export class Coloring {
 
   /** What is to be unpacked for it beside poses. */
   get fields() {
-    return this.choice.field === undefined ? [] : [this.choice.field];
+    const { field } = this.choice;
+    return field === undefined ? this.recording.shown : [...this.recording.shown, field];
   }
 
   get range() {
@@ -71,14 +72,15 @@ export class Coloring {
     return this.recording.header.fields[this.choice.field].step;
   }
 
-  /** New colours, three bytes a robot, or null: those of the world. Undefined: as before, or not unpacked yet. */
+  /** New colours, three bytes a robot. Undefined: as before, or not unpacked yet. */
   tintsOf(frame) {
     const isOwn = this.choice.field === undefined && !this.choice.speed;
-    const wanted = isOwn ? "own" : frame;
+    const wanted = isOwn && this.recording.shown.length === 0 ? "own" : frame; // "own": they never change
     if (this.done === wanted) return undefined;
+    if (!this.recording.colorsInto(frame, this.tints)) return undefined;
     if (!isOwn && !(this.choice.speed ? this.bySpeed(frame) : this.byField(frame))) return undefined;
     this.done = wanted;
-    return isOwn ? null : this.tints;
+    return this.tints;
   }
 
   byField(frame) {
@@ -108,9 +110,7 @@ export class Coloring {
 
   /** Grey are robots without a value; what does not drive keeps its colour then. */
   shade(r, share) {
-    const { mobile, own } = this.recording;
-    if (share === share || mobile[r]) return shadeInto(share, this.tints, 3 * r);
-    for (let c = 3 * r; c < 3 * r + 3; c++) this.tints[c] = own[c];
+    if (share === share || this.recording.mobile[r]) shadeInto(share, this.tints, 3 * r);
   }
 
   bySpeed(frame) {

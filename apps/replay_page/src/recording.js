@@ -30,6 +30,10 @@ export class Recording {
     this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
     this.present = this.movers; // of these, in the frame that posesInto wrote last
     this.fieldRows = header.fields.map((field) => fieldRows(field, this.robots));
+    // Fields with the colours that bodies show, each of the bodies of one type.
+    this.shown = header.types
+      .filter((type) => type.shown_color)
+      .map((type) => header.fields.findIndex((field) => field.component === type.shown_color && field.name === "shown_color"));
   }
 
   get frames() {
@@ -79,6 +83,25 @@ export class Recording {
     const field = this.header.fields[index];
     const steps = found.values[found.at + row * field.columns + column];
     return steps === 0 ? NaN : field.min + (steps - 1) * field.step;
+  }
+
+  /** Writes the colour of every robot, three bytes each: the one that it shows, else that of the world. False where they are not unpacked yet. */
+  colorsInto(frame, out) {
+    const found = this.shown.map((index) => this.field(index, frame)); // asks for all of them
+    if (!found.every(Boolean)) return false;
+    out.set(this.own);
+    this.shown.forEach((index, s) => {
+      const { min, step } = this.header.fields[index];
+      const { of } = this.fieldRows[index];
+      const { values, at } = found[s];
+      for (let r = 0; r < this.robots; r++) {
+        if (of[r] < 0) continue;
+        const from = at + 3 * of[r];
+        if (values[from] === 0) continue; // it is not there
+        for (let c = 0; c < 3; c++) out[3 * r + c] = Math.round(255 * (min + (values[from + c] - 1) * step));
+      }
+    });
+    return true;
   }
 
   /** Writes x, y, z, heading of every robot, between two frames; false where they are not unpacked yet. */

@@ -1,0 +1,130 @@
+#include "worldio/partial_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace troupe::worldio {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int k_most_writers = 1000;  // of one file at one time
+constexpr mode_t k_mode = 0666;       // of a new file, less what the user's umask takes away
+
+void check(std::int64_t result) {
+  if (result < 0) throw std::system_error(errno, std::generic_category());
+}
+
+/// Whether an error of open() is about what has this name already, so that another name may do.
+bool is_of_the_name(int error) {
+  return error == EACCES || error == EPERM || error == EISDIR || error == ELOOP || error == ENXIO ||
+         error == EEXIST;
+}
+
+/// Whether a name still is that of an open file: its writer may have given it its own, or removed it.
+bool is_called(int descriptor, const fs::path& name) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(descriptor, &opened) == 0 && lstat(name.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+bool is_regular(int descriptor) {
+  struct stat opened {};
+  return fstat(descriptor, &opened) == 0 && S_ISREG(opened.st_mode);
+}
+
+}  // namespace
+
+PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::move(file)) {
+  std::error_code ignored;
+  if (fs::is_directory(file_, ignored))
+    throw std::system_error(std::make_error_code(std::errc::is_a_directory));
+  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // it would be one from then on
+    throw std::system_error(std::make_error_code(std::errc::not_supported));
+  for (int n = 1; n <= k_most_writers; ++n) {
+    const std::string number = n == 1 ? "" : fmt::format(".{}", n);
+    const auto called = [&](const std::string& middle) {
+      return fs::path(file_).concat(fmt::format("{}{}.partial{}", middle, number, ending));
+    };
+    const Taken taken = take(called(""));
+    if (taken == Taken::yes) return;
+    if (taken == Taken::no) continue;
+    partial_ = called(fmt::format(".{}", getpid()));
+    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, k_mode);
+    if (descriptor_ >= 0) return;
+    if (!is_of_the_name(errno)) check(-1);
+  }
+  check(-1);
+}
+
+PartialFile::~PartialFile() {
+  if (descriptor_ < 0) return;
+  unlink(partial_.c_str());  // before the lock goes
+  close(descriptor_);
+}
+
+PartialFile::Taken PartialFile::take(const fs::path& partial) {
+  for (;;) {
+    const int descriptor =
+        open(partial.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, k_mode);
+    if (descriptor < 0) {
+      if (!is_of_the_name(errno)) check(-1);
+      return Taken::no;
+    }
+    const auto give_up = [descriptor](Taken taken) {
+      const int error = errno;
+      close(descriptor);
+      errno = error;
+      return taken;
+    };
+    if (!is_regular(descriptor)) return give_up(Taken::no);
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+      if (errno == EWOULDBLOCK) return give_up(Taken::no);
+      unlink(partial.c_str());  // where nothing is locked this is nobody's name
+      return give_up(Taken::no_locks);
+    }
+    if (!is_called(descriptor, partial)) {  // its writer came to its end between open() and flock()
+      close(descriptor);
+      continue;
+    }
+    descriptor_ = descriptor;
+    partial_ = partial;
+    try {
+      check(ftruncate(descriptor, 0));
+    } catch (...) {
+      close(descriptor);  // not removed: what it is we do not know
+      throw;
+    }
+    return Taken::yes;
+  }
+}
+
+void PartialFile::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    check(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+void PartialFile::sync() { check(fsync(descriptor_)); }
+
+void PartialFile::commit() {
+  // Some file systems tell only then that there was no room; the lock stays until the file has its name.
+  check(close(dup(descriptor_)));
+  check(std::rename(partial_.c_str(), file_.c_str()));
+  close(std::exchange(descriptor_, -1));
+}
+
+}  // namespace troupe::worldio
