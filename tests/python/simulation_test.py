@@ -195,7 +195,7 @@ print(eight.threads)
 
     def test_a_speed_that_is_no_number_is_told_with_its_robot(self):
         world = troupe.Simulation(ROOM)
-        robot, swarm, poses = world.find("r3"), world.swarm(), world.table("pose")
+        robot, swarm, poses = world.find("r3"), world.swarm("r"), world.table("pose")
         measures, events = troupe.Measures(world, ["stalls"]), troupe.Events(world)
         robot.set_speed(float("nan"), 0)
         with self.assertRaisesRegex(troupe.StepError, '"r3"') as caught:
