@@ -16,15 +16,17 @@ namespace troupe::python {
 
 namespace py = pybind11;
 
-/// Releases the interpreter's lock for as long as it lives. A daemon thread that wants the lock back after
-/// the interpreter has begun to exit waits here until the process ends.
+/// Releases the interpreter's lock for as long as it lives. Once the interpreter exits, a daemon thread stops
+/// in the constructor or the destructor and stays there until the process ends.
 ///
-/// That is what Python 3.14 does by itself. Earlier versions end the thread with pthread_exit(), which
-/// unwinds its stack: through the destructor of pybind11's gil_scoped_release that aborts the process, and
-/// any other frame would give Python's objects back without the lock.
+/// Python 3.13 and before end a daemon thread that wants the lock by then with pthread_exit(), which unwinds
+/// its stack: the destructor of pybind11's gil_scoped_release aborts the process then, and any other frame
+/// would give Python's objects back without the lock. A thread that has not asked for the lock yet would
+/// still step or load a world while the process destroys its static objects: the exit waits until it has
+/// finished that tick, or that world.
 class Unlocked {
  public:
-  Unlocked() : state_(PyEval_SaveThread()) {}
+  Unlocked();
   ~Unlocked();
   Unlocked(const Unlocked&) = delete;
   Unlocked& operator=(const Unlocked&) = delete;
@@ -32,6 +34,10 @@ class Unlocked {
  private:
   PyThreadState* state_;
 };
+
+/// function(argument), for a function that a program gave. A daemon thread that the interpreter ends in it
+/// stops there for good, as in Unlocked.
+py::object call(py::handle function, py::handle argument);
 
 /// A simulation as Python holds it: what Python reads of it keeps it alive.
 ///
@@ -99,6 +105,8 @@ std::span<T> elements(py::array_t<Element>& array) {
 /// What NumPy calls the elements of a field.
 py::dtype dtype_of(engine::Element element);
 
+/// Has the exit of the interpreter wait for other threads: see Unlocked.
+void bind_exit();
 void bind_errors(py::module_& module);
 py::dict dict_of(const Model::Energy& energy);
 void bind_models(py::module_& module);

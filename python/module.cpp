@@ -6,8 +6,10 @@
 
 #include <cxxabi.h>
 #include <fmt/format.h>
+#include <pthread.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -43,18 +45,68 @@ void obey_simd_variable() {
   }
 }
 
+// Of Unlocked.
+std::atomic<int> at_work = 0;  // threads that have released the lock
+std::atomic<bool> is_ending = false;
+pthread_t ending_thread;  // the one that ends the interpreter
+
+bool must_stop() { return is_ending && pthread_equal(pthread_self(), ending_thread) == 0; }
+
+[[noreturn]] void stop_for_good() {
+  for (;;) pause();
+}
+
 }  // namespace
 
+Unlocked::Unlocked() {
+  if (must_stop()) {
+    PyEval_SaveThread();
+    stop_for_good();
+  }
+  ++at_work;  // with the lock: the exit sees it
+  state_ = PyEval_SaveThread();
+}
+
 Unlocked::~Unlocked() {
+  --at_work;
+  at_work.notify_all();
+  if (must_stop()) stop_for_good();
 #ifdef __GLIBCXX__
   try {
     PyEval_RestoreThread(state_);
   } catch (const abi::__forced_unwind&) {
-    for (;;) pause();  // a handler that ends goes on with the unwinding
+    stop_for_good();  // a handler that ends goes on with the unwinding
   }
 #else
   PyEval_RestoreThread(state_);
 #endif
+}
+
+py::object call(py::handle function, py::handle argument) {
+  PyObject* result = nullptr;
+#ifdef __GLIBCXX__
+  try {  // around this call alone: between the two nothing may be unwound
+    result = PyObject_CallFunctionObjArgs(function.ptr(), argument.ptr(), nullptr);
+  } catch (const abi::__forced_unwind&) {
+    stop_for_good();
+  }
+#else
+  result = PyObject_CallFunctionObjArgs(function.ptr(), argument.ptr(), nullptr);
+#endif
+  if (result == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(result);
+}
+
+void bind_exit() {
+  pthread_atfork(nullptr, nullptr, [] { at_work = 0; });  // a child has one thread, which runs Python
+  const auto begin_exit = [] {
+    ending_thread = pthread_self();
+    is_ending = true;
+    PyThreadState* const state = PyEval_SaveThread();
+    for (int others; (others = at_work) > 0;) at_work.wait(others);
+    PyEval_RestoreThread(state);
+  };
+  py::module_::import("atexit").attr("register")(py::cpp_function(begin_exit));
 }
 
 Simulation& Held::use() {
@@ -137,6 +189,7 @@ PYBIND11_MODULE(_core, module) {
              "Version, compiler, flags, instruction set and assertion state, on one line.");
   module.def("processors_allowed", &troupe::partition::processors_allowed,
              "Processors that this thread may use: its affinity mask, and the quota of its control groups.");
+  bind_exit();
   bind_errors(module);
   SimulationClass simulation = bind_simulation(module);
   bind_swarm(module, simulation);

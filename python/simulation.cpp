@@ -123,7 +123,7 @@ py::list callbacks_of(const py::object& self) {
 void step_and_call(const py::object& self, const Holder& held, const py::list& callbacks) {
   held->step(1);
   const Held::Calling calling(*held);
-  for (const py::handle callback : callbacks) callback(self);
+  for (const py::handle callback : callbacks) call(callback, self);
 }
 
 /// Ticks, each with what on_tick() has added and `after`; to_its_end: until the run is over.
@@ -134,7 +134,7 @@ void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
   if (callbacks.empty() && !after) return held->step(ticks, to_its_end);
   for (; ticks > 0 && !(to_its_end && held->use().stopped()); --ticks) {
     step_and_call(self, held, callbacks);
-    if (after) (*after)(self);
+    if (after) call(*after, self);
   }
 }
 
@@ -158,7 +158,7 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
   std::uint64_t ticks = engine::ticks_until(at_most_s, simulation.tick_s());
   for (; ticks > 0 && !held->use().stopped(); --ticks) {
     advance(self, 1, true);
-    if (done(self).cast<bool>()) return true;
+    if (call(done, self).cast<bool>()) return true;
   }
   return false;
 }

@@ -119,7 +119,7 @@ TEST(ControllerCheck, RepeatsTheDecisionsOfRobotsThatDieInTheTick) {
     const std::vector<ControllerFinding> findings = on_another_thread(check);
     ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
     if (tick == 1) {
-      ASSERT_EQ(world.absent_count(), 4u);
+      ASSERT_EQ(world.absent_count(), 6u);
       ASSERT_EQ(check.decisions(), 20u) << "those that died decided before";
     }
   }

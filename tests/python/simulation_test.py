@@ -168,12 +168,17 @@ def step():
 def load():
     while True:
         troupe.Simulation({str(HOSPITAL)!r}, robots=5)
-for run in (step, load):
+watched = troupe.Simulation({str(HOSPITAL)!r}, robots=5, threads=1)
+watched.on_tick(lambda simulation: sum(range(1000)))
+def call():
+    while True:
+        watched.run_until(lambda simulation: sum(range(1000)) < 0, 1)
+for run in (step, load, call):
     threading.Thread(target=run, daemon=True).start()
 time.sleep(0.3)
 print("over")
 """
-        for _ in range(3):
+        for _ in range(5):
             done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "over\n", ""))
 
@@ -195,7 +200,7 @@ print(eight.threads)
 
     def test_a_speed_that_is_no_number_is_told_with_its_robot(self):
         world = troupe.Simulation(ROOM)
-        robot, swarm, poses = world.find("r3"), world.swarm(), world.table("pose")
+        robot, swarm, poses = world.find("r3"), world.swarm("r"), world.table("pose")
         measures, events = troupe.Measures(world, ["stalls"]), troupe.Events(world)
         robot.set_speed(float("nan"), 0)
         with self.assertRaisesRegex(troupe.StepError, '"r3"') as caught:

@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/events.hpp"
+#include "engine/frame.hpp"
 #include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
