@@ -42,8 +42,8 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
     EXPECT_EQ(readings.bearing(seen, i), seen.field<float>(sensors::k_fiducial_bearing)[i]);
     EXPECT_EQ(readings.heading(seen, i), seen.field<float>(sensors::k_fiducial_heading)[i]);
   }
-  EXPECT_FLOAT_EQ(readings.heading(seen, 1), 0.5f);
-  EXPECT_FLOAT_EQ(readings.bearing(seen, 0), 0.7853982f);
+  EXPECT_NEAR(readings.heading(seen, 1), 0.5, 1e-7);
+  EXPECT_NEAR(readings.bearing(seen, 0), 0.7853982, 1e-7);
   EXPECT_EQ(readings.position(seen, 1), Vec2(2, 0.5));
 
   // Of a finder that is turned to the left on its robot: angles from where the robot looks.
