@@ -786,7 +786,9 @@ std::vector<std::string> Simulation::robot_names() const {
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
   if (tick() > 0) throw std::logic_error("subscribe before the first step");
-  impl_->world->subscribe(find(model).place_->body);
+  const BodyId body = find(model).place_->body;
+  // What neither moves nor senses nor decides has no row, and no sensor that could run.
+  if (impl_->world->row(body).valid()) impl_->world->subscribe(body);
 }
 
 std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }
