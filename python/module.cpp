@@ -100,7 +100,6 @@ void bind_errors(py::module_& module) {
   });
 }
 
-namespace troupe::python {
 namespace {
 
 /// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one.
