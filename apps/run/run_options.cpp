@@ -175,8 +175,7 @@ void add_record_options(CLI::App& app, RunOptions& options) {
               options.recording.every_s = positive_seconds("--record-every", text, "a time");
             });
   add_value(app, "--record-fields", "A,B,...",
-            "What of it: pose, with the colours that LEDs show; velocity, stall, ranges, ..., or all "
-            "(default: pose)",
+            "What of it: pose (with shown colours), velocity, stall, ranges, ..., or all (default: pose)",
             [&options](const std::string& text) {
               options.recording.fields = split(text, ',');
               if (std::ranges::count(options.recording.fields, "") > 0)

@@ -358,7 +358,7 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
   convert(json, "w.world");
   EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings,
-              ElementsAre(HasSubstr("w.json:2: warning: type \"bot\": device \"eye\": Stage has headings "
+              ElementsAre(HasSubstr("w.json:3: warning: type \"bot\": device \"eye\": Stage has headings "
                                     "within half a turn")));
 }
 
