@@ -67,7 +67,7 @@ enum class Presence : std::uint8_t {
 class World {
  public:
   /// Throws InputError for what a loader could not see (kinds without their sensors, ...); warns of overlaps
-  /// at the start, once, with a count; of each of the first hundred where thorough.
+  /// at the start, once, with a count, up to 10,000 pairs; of each of the first hundred where thorough.
   /// The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
