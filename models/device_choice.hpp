@@ -33,7 +33,7 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims a ranger that nobody has and by which a controller sees ahead (Scanner::is_usable): the first one
+  /// Claims an unclaimed ranger by which a controller sees ahead (Scanner::is_usable): the first one
   /// with a fan of k_least_samples or more, as in Stage; else the first one whose transducers have as many
   /// together. Where there is none, the scanner is not usable, and scanner_fault() says why.
   /// share: see Scanner.

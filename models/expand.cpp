@@ -54,8 +54,9 @@ const FieldTable& expand_fields() {
       {.name = "hold_on_axis",
        .type = FieldType::boolean,
        .fallback = false,
-       .text = "a vector sum that lies exactly on an axis changes nothing: the last command stays, as in Stage's "
-               "examples"},
+       .text =
+           "a vector sum that lies exactly on an axis changes nothing: the last command stays, as in Stage's "
+           "examples"},
   }};
   return table;
 }
@@ -75,7 +76,8 @@ struct Expand {
   std::vector<Feeler> feelers;
 
   static Expand make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].numbers(), p[4].number(), p[5].boolean(), p[6].boolean(), {}};
+    return {p[0].number(), p[1].number(),  p[2].number(),  p[3].numbers(),
+            p[4].number(), p[5].boolean(), p[6].boolean(), {}};
   }
 
   /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
@@ -141,8 +143,7 @@ struct Expand {
           all_clear &= r > feeler.clearance;
         }
         // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
-        const bool is_even =
-            !hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
+        const bool is_even = !hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
         x[i] = is_even ? 1 : invert ? -sum_x : sum_x;
         y[i] = is_even ? 0 : invert ? -sum_y : sum_y;
         clear[i] = all_clear;
@@ -167,13 +168,12 @@ engine::ControllerKind expand_controller() {
 
 engine::Registry::Preset expand_pioneer_preset() {
   constexpr double d = 0.75;
-  return {
-      .name = "expand_pioneer",
-      .kind = "expand",
-      .text = "expand for 16 sonars, as in Stage's cave benchmark",
-      .params = {{"speed", 0.2},
-                 {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}},
-                 {"hold_on_axis", true}}};
+  return {.name = "expand_pioneer",
+          .kind = "expand",
+          .text = "expand for 16 sonars, as in Stage's cave benchmark",
+          .params = {{"speed", 0.2},
+                     {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}},
+                     {"hold_on_axis", true}}};
 }
 
 engine::Registry::Preset expand_swarm_preset() {

@@ -18,7 +18,8 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
   const auto [right, left] = std::ranges::minmax(beams, {}, &models::Beam::bearing);
   const double fov = left.bearing - right.bearing;
   const double step = fov / static_cast<double>(beams.size() - 1);
-  const double window = fov / 2 - static_cast<double>(beams.size() / share) * step;
+  const std::size_t margin = beams.size() / share;
+  const double window = fov / 2 - static_cast<double>(margin) * step;
   // Files give angles in degrees and with few digits: a beam at the edge of the window is at its edge still.
   const double tolerance = 1e-3 * step + 1e-9;
 
