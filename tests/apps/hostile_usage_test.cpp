@@ -27,7 +27,7 @@ class HostileUsage : public ProgramTest {
 
   /// The exit code of a shell that runs `troupe ARGUMENTS REDIRECTIONS` in the folder.
   int shell(const std::string& command) const {
-    const std::string line = "cd '" + path("").string() + "' && '" TROUPE_PROGRAM "' " + command;
+    const std::string line = "cd '" + path("").string() + "' || exit 9; '" TROUPE_PROGRAM "' " + command;
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
