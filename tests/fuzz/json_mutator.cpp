@@ -1,5 +1,6 @@
 #include "tests/fuzz/json_mutator.hpp"
 
+#include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/world_schema.hpp"
 
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -17,20 +17,11 @@ namespace troupe::fuzz {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Random = std::minstd_rand;
 using Schemas = std::vector<const Json*>;
 
 constexpr int k_most_depth = 64;   // of a document
 constexpr int k_deepest_made = 6;  // levels of what is generated
 constexpr std::size_t k_most_nodes = 20000;
-
-std::size_t below(Random& random, std::size_t count) { return count == 0 ? 0 : random() % count; }
-bool chance(Random& random, unsigned percent) { return random() % 100 < percent; }
-
-template <class List>
-auto& any_of(List& list, Random& random) {
-  return list[below(random, list.size())];
-}
 
 double edge(Random& random) {
   using Limits = std::numeric_limits<double>;

@@ -1,5 +1,6 @@
 #include "tests/fuzz/stage_mutator.hpp"
 
+#include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/stage_properties.hpp"
 
@@ -8,21 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <random>
 #include <utility>
 
 namespace troupe::fuzz {
 namespace {
-
-using Random = std::minstd_rand;
-
-std::size_t below(Random& random, std::size_t count) { return count == 0 ? 0 : random() % count; }
-bool chance(Random& random, unsigned percent) { return random() % 100 < percent; }
-
-template <class List>
-auto& any_of(List& list, Random& random) {
-  return list[below(random, list.size())];
-}
 
 using Tokens = std::vector<std::string>;
 
