@@ -141,9 +141,9 @@ std::string printed(const CLI::App& app, const std::string& command, const Comma
   engine::Registry registry = make_registry();
   if (command == "completion") {
     const std::vector<std::string_view> kinds = kind_names(registry);
-    return completion(options.shell, command_table(app),
-                      {{"describe", {kinds.begin(), kinds.end()}},
-                       {"completion", {k_shells.begin(), k_shells.end()}}});
+    return completion(
+        options.shell, command_table(app),
+        {{"describe", {kinds.begin(), kinds.end()}}, {"completion", {k_shells.begin(), k_shells.end()}}});
   }
   const auto& describe = options.describe;
   if (describe.schema) return worldio::world_schema(registry);
@@ -152,7 +152,8 @@ std::string printed(const CLI::App& app, const std::string& command, const Comma
 }
 
 int run_command(const CLI::App& app, const CommandOptions& options) {
-  const std::vector<const CLI::App*> called = app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
+  const std::vector<const CLI::App*> called =
+      app.get_subcommands([](const CLI::App* one) { return one->parsed(); });
   if (called.empty()) {
     fmt::print(stderr, "{}", app.help());
     return k_bad_input;

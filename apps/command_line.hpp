@@ -40,8 +40,8 @@ struct CommandOptions {
 };
 
 /// The whole program: parses the arguments (argv[0] is the program's name), runs the command, and prints what
-/// it has to say. Returns the exit code (apps/exit_code.hpp); throws nothing. `limit` is called between parsing
-/// and running and may change what is asked for: the fuzz target keeps runs short with it.
+/// it has to say. Returns the exit code (apps/exit_code.hpp); throws nothing. `limit` is called between
+/// parsing and running and may change what is asked for: the fuzz target keeps runs short with it.
 int run_command_line(int argc, const char* const* argv,
                      const std::function<void(CommandOptions&)>& limit = nullptr);
 

@@ -79,7 +79,8 @@ void start_library() {
 hid_t within_file(hid_t access_class) {
   const hid_t properties = H5Pcreate(access_class);
   H5Pset_elink_cb(
-      properties, [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return herr_t{-1}; },
+      properties,
+      [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return herr_t{-1}; },
       nullptr);
   return properties;
 }
@@ -110,9 +111,11 @@ std::string why_foreign(hid_t dataset) {
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
     std::size_t values = 0;
-    const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, nullptr);
+    const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values,
+                                               nullptr, 0, nullptr, nullptr);
     if (filter >= H5Z_FILTER_RESERVED)
-      return fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs", filter);
+      return fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs",
+                         filter);
   }
   return {};
 }

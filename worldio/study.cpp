@@ -68,7 +68,8 @@ std::string drawn(const Choice& choice, Random& random) {
     case Kind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
     case Kind::uniform: return text_of(random.uniform(choice.low, choice.high));
     case Kind::log_uniform:
-      return text_of(std::clamp(exp(random.uniform(log(choice.low), log(choice.high))), choice.low, choice.high));
+      return text_of(
+          std::clamp(exp(random.uniform(log(choice.low), log(choice.high))), choice.low, choice.high));
     case Kind::integers: break;
   }
   const auto first = static_cast<std::int64_t>(choice.low);
@@ -228,9 +229,8 @@ Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
     at.error("the numbers are further apart than the largest number, 1.8e308");
   else if (kind == Kind::log_uniform && choice.low <= 0)
     at.error("both numbers must be above 0");
-  else if (kind == Kind::integers &&
-           (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) || !is_whole(choice.high) ||
-            choice.high - choice.low > k_most))
+  else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
+                                      !is_whole(choice.high) || choice.high - choice.low > k_most))
     at.error("expected two whole numbers, at most 2^31 - 1 apart");
   return choice;
 }
@@ -316,7 +316,8 @@ Study::Run Study::run(std::size_t index) const {
   for (std::size_t p = choices.size(); p-- > 0;) {
     if (samples) {
       // Each parameter has draws of its own, so that another one beside it changes none of them.
-      Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index), 0);
+      Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
+                    0);
       run.values[p] = drawn(choices[p], random);
     } else {
       run.values[p] = value_of(choices[p], index % choices[p].count());

@@ -38,7 +38,8 @@ struct Study {
   std::vector<Statistic> statistics;
   double measure_every_s = 1;  ///< world time between two looks; 0: every tick
 
-  /// The values that a parameter takes: a list, an interval cut into steps, or one from which samples are drawn.
+  /// The values that a parameter takes: a list, an interval cut into steps, or one from which samples are
+  /// drawn.
   struct Choice {
     std::vector<std::string> values;  ///< listed: JSON texts
     double low = 0;                   ///< of an interval
@@ -53,8 +54,8 @@ struct Study {
   std::optional<std::size_t> samples;  ///< not given: all combinations
   std::uint64_t random_seed = 1;       ///< of the samples
 
-  /// At most k_most_runs. Runs are not kept but made on demand: a file of some kilobytes can ask for a million
-  /// runs of hundreds of parameters.
+  /// At most k_most_runs. Runs are not kept but made on demand: a file of some kilobytes can ask for a
+  /// million runs of hundreds of parameters.
   std::size_t run_count() const;
   /// Of a grid the combinations, the first parameter slowest and the seeds fastest; else the samples, each
   /// with every seed. `index` is below run_count().

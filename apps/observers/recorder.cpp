@@ -17,15 +17,16 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};
 
-/// A world says which file a run writes: of those in or below the working folder alone, so that running a world
-/// of unknown origin creates or (with --force) replaces nothing elsewhere.
+/// A world says which file a run writes: of those in or below the working folder alone, so that running a
+/// world of unknown origin creates or (with --force) replaces nothing elsewhere.
 void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
   const std::filesystem::path file = record.file;
   if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
   Diagnostics diagnostics(simulation.world().spec().files);
-  diagnostics.error(record.where, fmt::format("/record/file: must be a file in or below the working folder (no leading "
-                                              "\"/\", no \"..\"), found \"{}\"; --record FILE.h5 records anywhere",
-                                              record.file));
+  diagnostics.error(record.where,
+                    fmt::format("/record/file: must be a file in or below the working folder (no leading "
+                                "\"/\", no \"..\"), found \"{}\"; --record FILE.h5 records anywhere",
+                                record.file));
   diagnostics.throw_if_errors();
 }
 

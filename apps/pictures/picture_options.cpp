@@ -141,7 +141,8 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
             [&pictures](const std::string& text) {
               const std::optional<double> speed = finite(text);
               if (!speed || *speed < k_least_speed || *speed > k_most_speed)
-                refuse("--film-speed", text, fmt::format("times real time, {:g} to {:g}", k_least_speed, k_most_speed));
+                refuse("--film-speed", text,
+                       fmt::format("times real time, {:g} to {:g}", k_least_speed, k_most_speed));
               pictures.film_speed = *speed;
             })
       ->needs(film);

@@ -316,8 +316,8 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
               const auto parts =
                   slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
               if (!part || !parts || *part < 1 || *part > *parts || *parts > worldio::k_most_runs)
-                refuse("--part", text, fmt::format("a part of several, from 1/N to N/N, N at most {}",
-                                                   worldio::k_most_runs));
+                refuse("--part", text,
+                       fmt::format("a part of several, from 1/N to N/N, N at most {}", worldio::k_most_runs));
               options.part = *part;
               options.parts = *parts;
             });

@@ -27,12 +27,14 @@ class HostileUsage : public ProgramTest {
 
   /// The exit code of a shell that runs `troupe ARGUMENTS REDIRECTIONS` in the folder.
   int shell(const std::string& command) const {
-    const std::string line = "cd '" + path("").string() + "' && '" TROUPE_PROGRAM "' " + command;
+    const std::string line = "cd '" + path("").string() + "' || exit 9; '" TROUPE_PROGRAM "' " + command;
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
   std::string study(const std::string& name) {
-    write(name, R"({"troupe_study": 1, "world": "room.world", "for_s": 0.2, "seeds": [1, 2], "measures": ["stalls"]})");
+    write(
+        name,
+        R"({"troupe_study": 1, "world": "room.world", "for_s": 0.2, "seeds": [1, 2], "measures": ["stalls"]})");
     return name;
   }
 };
@@ -40,7 +42,8 @@ class HostileUsage : public ProgramTest {
 TEST_F(HostileUsage, ASecondCommandIsNotIgnored) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"lint", "room.world", "info", "room.world"},
-        std::vector<std::string>{"manual", "describe", "ranger"}, std::vector<std::string>{"manual", "manual"},
+        std::vector<std::string>{"manual", "describe", "ranger"},
+        std::vector<std::string>{"manual", "manual"},
         std::vector<std::string>{"info", "room.world", "info"}}) {
     const Outcome outcome = troupe(words);
     EXPECT_EQ(outcome.code, 2);
@@ -51,10 +54,10 @@ TEST_F(HostileUsage, ASecondCommandIsNotIgnored) {
 
 TEST_F(HostileUsage, LostOutputIsAFailure) {
   study("study.json");
-  for (const char* command : {"--help", "--version", "describe", "describe ranger", "describe --schema", "completion bash",
-                              "manual", "run --help", "sweep study.json --list", "sweep study.json -o results",
-                              "lint room.world", "info room.world", "check room.world --for 0.1 --threads 1",
-                              "run room.world --for 0.1"}) {
+  for (const char* command :
+       {"--help", "--version", "describe", "describe ranger", "describe --schema", "completion bash",
+        "manual", "run --help", "sweep study.json --list", "sweep study.json -o results", "lint room.world",
+        "info room.world", "check room.world --for 0.1 --threads 1", "run room.world --for 0.1"}) {
     EXPECT_EQ(shell(command + std::string(" >/dev/full 2>err.txt")), 1) << command;
     EXPECT_EQ(read("err.txt").substr(0, 15), "troupe: error: ") << command << read("err.txt");
     EXPECT_EQ(shell(command + std::string(" >&- 2>err.txt")), 1) << command;
@@ -91,16 +94,20 @@ TEST_F(HostileUsage, WorldsRecordBelowTheWorkingFolder) {
   fs::create_directory(elsewhere);
   fs::create_directory(path("inside"));
   const auto world = [](const std::string& file) {
-    nlohmann::json json = nlohmann::json::parse(R"({"troupe": 1, "quit_time_s": 0.3, "types": {"box": {"size_m": [1, 1, 1]}},
+    nlohmann::json json =
+        nlohmann::json::parse(R"({"troupe": 1, "quit_time_s": 0.3, "types": {"box": {"size_m": [1, 1, 1]}},
       "models": [{"name": "b", "type": "box"}]})");
     json["record"]["file"] = file;
     return json.dump();
   };
-  for (const std::string& file : {(elsewhere / "run.h5").string(), std::string("../run.h5"), std::string("inside/../../run.h5")}) {
+  for (const std::string& file :
+       {(elsewhere / "run.h5").string(), std::string("../run.h5"), std::string("inside/../../run.h5")}) {
     write("world.json", world(file));
     const Outcome outcome = troupe({"run", "world.json", "--force"});
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("world.json:1: error: /record/file: must be a file in or below the working folder"));
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr("world.json:1: error: /record/file: must be a file in or below the working folder"));
   }
   EXPECT_TRUE(fs::is_empty(elsewhere));
   EXPECT_FALSE(fs::exists(path("").parent_path().parent_path() / "run.h5"));
@@ -134,7 +141,8 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
 }
 
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
-  for (const auto& [option, value] : {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {
+  for (const auto& [option, value] :
+       {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {
     const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--film", "f%06d.png", option, value});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("0.001 to "));
@@ -144,7 +152,8 @@ TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
 
 // ffmpeg takes names with a colon for protocols: it would open a connection, and write elsewhere.
 TEST_F(HostileUsage, NamesOfFilmsAreNamesOfFiles) {
-  if (shell("--version >/dev/null; command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  if (shell("--version >/dev/null; command -v ffmpeg >/dev/null") != 0)
+    GTEST_SKIP() << "ffmpeg is not installed";
   ASSERT_EQ(shell("run room.world --for 0.3 --record run.h5 --quiet"), 0);
   for (const char* film : {"file:b.mp4", "http:x.mp4", "a:b.mp4"}) {
     const Outcome outcome = troupe({"render", "run.h5", "--film", film, "--size", "64x64"});

@@ -58,8 +58,9 @@ class Scratch {
     fs::rename("study_room.json", "room.json");
     std::ofstream("study.json") << R"({"troupe_study": 1, "world": "room.json", "for_s": 0.2, "seeds": [1, 2],
       "parameters": [{"set": "/populations/0/count", "values": [2, 3]}], "measures": ["stalls"]})";
-    std::vector<std::string> run{"run", "room.json", "--for", "0.5", "--threads", "1", "--hash-log", "a.log",
-                                 "--measures", "m.csv", "--events", "e.csv", "--profile", "p.json"};
+    std::vector<std::string> run{"run",      "room.json",  "--for",     "0.5",        "--threads",
+                                 "1",        "--hash-log", "a.log",     "--measures", "m.csv",
+                                 "--events", "e.csv",      "--profile", "p.json"};
     if (worldio::has_hdf5())
       for (const char* more : {"--record", "run.h5", "--checkpoint", "c.h5"}) run.emplace_back(more);
     if (run_program(run, nullptr) != 0) std::abort();
@@ -83,9 +84,8 @@ class Scratch {
 
   bool is_unchanged() const { return tree() == before_; }
   bool has_partial() const {
-    return std::ranges::any_of(tree(), [](const auto& entry) {
-      return entry.first.find(".partial") != std::string::npos;
-    });
+    return std::ranges::any_of(
+        tree(), [](const auto& entry) { return entry.first.find(".partial") != std::string::npos; });
   }
   /// As it was before.
   void restore() const {

@@ -31,8 +31,8 @@ INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus,
                          ::testing::Values(Target{"stage", read_stage}, Target{"json", read_json},
                                            Target{"bitmap", read_bitmap}, Target{"map", read_map},
                                            Target{"recording", read_recording},
-                                           Target{"checkpoint", read_checkpoint},
-                                           Target{"study", read_study}, Target{"command", run_command}),
+                                           Target{"checkpoint", read_checkpoint}, Target{"study", read_study},
+                                           Target{"command", run_command}),
                          [](const auto& target) { return target.param.name; });
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {

@@ -1,4 +1,5 @@
-// Prints the dictionary of a fuzz target, made of the program's own tables: dictionary json|stage|study|command.
+// Prints the dictionary of a fuzz target, made of the program's own tables: dictionary
+// json|stage|study|command.
 
 #include "apps/command_line.hpp"
 #include "tests/fuzz/json_mutator.hpp"
@@ -26,15 +27,16 @@ void print_entries(const std::set<std::string>& entries) {
 }
 
 std::set<std::string> json_entries(const JsonMutator& mutator) {
-  std::set<std::string> entries{"1e300", "1e-300", "-0.0", "18446744073709551615", "9007199254740993", "\\ud83d\\ude00"};
+  std::set<std::string> entries{"1e300",         "1e-300", "-0.0", "18446744073709551615", "9007199254740993",
+                                "\\ud83d\\ude00"};
   for (const std::string& key : mutator.keys()) entries.insert(fmt::format("\"{}\": ", key));
   for (const std::string& word : mutator.words()) entries.insert(fmt::format("\"{}\"", word));
   return entries;
 }
 
 std::set<std::string> stage_entries() {
-  std::set<std::string> entries{"define ", "include \"parts.inc\"", " ) ", " ] ", "100000", "9007199254740992",
-                                "0.000001", "-1"};
+  std::set<std::string> entries{"define ", "include \"parts.inc\"", " ) ",      " ] ",
+                                "100000",  "9007199254740992",      "0.000001", "-1"};
   const StageWords& words = stage_words();
   for (const std::string& property : words.properties) entries.insert(property + " ");
   for (const std::string& type : words.types) entries.insert(type + "( ");
@@ -49,11 +51,13 @@ std::set<std::string> command_entries() {
     for (const apps::CommandOption& option : command.options)
       for (const std::string& name : option.names) entries.insert("\n" + name + "\n");
   }
-  for (const char* file : {"room.json", "room.world", "study.json", "a.log", "b.log", "m.csv", "e.csv", "p.json",
-                           "run.h5", "c.h5", "folder", "new.json", "new.world", "new.h5", "new.html", "new.png"})
+  for (const char* file :
+       {"room.json", "room.world", "study.json", "a.log", "b.log", "m.csv", "e.csv", "p.json", "run.h5",
+        "c.h5", "folder", "new.json", "new.world", "new.h5", "new.html", "new.png"})
     entries.insert(fmt::format("\n{}\n", file));
-  for (const char* value : {"1e308", "nan", "inf", "-1", "0", "18446744073709551616", "0x10", "1,2,8", "auto", "all",
-                            "--set=/populations/0/count=3", "--set=/seed=2", "--part=1/2", "--", "=", "{world}"})
+  for (const char* value :
+       {"1e308", "nan", "inf", "-1", "0", "18446744073709551616", "0x10", "1,2,8", "auto", "all",
+        "--set=/populations/0/count=3", "--set=/seed=2", "--part=1/2", "--", "=", "{world}"})
     entries.insert(value);
   return entries;
 }

@@ -1,5 +1,6 @@
 #include "tests/fuzz/json_mutator.hpp"
 
+#include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/world_schema.hpp"
 
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -17,32 +17,46 @@ namespace troupe::fuzz {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Random = std::minstd_rand;
 using Schemas = std::vector<const Json*>;
 
-constexpr int k_most_depth = 64;     // of a document
-constexpr int k_deepest_made = 6;    // levels of what is generated
+constexpr int k_most_depth = 64;   // of a document
+constexpr int k_deepest_made = 6;  // levels of what is generated
 constexpr std::size_t k_most_nodes = 20000;
-
-std::size_t below(Random& random, std::size_t count) { return count == 0 ? 0 : random() % count; }
-bool chance(Random& random, unsigned percent) { return random() % 100 < percent; }
-
-template <class List>
-auto& any_of(List& list, Random& random) {
-  return list[below(random, list.size())];
-}
 
 double edge(Random& random) {
   using Limits = std::numeric_limits<double>;
-  constexpr std::array k_edges{0.0,   -0.0,  1.0,  -1.0,  0.5,    2.0,   1e-9,  1e-6, 1e9,  1e12,     -1e12,
-                               1e-300, 1e300, 1e16, 1e-5, 2147483647.0, 2147483648.0, 4294967296.0, 3.141592653589793,
-                               Limits::max(), Limits::min(), Limits::denorm_min(), Limits::epsilon(), 360.0, -180.0};
+  constexpr std::array k_edges{0.0,
+                               -0.0,
+                               1.0,
+                               -1.0,
+                               0.5,
+                               2.0,
+                               1e-9,
+                               1e-6,
+                               1e9,
+                               1e12,
+                               -1e12,
+                               1e-300,
+                               1e300,
+                               1e16,
+                               1e-5,
+                               2147483647.0,
+                               2147483648.0,
+                               4294967296.0,
+                               3.141592653589793,
+                               Limits::max(),
+                               Limits::min(),
+                               Limits::denorm_min(),
+                               Limits::epsilon(),
+                               360.0,
+                               -180.0};
   return any_of(k_edges, random);
 }
 
 Json whole_edge(Random& random) {
-  constexpr std::array<std::int64_t, 14> k_edges{0,     1,     -1,         2,          3,   7, 100, 255, 65536, 1000000,
-                                                 10000000, 2147483647, 2147483648, std::numeric_limits<std::int64_t>::max()};
+  constexpr std::array<std::int64_t, 14> k_edges{
+      0,   1,     -1,      2,        3,          7,          100,
+      255, 65536, 1000000, 10000000, 2147483647, 2147483648, std::numeric_limits<std::int64_t>::max()};
   if (chance(random, 3)) return Json(std::numeric_limits<std::uint64_t>::max());
   return Json(any_of(k_edges, random));
 }
@@ -212,7 +226,8 @@ struct JsonMutator::Impl {
     const Json& one = *any_of(ways, random);
     if (holds(one, "const")) return one["const"];
     if (holds(one, "enum")) return any_of(one["enum"], random);
-    const std::string type = holds(one, "type") && one["type"].is_string() ? one["type"].get<std::string>() : "object";
+    const std::string type =
+        holds(one, "type") && one["type"].is_string() ? one["type"].get<std::string>() : "object";
     if (type == "boolean") return chance(random, 50);
     if (type == "integer") return made_number(one, true, random);
     if (type == "number") return made_number(one, false, random);
@@ -230,7 +245,8 @@ struct JsonMutator::Impl {
   }
 
   std::string made_text(Random& random) const {
-    constexpr std::array k_texts{"", "r", "cave.png", "red", "random", "coverage >= 0.5", "a/b", "~", "../x", "\u20ac"};
+    constexpr std::array k_texts{"",    "r", "cave.png", "red",   "random", "coverage >= 0.5",
+                                 "a/b", "~", "../x",     "\u20ac"};
     return texts.empty() || chance(random, 50) ? any_of(k_texts, random) : any_of(texts, random);
   }
 
@@ -297,7 +313,8 @@ struct JsonMutator::Impl {
     const Node& node = any_of(all, random);
     const Json copy = *node.value;
     if (node.parent->is_array()) {
-      for (std::size_t i = 1 + below(random, chance(random, 10) ? 20 : 2); i > 0; --i) node.parent->push_back(copy);
+      for (std::size_t i = 1 + below(random, chance(random, 10) ? 20 : 2); i > 0; --i)
+        node.parent->push_back(copy);
     } else {
       (*node.parent)[chance(random, 50) ? any_of(properties, random).first : node.key + "2"] = copy;
     }
@@ -342,7 +359,8 @@ JsonMutator::JsonMutator(std::string_view schema) : impl_(std::make_unique<Impl>
 }
 JsonMutator::~JsonMutator() = default;
 
-std::string JsonMutator::mutate(std::string_view text, std::uint32_t seed, const MutateText& mutate_text) const {
+std::string JsonMutator::mutate(std::string_view text, std::uint32_t seed,
+                                const MutateText& mutate_text) const {
   Json document = parsed(text);
   if (document.is_discarded()) return {};
   Random random(seed);

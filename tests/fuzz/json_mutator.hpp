@@ -10,13 +10,14 @@
 
 namespace troupe::fuzz {
 
-/// Changes JSON documents as trees, guided by a JSON Schema: keys are inserted where the schema knows them, with
-/// values that fit it or lie just beyond its limits; numbers become edge values; subtrees are deleted,
-/// duplicated, swapped and generated again. Mutations of bytes alone seldom leave a document that can be read.
+/// Changes JSON documents as trees, guided by a JSON Schema: keys are inserted where the schema knows them,
+/// with values that fit it or lie just beyond its limits; numbers become edge values; subtrees are deleted,
+/// duplicated, swapped and generated again. Mutations of bytes alone seldom leave a document that can be
+/// read.
 class JsonMutator {
  public:
-  /// The schema as worldio::world_schema() prints it: `properties`, `items`, `anyOf`, `oneOf`, `allOf`, `const`,
-  /// `enum`, limits and `$ref`s into `definitions` are understood.
+  /// The schema as worldio::world_schema() prints it: `properties`, `items`, `anyOf`, `oneOf`, `allOf`,
+  /// `const`, `enum`, limits and `$ref`s into `definitions` are understood.
   explicit JsonMutator(std::string_view schema);
   ~JsonMutator();
 

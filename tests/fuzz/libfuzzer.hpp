@@ -23,8 +23,8 @@ inline std::size_t put(std::string_view text, std::uint8_t* data) {
 }
 
 /// LLVMFuzzerCustomMutator of a JSON document.
-inline std::size_t mutate_json(const JsonMutator& mutator, std::uint8_t* data, std::size_t size, std::size_t most,
-                               unsigned seed) {
+inline std::size_t mutate_json(const JsonMutator& mutator, std::uint8_t* data, std::size_t size,
+                               std::size_t most, unsigned seed) {
   const auto mutate_text = [](std::string& text) {
     constexpr std::size_t k_longer = 16;
     const std::size_t size = text.size();

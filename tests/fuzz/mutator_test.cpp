@@ -1,5 +1,5 @@
-// The mutators of the fuzz targets: what they make is mostly a document of the same language, and reaches what the
-// seed did not have.
+// The mutators of the fuzz targets: what they make is mostly a document of the same language, and reaches
+// what the seed did not have.
 
 #include "tests/fuzz/json_mutator.hpp"
 #include "tests/fuzz/stage_mutator.hpp"
@@ -46,11 +46,12 @@ std::size_t errors_of(const std::string& world) {
   options.threads = 1;
   options.most_bodies = 200;
   try {
-    worldio::load_world_text(fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files/fuzz.json", world, make_registry(), options,
-                             diagnostics);
+    worldio::load_world_text(fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files/fuzz.json", world,
+                             make_registry(), options, diagnostics);
   } catch (const InputError&) {
   }
-  return static_cast<std::size_t>(std::ranges::count(diagnostics.findings(), Severity::error, &Finding::severity));
+  return static_cast<std::size_t>(
+      std::ranges::count(diagnostics.findings(), Severity::error, &Finding::severity));
 }
 
 TEST(JsonMutator, MakesDocumentsWithKeysThatTheSeedDoesNotHave) {
@@ -113,7 +114,8 @@ TEST(StageMutator, MakesWorldsThatAreStillNested) {
     made.insert(text);
     Diagnostics diagnostics;
     try {
-      without_errors += worldio::parse_stage("fuzz.world", text, {}, diagnostics).well_nested && !diagnostics.has_errors();
+      without_errors +=
+          worldio::parse_stage("fuzz.world", text, {}, diagnostics).well_nested && !diagnostics.has_errors();
     } catch (const InputError&) {
     }
   }
@@ -125,7 +127,8 @@ TEST(StageMutator, MakesWorldsThatAreStillNested) {
 
 // A fixed part of what libFuzzer would do for hours, in every build and with whatever sanitizer it has.
 TEST(Mutated, SeedsAreReadToTheEnd) {
-  for (const char* seed : {"corpus/json/room.json", "corpus/json/experiment.json", "corpus/json/script.json"}) {
+  for (const char* seed :
+       {"corpus/json/room.json", "corpus/json/experiment.json", "corpus/json/script.json"}) {
     std::string text = content(seed);
     for (std::uint32_t round = 0; round < 60; ++round) {
       SCOPED_TRACE(text);

@@ -1,5 +1,6 @@
 #include "tests/fuzz/stage_mutator.hpp"
 
+#include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/stage_properties.hpp"
 
@@ -8,21 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <random>
 #include <utility>
 
 namespace troupe::fuzz {
 namespace {
-
-using Random = std::minstd_rand;
-
-std::size_t below(Random& random, std::size_t count) { return count == 0 ? 0 : random() % count; }
-bool chance(Random& random, unsigned percent) { return random() % 100 < percent; }
-
-template <class List>
-auto& any_of(List& list, Random& random) {
-  return list[below(random, list.size())];
-}
 
 using Tokens = std::vector<std::string>;
 
@@ -95,9 +85,12 @@ std::vector<Span> blocks_of(const Tokens& tokens, const char* open, const char* 
 }
 
 std::string made_number(Random& random) {
-  constexpr std::array k_numbers{"0",  "1",    "-1",   "2",     "0.5",  "3",      "10",     "100",  "360",
-                                 "-0", "0.02", "1000", "0.001", "1e9",  "100000", "999999999999", "0.000001", "-180",
-                                 "2147483648", "9007199254740993", "1e300", "0.1", "7"};
+  constexpr std::array k_numbers{"0",        "1",    "-1",         "2",
+                                 "0.5",      "3",    "10",         "100",
+                                 "360",      "-0",   "0.02",       "1000",
+                                 "0.001",    "1e9",  "100000",     "999999999999",
+                                 "0.000001", "-180", "2147483648", "9007199254740993",
+                                 "1e300",    "0.1",  "7"};
   if (chance(random, 30)) return any_of(k_numbers, random);
   return fmt::format("{:.3g}", (static_cast<double>(random() % 20001) - 10000) / 1000);
 }
@@ -119,7 +112,8 @@ void insert(Tokens& tokens, std::size_t at, const Tokens& what) {
 }
 
 Tokens copy_of(const Tokens& tokens, Span span) {
-  return {tokens.begin() + static_cast<std::ptrdiff_t>(span.begin), tokens.begin() + static_cast<std::ptrdiff_t>(span.end)};
+  return {tokens.begin() + static_cast<std::ptrdiff_t>(span.begin),
+          tokens.begin() + static_cast<std::ptrdiff_t>(span.end)};
 }
 
 void erase(Tokens& tokens, Span span) {
@@ -142,7 +136,8 @@ void insert_known(Tokens& tokens, Random& random) {
     add_property();
   }
   const std::vector<Span> blocks = blocks_of(tokens, "(", ")");
-  if (blocks.empty() || chance(random, 10)) return insert(tokens, chance(random, 50) ? 0 : tokens.size(), what);
+  if (blocks.empty() || chance(random, 10))
+    return insert(tokens, chance(random, 50) ? 0 : tokens.size(), what);
   insert(tokens, any_of(blocks, random).end - 1, what);
 }
 
@@ -154,7 +149,8 @@ void change_blocks(Tokens& tokens, Random& random) {
   const Tokens copy = copy_of(tokens, one);
   switch (below(random, 5)) {
     case 0:
-      for (std::size_t i = 1 + below(random, chance(random, 10) ? 10 : 2); i > 0; --i) insert(tokens, one.end, copy);
+      for (std::size_t i = 1 + below(random, chance(random, 10) ? 10 : 2); i > 0; --i)
+        insert(tokens, one.end, copy);
       break;
     case 1: insert(tokens, other.end - 1, copy); break;  // nested
     case 2: erase(tokens, one); break;
@@ -196,7 +192,8 @@ std::string mutate_stage(std::string_view text, std::uint32_t seed) {
   Tokens tokens = tokens_of(text);
   Random random(seed);
   random.discard(3);  // seeds that are near one another begin alike
-  for (std::size_t times = 1 + below(random, 3); times > 0 && !tokens.empty(); --times) switch (below(random, 6)) {
+  for (std::size_t times = 1 + below(random, 3); times > 0 && !tokens.empty(); --times)
+    switch (below(random, 6)) {
       case 0:
       case 1: insert_known(tokens, random); break;
       case 2: change_blocks(tokens, random); break;
@@ -225,8 +222,9 @@ const StageWords& stage_words() {
     for (const char* type : {"sensor", "block", "window"}) all.types.emplace_back(type);
     for (const engine::DriveKind& kind : registry.drives) all.texts.emplace_back(kind.name);
     for (const std::string_view name : registry.controller_names()) all.texts.emplace_back(name);
-    for (const char* text : {"red", "random", "cave.png", "gate.pgm", "parts.inc", "linear", "revolute", "vertical",
-                             "gps", "odom", "closed", "open", "up", "down", "mm", "radians", "degrees", "/a", ""})
+    for (const char* text :
+         {"red", "random", "cave.png", "gate.pgm", "parts.inc", "linear", "revolute", "vertical", "gps",
+          "odom", "closed", "open", "up", "down", "mm", "radians", "degrees", "/a", ""})
       all.texts.emplace_back(text);
     return all;
   }();

@@ -15,6 +15,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 extern "C" std::size_t LLVMFuzzerCustomCrossOver(const std::uint8_t* first, std::size_t first_size,
                                                  const std::uint8_t* second, std::size_t second_size,
                                                  std::uint8_t* out, std::size_t most, unsigned seed) {
-  return troupe::fuzz::cross_json(troupe::fuzz::study_mutator(), {reinterpret_cast<const char*>(first), first_size},
+  return troupe::fuzz::cross_json(troupe::fuzz::study_mutator(),
+                                  {reinterpret_cast<const char*>(first), first_size},
                                   {reinterpret_cast<const char*>(second), second_size}, out, most, seed);
 }

@@ -4,8 +4,8 @@
 
 /// What the fuzz targets do with an input, and the tests with their corpus. Whatever the bytes are: no crash,
 /// no undefined behaviour, no leak, an end within seconds and memory in proportion; a world that can be
-/// loaded can be built and makes some ticks with all its sensors running. What is wrong must have been said: an input is refused with an error, or
-/// taken.
+/// loaded can be built and makes some ticks with all its sensors running. What is wrong must have been said:
+/// an input is refused with an error, or taken.
 namespace troupe::fuzz {
 
 /// The text of a Stage world.

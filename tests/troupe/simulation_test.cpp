@@ -388,6 +388,20 @@ TEST_F(SimulationTest, ASensorThatDoesNotRunSaysSoUntilSubscribed) {
   EXPECT_THAT(robot.intensities("top"), IsEmpty());  // not switched on
 }
 
+TEST_F(SimulationTest, SubscribingToAModelWithoutSensorsChangesNothing) {
+  const fs::path file =
+      write("wall.world", "model( name \"wall\" size [1 1 1] )\nposition( name \"a\" pose [3 0 0 0] )\n");
+  Simulation simulation(file);
+  const std::uint64_t before = simulation.state_hash();
+  simulation.subscribe("wall");  // it has no row of its own, through which its subscription was written
+  simulation.step();
+  EXPECT_EQ(simulation.statistics().beams, 0u);
+  Simulation other(file);
+  EXPECT_EQ(other.state_hash(), before);
+  other.step();
+  EXPECT_EQ(other.state_hash(), simulation.state_hash());
+}
+
 TEST_F(SimulationTest, ASubscriptionRunsTheSensorsOfThatRobotAlone) {
   const fs::path file = write("twins.world",
                               "define bot position ( size [0.4 0.4 0.25] ranger( sensor( range [0 5] ) ) )\n"

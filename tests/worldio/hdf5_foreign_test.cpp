@@ -1,5 +1,5 @@
-// HDF5 can keep values in other files and read them by code of its own plug-ins. A file of unknown origin must be
-// able to do neither: it would read, and in a recording that goes on write, any file of the user.
+// HDF5 can keep values in other files and read them by code of its own plug-ins. A file of unknown origin
+// must be able to do neither: it would read, and in a recording that goes on write, any file of the user.
 
 #include "tests/support/scratch.hpp"
 #include "worldio/hdf5_file.hpp"
@@ -85,7 +85,8 @@ TEST_F(ForeignHdf5, PlugInsOfHdf5AreNotLoaded) {
 }
 
 TEST_F(ForeignHdf5, LinksEndInTheFile) {
-  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("linked"); }), HasSubstr("there is no dataset /linked"));
+  EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("linked"); }),
+              HasSubstr("there is no dataset /linked"));
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.group("linked_group"); }),
               HasSubstr("there is no group /linked_group"));
 }

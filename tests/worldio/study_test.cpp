@@ -119,8 +119,8 @@ TEST_F(StudyFile, SamplesOfOneParameterDependNeitherOnTheOthersNorOnTheirNumber)
              0));
 }
 
-// A few kilobytes that ask for a million runs of 300 parameters, two of whose values are long: kept, they would
-// take 100 GB.
+// A few kilobytes that ask for a million runs of 300 parameters, two of whose values are long: kept, they
+// would take 100 GB.
 TEST_F(StudyFile, RunsAreMadeOnDemand) {
   std::string parameters;
   for (int p = 0; p < 300; ++p)
@@ -138,7 +138,8 @@ TEST_F(StudyFile, ValuesAreFiniteOrAnError) {
               ElementsAre(HasSubstr("further apart")));
   EXPECT_THAT(wrong(R"("samples": 1, "parameters": [{"set": "/x", "uniform": [-1e308, 1e308]}])"),
               ElementsAre(HasSubstr("further apart")));
-  const auto drawn = values(R"("samples": 50, "parameters": [{"set": "/x", "log_uniform": [1e308, 1.7976931348623157e308]}])");
+  const auto drawn = values(
+      R"("samples": 50, "parameters": [{"set": "/x", "log_uniform": [1e308, 1.7976931348623157e308]}])");
   for (const auto& row : drawn) EXPECT_LE(std::stod(row[0]), 1.7976931348623157e308);
 }
 
