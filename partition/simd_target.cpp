@@ -47,9 +47,14 @@ std::vector<std::int64_t> each_of(std::int64_t targets) {
   return list;
 }
 
-/// Highway finds out what the processor has by dispatching to it, which undoes a choice: so it is asked once.
+/// Highway finds out what the processor has by dispatching to it, before it leaves out what is not to be
+/// used: so it is asked once, and what it dispatched to is put right.
 std::int64_t usable() {
-  static const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  static const std::int64_t targets = [] {
+    const std::int64_t found = hwy::SupportedTargets() & HWY_TARGETS;
+    hwy::GetChosenTarget().Update(found);
+    return found;
+  }();
   return targets;
 }
 
