@@ -13,7 +13,7 @@ struct SimdTargets {
   std::vector<std::string> usable;   ///< compiled in, and this processor has them: the best first
   std::vector<std::string> missing;  ///< compiled in, but this processor lacks them
 };
-const SimdTargets& simd_targets();
+const SimdTargets& simd_targets();  ///< of this build, on this processor
 
 /// The one that kernels run on, in the whole process: the best of the usable ones unless another was chosen.
 std::string simd_target();

@@ -16,6 +16,7 @@ using ::testing::IsEmpty;
 /// Writes what it is given behind what it was called with, and ends as it is told.
 constexpr const char* k_fake_ffmpeg = R"(#!/bin/sh
 for last; do :; done
+last=${last#file:}
 echo "$@" > "$last"
 cat >> "$last"
 exit ${FAKE_FFMPEG_CODE:-0}

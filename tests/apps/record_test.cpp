@@ -262,7 +262,7 @@ TEST_F(Record, InterruptedRunsCloseTheirFile) {
   EXPECT_EQ(outcome.code, k_stopped);
   const RecordingReader run = recording("run.h5");
   EXPECT_FALSE(run.unfinished());
-  EXPECT_EQ(run.frames() + 9, lines_of(read("run.log")).size());
+  EXPECT_EQ(run.frames() + 10, lines_of(read("run.log")).size());
 }
 
 TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {

@@ -42,7 +42,7 @@ struct LeavesAMemberUnset {
     asm volatile("" : : "r"(this) : "memory");
   }
   void operator()(const troupe::Percept&, troupe::Random&, troupe::Actions& actions) const {
-    actions.command.x = static_cast<double>(gains[3] % 7);
+    actions.command.x = 1e-3 * static_cast<double>(gains[3] % 1009);
   }
 };
 

@@ -125,7 +125,7 @@ struct LeavesAMemberUnset : Parameterless {
     return *controller;
   }
   void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
-    actions.command.x = bias + static_cast<double>(gain % 7);
+    actions.command.x = bias + static_cast<double>(gain % 1009);
   }
 };
 
