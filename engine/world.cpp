@@ -474,7 +474,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     const partition::ObstacleShape& shape = *row_shapes_[row.index()];
     const ZInterval z = shape.z.shifted(z_of(row));
     const partition::PlacedShape placed(shape, transform(row), z_of(row));
-    // Of several that overlap a body, what never moves comes first, then the lowest: the grid does not show.
+    // Of several that overlap a body, static bodies come first, then the lowest id: the grid does not show.
     if (scene_.has_obstacles())
       for (const BodyId wall : scene_.overlapping(shape, poses()[row.index()]))
         found.add(BodyId(b), wall, most);

@@ -90,7 +90,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     if (!is_regular(descriptor)) return give_up(Taken::no);
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) return give_up(Taken::no);
-      unlink(partial.c_str());  // where nothing is locked this is nobody's name
+      unlink(partial.c_str());  // without locks no writer owns this name
       return give_up(Taken::no_locks);
     }
     if (!is_called(descriptor, partial)) {  // its writer came to its end between open() and flock()

@@ -1,4 +1,4 @@
-// Command lines as somebody writes them who wants to break the program, or by accident.
+// Command lines that are hostile, or wrong by accident.
 
 #include "tests/apps/program.hpp"
 

@@ -39,7 +39,7 @@ class ForeignHdf5 : public test::ScratchTest {
     H5Pset_virtual(virtual_layout, space, (folder_ / "other.h5").c_str(), "/x", space);
     H5Dclose(H5Dcreate2(file, "virtual", H5T_STD_U64LE, space, H5P_DEFAULT, virtual_layout, H5P_DEFAULT));
 
-    // A filter of somebody else's number, optional so that the dataset can be made without it.
+    // A filter that is not HDF5's own, optional so that the dataset can be made without it.
     const hid_t filtered = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(filtered, 1, &extent);
     H5Pset_filter(filtered, 32000, H5Z_FLAG_OPTIONAL, 0, nullptr);
