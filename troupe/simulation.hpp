@@ -321,7 +321,7 @@ class Simulation {
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
   /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
-  /// with which a run is over begin anew, which takes memory. A step that threw is forgotten: only this leads
+  /// with which a run is over restart, which takes memory. A step that threw is forgotten: only this leads
   /// on from it. What record() began is closed.
   void reset();
 
