@@ -14,7 +14,7 @@
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/version.hpp"
-#include "worldio/world_schema.hpp"
+#include "worldio/json/world_schema.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

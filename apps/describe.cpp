@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/events.hpp"
-#include "worldio/stage_properties.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <fmt/ranges.h>
 

@@ -1,7 +1,7 @@
 #include "apps/hash_log_reader.hpp"
 
 #include "base/diagnostics.hpp"
-#include "worldio/input_file.hpp"
+#include "worldio/files.hpp"
 
 #include <fmt/format.h>
 

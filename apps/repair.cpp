@@ -1,7 +1,7 @@
 #include "apps/repair.hpp"
 
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recording_repair.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recording_repair.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -4,8 +4,8 @@
 #include "apps/outputs.hpp"
 #include "apps/replay_page.hpp"
 #include "base/diagnostics.hpp"
-#include "worldio/replay_codec.hpp"
-#include "worldio/replay_data.hpp"
+#include "worldio/results/replay_codec.hpp"
+#include "worldio/results/replay_data.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>

@@ -10,7 +10,8 @@ target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
 function(troupe_verify_headers folder headers sources)
   set(others)
   foreach(header ${headers})
-    cmake_path(GET header STEM LAST_ONLY name)
+    cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE name)
+    cmake_path(REMOVE_EXTENSION name LAST_ONLY)
     set(first)
     if("${name}.cpp" IN_LIST sources)
       file(STRINGS ${name}.cpp first REGEX "^#include" LIMIT_COUNT 1)
@@ -31,7 +32,7 @@ endfunction()
 #   LINK          what its headers need
 #   PRIVATE_LINK  what only its sources need; a static library's users link it all the same
 #   BUILD_LINK    what only its sources need and only to compile (header-only libraries): users need not have it
-# Every header of the folder must compile by itself. Those are public, and installed, that internal_headers.txt does not name.
+# Every header of the folder, and of the folders in it, must compile by itself. Those are public, and installed, that internal_headers.txt does not name.
 set(internal_list ${CMAKE_CURRENT_LIST_DIR}/internal_headers.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
 file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
@@ -42,10 +43,10 @@ function(troupe_add_library folder)
   add_library(troupe::${folder} ALIAS troupe_${folder})
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
-  file(GLOB headers CONFIGURE_DEPENDS *.hpp)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
   set(public_headers)
   foreach(header ${headers})
-    cmake_path(GET header FILENAME name)
+    cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE name)
     if(NOT ${folder} IN_LIST troupe_internal_headers AND NOT ${folder}/${name} IN_LIST troupe_internal_headers)
       list(APPEND public_headers ${header})
     endif()

@@ -2,7 +2,7 @@
 
 #include "engine/shown_color.hpp"
 #include "engine/world.hpp"
-#include "models/led.hpp"
+#include "models/devices/led.hpp"
 #include "partition/box_grid.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "base/math.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
-#include "models/light.hpp"
+#include "models/devices/light.hpp"
 
 #include <algorithm>
 #include <memory>

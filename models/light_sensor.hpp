@@ -17,7 +17,8 @@ enum LightSensorField : std::size_t {
 /// reads  of direction k, which looks along heading 2 pi k / directions in the sensor's frame: the sum over
 ///        all lights in sight of intensity * max(0, cos a) / d^2, with d (m) the distance, also in height,
 ///        and a the angle between the direction and the way to the light
-/// sight  lights (`blinkenlight`, `lightindicator`, models/light.hpp) of other bodies that are lit, no
+/// sight  lights (`blinkenlight`, `lightindicator`, models/devices/light.hpp) of other bodies that are lit,
+/// no
 ///        farther than range_max on the ground; with `occlusion` those alone that nothing stands before, at
 ///        the sensor's height. A light's own body never does
 /// order  sums are made in the order of (body, device), in double

@@ -7,7 +7,7 @@
 #include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 #include "perf/paper_cases.hpp"
 #include "perf/paper_children.hpp"
 #include "perf/paper_hashes.hpp"

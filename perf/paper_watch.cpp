@@ -1,7 +1,7 @@
 #include "perf/paper_watch.hpp"
 
 #include "engine/measures.hpp"
-#include "worldio/recording_writer.hpp"
+#include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

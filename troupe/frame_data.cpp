@@ -1,8 +1,8 @@
 #include "troupe/frame_data.hpp"
 
 #include "base/diagnostics.hpp"
-#include "models/gripper.hpp"
-#include "models/power.hpp"
+#include "models/devices/gripper.hpp"
+#include "models/devices/power.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
 #include "troupe/value_names.hpp"
@@ -284,7 +284,7 @@ void add_grips(const World& world, Frame& frame) {
     const std::vector<double> paddle = numbers("paddle_size");
     const Pose base = placed(world, row, device, spec);
     const double inner_face =
-        (1 - state.paddle_position) * (size[1] / 2 - paddle[1] * size[1]);  // models/gripper.hpp
+        (1 - state.paddle_position) * (size[1] / 2 - paddle[1] * size[1]);  // models/devices/gripper.hpp
     const double height = state.lift_position * (1 - paddle[2]) * size[2];
     for (const auto& [behind_tips, broken] :
          {std::pair(0.165, state.beam_outer), std::pair(0.495, state.beam_inner)}) {

@@ -3,7 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/measures.hpp"
 #include "troupe/simulation.hpp"
-#include "worldio/measures_json.hpp"
+#include "worldio/json/measures_json.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -6,7 +6,7 @@
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
-#include "worldio/png.hpp"
+#include "worldio/images/png.hpp"
 
 #ifdef TROUPE_HAS_RENDER
 #include "render/draw.hpp"

@@ -4,9 +4,9 @@
 #include "engine/mount.hpp"
 #include "engine/shown_color.hpp"
 #include "troupe/value_names.hpp"
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recorded_scene.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recorded_scene.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
 

@@ -3,10 +3,10 @@
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "worldio/recording_reader.hpp"
-#include "worldio/recording_repair.hpp"
-#include "worldio/recording_writer.hpp"
-#include "worldio/spec_json.hpp"
+#include "worldio/json/spec_json.hpp"
+#include "worldio/results/recording_reader.hpp"
+#include "worldio/results/recording_repair.hpp"
+#include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>
 

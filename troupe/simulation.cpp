@@ -7,9 +7,9 @@
 #include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "models/flags.hpp"
-#include "models/power.hpp"
-#include "models/wheels.hpp"
+#include "models/devices/flags.hpp"
+#include "models/devices/power.hpp"
+#include "models/drives/wheels.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/pictures.hpp"
@@ -17,8 +17,8 @@
 #include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/world_builder.hpp"
-#include "worldio/checkpoint.hpp"
 #include "worldio/load.hpp"
+#include "worldio/results/checkpoint.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "worldio/convert.hpp"
 
-#include "worldio/json_text.hpp"
-#include "worldio/json_world.hpp"
-#include "worldio/stage_files.hpp"
-#include "worldio/stage_writer.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/stage/stage_files.hpp"
+#include "worldio/stage/stage_writer.hpp"
 
 #include <fmt/format.h>
 

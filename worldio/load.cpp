@@ -1,7 +1,7 @@
 #include "worldio/load.hpp"
 
-#include "worldio/input_file.hpp"
-#include "worldio/stage_files.hpp"
+#include "worldio/files.hpp"
+#include "worldio/stage/stage_files.hpp"
 
 #include <fmt/format.h>
 

@@ -4,9 +4,9 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "engine/state_difference.hpp"
-#include "worldio/hdf5_superblock.hpp"
-#include "worldio/input_file.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/files.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
 

@@ -7,10 +7,10 @@
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/checkpoint.hpp"
-#include "worldio/hdf5_superblock.hpp"
-#include "worldio/input_file.hpp"
-#include "worldio/stage_properties.hpp"
+#include "worldio/files.hpp"
+#include "worldio/results/checkpoint.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -3,9 +3,9 @@
 #include "apps/info/info_kinds.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "worldio/checkpoint.hpp"
-#include "worldio/recording_reader.hpp"
-#include "worldio/recording_writer.hpp"
+#include "worldio/results/checkpoint.hpp"
+#include "worldio/results/recording_reader.hpp"
+#include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>
 

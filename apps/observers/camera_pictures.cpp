@@ -4,7 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
 #include "sensors/camera.hpp"
-#include "worldio/png.hpp"
+#include "worldio/images/png.hpp"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,7 @@
 #include "engine/ticks.hpp"
 #include "troupe/recorded_run.hpp"
 #include "troupe/simulation.hpp"
-#include "worldio/checkpoint.hpp"
+#include "worldio/results/checkpoint.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "apps/run/run_options.hpp"
 
 #include "engine/watch_spec.hpp"
-#include "worldio/spec_json.hpp"
+#include "worldio/json/spec_json.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

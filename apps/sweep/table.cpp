@@ -2,7 +2,7 @@
 
 #include "apps/csv.hpp"
 #include "apps/outputs.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/sweep/journal.hpp"
-#include "worldio/study.hpp"
+#include "worldio/json/study.hpp"
 
 #include <cstddef>
 #include <filesystem>

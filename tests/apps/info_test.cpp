@@ -1,5 +1,5 @@
 #include "tests/apps/program.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <string>
 #include <vector>

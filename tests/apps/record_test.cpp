@@ -1,8 +1,8 @@
 #include "apps/exit_code.hpp"
 #include "tests/apps/program.hpp"
 #include "troupe/simulation.hpp"
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
 

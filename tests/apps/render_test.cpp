@@ -1,6 +1,6 @@
 #include "apps/exit_code.hpp"
 #include "tests/apps/program.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <algorithm>
 #include <csignal>

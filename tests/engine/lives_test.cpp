@@ -5,7 +5,7 @@
 #include "engine/events.hpp"
 #include "engine/frame.hpp"
 #include "engine/world.hpp"
-#include "models/gripper.hpp"
+#include "models/devices/gripper.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 

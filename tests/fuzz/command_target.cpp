@@ -1,6 +1,6 @@
 #include "apps/command_line.hpp"
 #include "tests/fuzz/targets.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <unistd.h>
 

@@ -4,8 +4,8 @@
 #include "tests/fuzz/targets.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/json_text.hpp"
-#include "worldio/json_world.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/json_world.hpp"
 #include "worldio/load.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/fuzz/hdf5_text.hpp"
 
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <algorithm>
 #include <charconv>

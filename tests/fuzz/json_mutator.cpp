@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/world_schema.hpp"
+#include "worldio/json/world_schema.hpp"
 
 #include <nlohmann/json.hpp>
 

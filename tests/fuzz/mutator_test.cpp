@@ -6,7 +6,7 @@
 #include "tests/fuzz/targets.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
-#include "worldio/stage_parser.hpp"
+#include "worldio/stage/stage_parser.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/draws.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/stage_properties.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "models/actuator.hpp"
+#include "models/devices/actuator.hpp"
 
 #include "engine/world.hpp"
 #include "tests/support/devices.hpp"

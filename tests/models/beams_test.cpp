@@ -1,11 +1,11 @@
 // Controllers that read rangers, by where each beam looks: however its beams are shared out among
 // transducers, in whatever order and wherever the ranger is turned to, a robot does the same.
 
-#include "models/beams.hpp"
+#include "models/controllers/beams.hpp"
 
 #include "base/random.hpp"
 #include "engine/world.hpp"
-#include "models/scan_ahead.hpp"
+#include "models/controllers/scan_ahead.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 

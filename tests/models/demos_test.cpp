@@ -1,4 +1,4 @@
-#include "models/demos.hpp"
+#include "models/controllers/rasterize.hpp"
 
 #include "tests/support/scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "models/drives.hpp"
+#include "models/drives/drives.hpp"
 
 #include "tests/support/scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "models/fiducial_readings.hpp"
+#include "models/controllers/fiducial_readings.hpp"
 
 #include "sensors/fiducial.hpp"
 #include "tests/support/scene.hpp"

@@ -1,4 +1,4 @@
-#include "models/flags.hpp"
+#include "models/devices/flags.hpp"
 
 #include "tests/support/scene.hpp"
 

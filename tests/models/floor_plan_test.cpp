@@ -1,4 +1,4 @@
-#include "models/floor_plan.hpp"
+#include "models/controllers/floor_plan.hpp"
 
 #include "base/random.hpp"
 #include "tests/support/scene.hpp"

@@ -1,7 +1,7 @@
-#include "models/forager.hpp"
+#include "models/controllers/forager.hpp"
 
 #include "engine/world.hpp"
-#include "models/power.hpp"
+#include "models/devices/power.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 

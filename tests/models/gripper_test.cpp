@@ -1,4 +1,4 @@
-#include "models/gripper.hpp"
+#include "models/devices/gripper.hpp"
 
 #include "engine/world.hpp"
 #include "tests/support/devices.hpp"

@@ -4,7 +4,7 @@
 #include "engine/frame.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
-#include "models/led.hpp"
+#include "models/devices/led.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 

@@ -1,4 +1,4 @@
-#include "models/light.hpp"
+#include "models/devices/light.hpp"
 
 #include "engine/world.hpp"
 #include "tests/support/scene.hpp"

@@ -1,6 +1,6 @@
-#include "models/power.hpp"
+#include "models/devices/power.hpp"
 
-#include "models/actuator.hpp"
+#include "models/devices/actuator.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 

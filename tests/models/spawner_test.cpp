@@ -1,9 +1,9 @@
-#include "models/spawner.hpp"
+#include "models/devices/spawner.hpp"
 
 #include "engine/world.hpp"
-#include "models/flags.hpp"
-#include "models/power.hpp"
-#include "models/remover.hpp"
+#include "models/devices/flags.hpp"
+#include "models/devices/power.hpp"
+#include "models/devices/remover.hpp"
 #include "tests/support/devices.hpp"
 
 #include <fmt/format.h>

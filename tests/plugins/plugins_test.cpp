@@ -9,8 +9,8 @@
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 #include "troupe/swarm.hpp"
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/apps/program.hpp"
 #include "tests/support/slow_build.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/add_device.hpp"
-#include "models/actuator.hpp"
-#include "models/gripper.hpp"
+#include "models/devices/actuator.hpp"
+#include "models/devices/gripper.hpp"
 #include "tests/support/scene.hpp"
 
 #include <string>

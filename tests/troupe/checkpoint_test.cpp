@@ -1,6 +1,6 @@
 // A run that was saved and resumed is the run that never stopped, bit for bit.
 
-#include "worldio/checkpoint.hpp"
+#include "worldio/results/checkpoint.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
@@ -8,7 +8,7 @@
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/troupe.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

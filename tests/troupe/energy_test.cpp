@@ -1,6 +1,6 @@
 #include "engine/world.hpp"
-#include "models/flags.hpp"
-#include "models/power.hpp"
+#include "models/devices/flags.hpp"
+#include "models/devices/power.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"

@@ -4,7 +4,7 @@
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -187,7 +187,7 @@ TEST(SetOfFewer, ACollectorLeavesAChargerThatIsNoneAnyMore) {
     "at": [{{"time_s": 0.5, "set": {{"type": "r", "controller": {{"kind": "collector", "charger": 9}}}}}}]}})",
                                                             k_depot),
                                                 "fewer.json");
-  constexpr int k_leaving = 4, k_charging = 5;  // models/collector.cpp
+  constexpr int k_leaving = 4, k_charging = 5;  // models/controllers/collector.cpp
   step(simulation, 5);
   EXPECT_EQ(remembered(simulation, "collector/0", "mode"), std::vector<int>{k_charging});
   step(simulation, 1);

@@ -2,7 +2,7 @@
 
 #include "engine/events.hpp"
 #include "engine/world.hpp"
-#include "models/actuator.hpp"
+#include "models/devices/actuator.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
 #include "troupe/troupe.hpp"

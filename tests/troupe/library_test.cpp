@@ -1,12 +1,12 @@
 // What programs have to build worlds, look into them and drive them, beside the simulation's own tests.
 #include "engine/controller.hpp"
-#include "models/gripper.hpp"
-#include "models/led.hpp"
+#include "models/devices/gripper.hpp"
+#include "models/devices/led.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,13 +1,13 @@
 // Births and deaths as programs and files see them: worlds/colony.json and the API.
 
 #include "engine/world.hpp"
-#include "models/power.hpp"
-#include "models/spawner.hpp"
+#include "models/devices/power.hpp"
+#include "models/devices/spawner.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/troupe.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

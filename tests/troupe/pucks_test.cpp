@@ -1,10 +1,10 @@
 // worlds/pucks.json: finders, grippers, packs, wells and a mill, all together.
 
 #include "engine/world.hpp"
-#include "models/gripper.hpp"
-#include "models/power.hpp"
-#include "models/remover.hpp"
-#include "models/spawner.hpp"
+#include "models/devices/gripper.hpp"
+#include "models/devices/power.hpp"
+#include "models/devices/remover.hpp"
+#include "models/devices/spawner.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 

@@ -1,7 +1,7 @@
 // worlds/gradient.json, flock.json, perception.json and chatter.json: swarms that talk.
 
 #include "engine/world.hpp"
-#include "models/gradient.hpp"
+#include "models/controllers/gradient.hpp"
 #include "models/radio.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"

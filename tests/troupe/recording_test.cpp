@@ -4,8 +4,8 @@
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/hdf5_file.hpp"
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,9 +3,9 @@
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/convert.hpp"
-#include "worldio/png.hpp"
-#include "worldio/spec_json.hpp"
-#include "worldio/stage_properties.hpp"
+#include "worldio/images/png.hpp"
+#include "worldio/json/spec_json.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <algorithm>
 #include <set>

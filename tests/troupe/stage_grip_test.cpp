@@ -1,6 +1,6 @@
 #include "engine/world.hpp"
-#include "models/actuator.hpp"
-#include "models/gripper.hpp"
+#include "models/devices/actuator.hpp"
+#include "models/devices/gripper.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/simulation.hpp"
 

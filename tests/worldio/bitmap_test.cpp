@@ -1,7 +1,7 @@
-#include "worldio/bitmap.hpp"
+#include "worldio/images/bitmap.hpp"
 
 #include "tests/support/scratch.hpp"
-#include "worldio/png.hpp"
+#include "worldio/images/png.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,9 +3,9 @@
 #include "base/diagnostics.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/recording_by_hand.hpp"
-#include "worldio/recording_reader.hpp"
-#include "worldio/recording_repair.hpp"
-#include "worldio/replay_data.hpp"
+#include "worldio/results/recording_reader.hpp"
+#include "worldio/results/recording_repair.hpp"
+#include "worldio/results/replay_data.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

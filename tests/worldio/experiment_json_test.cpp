@@ -2,11 +2,11 @@
 
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/json_document.hpp"
-#include "worldio/json_text.hpp"
-#include "worldio/json_world.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/spec_difference.hpp"
 #include "worldio/load.hpp"
-#include "worldio/spec_difference.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "worldio/fields_reference.hpp"
+#include "worldio/json/fields_reference.hpp"
 
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"

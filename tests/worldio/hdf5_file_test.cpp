@@ -1,4 +1,4 @@
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include "tests/support/scratch.hpp"
 

@@ -2,7 +2,7 @@
 // must be able to do neither: it would read, and in a recording that goes on write, any file of the user.
 
 #include "tests/support/scratch.hpp"
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "worldio/json_document.hpp"
+#include "worldio/json/json_document.hpp"
 
 #include "tests/worldio/json_test_world.hpp"
 

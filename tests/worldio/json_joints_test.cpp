@@ -1,8 +1,8 @@
 #include "engine/world.hpp"
-#include "models/actuator.hpp"
+#include "models/devices/actuator.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/recording_fields.hpp"
+#include "worldio/results/recording_fields.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

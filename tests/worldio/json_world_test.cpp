@@ -2,8 +2,8 @@
 #include "tests/support/slow_build.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/json_document.hpp"
-#include "worldio/json_types.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_types.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -3,10 +3,10 @@
 #include "engine/add_device.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/fields_json.hpp"
-#include "worldio/json_text.hpp"
-#include "worldio/json_world.hpp"
-#include "worldio/spec_difference.hpp"
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/spec_difference.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

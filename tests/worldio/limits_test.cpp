@@ -5,8 +5,8 @@
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/simulation.hpp"
-#include "worldio/bitmap.hpp"
-#include "worldio/png.hpp"
+#include "worldio/images/bitmap.hpp"
+#include "worldio/images/png.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "worldio/png.hpp"
+#include "worldio/images/png.hpp"
 
 #include "tests/support/scratch.hpp"
 

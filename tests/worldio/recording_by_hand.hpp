@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worldio/hdf5_file.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <cstdint>
 #include <filesystem>

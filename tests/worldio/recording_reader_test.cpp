@@ -1,10 +1,10 @@
-#include "worldio/recording_reader.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/recording_by_hand.hpp"
-#include "worldio/hdf5_superblock.hpp"
-#include "worldio/recording_repair.hpp"
-#include "worldio/recording_writer.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recording_repair.hpp"
+#include "worldio/results/recording_writer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "worldio/replay_codec.hpp"
+#include "worldio/results/replay_codec.hpp"
 
 #include "tests/worldio/replay_unpacked.hpp"
 

@@ -1,10 +1,10 @@
-#include "worldio/replay_data.hpp"
+#include "worldio/results/replay_data.hpp"
 
 #include "base/diagnostics.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/replay_unpacked.hpp"
 #include "troupe/recording.hpp"
-#include "worldio/recorded_scene.hpp"
+#include "worldio/results/recorded_scene.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "worldio/ros_map.hpp"
+#include "worldio/images/ros_map.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "worldio/sealed_file.hpp"
+#include "worldio/results/sealed_file.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,6 +1,6 @@
 // A stored world comes back to the last bit, without the files that it was loaded from.
 
-#include "worldio/spec_json.hpp"
+#include "worldio/json/spec_json.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"

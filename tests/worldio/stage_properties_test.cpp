@@ -1,4 +1,4 @@
-#include "worldio/stage_properties.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <gtest/gtest.h>
 

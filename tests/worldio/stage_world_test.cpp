@@ -1,5 +1,5 @@
 #include "tests/worldio/stage_fixture.hpp"
-#include "worldio/png.hpp"
+#include "worldio/images/png.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "worldio/study.hpp"
+#include "worldio/json/study.hpp"
 
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/json_test_world.hpp"

@@ -1,4 +1,4 @@
-// Numbers that change from frame to frame, as worldio/replay_codec.cpp packs them: of each value how far it is from what
+// Numbers that change from frame to frame, as worldio/results/replay_codec.cpp packs them: of each value how far it is from what
 // was expected, 7 bits a byte, the low ones first; 0 for an absent one.
 
 /** A position or heading of a robot that is not there. */

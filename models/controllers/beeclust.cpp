@@ -1,0 +1,134 @@
+#include "models/controllers/beeclust.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/scan_ahead.hpp"
+#include "models/devices/led.hpp"
+#include "models/ground.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_turn = 1.5;             // rad/s
+constexpr double k_ahead = k_pi / 3;       // rad to either side
+constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
+
+const FieldTable& beeclust_fields() {
+  static const FieldTable table{{
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
+      {.name = "max_wait",
+       .unit = Unit::seconds,
+       .fallback = 60.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "which waits on ever brighter ground tend to"},
+      {.name = "half",
+       .fallback = 0.22,
+       .min = 0,
+       .max = 1e6,
+       .text = "square of the brightness, from 0 to 1, at which it waits for half of that",
+       .above_min = true},
+      {.name = "meet",
+       .unit = Unit::meters,
+       .fallback = 0.12,
+       .min = 0,
+       .text = "from radio to radio: another who is nearer ahead is met"},
+      min_front_field(0.08),
+  }};
+  return table;
+}
+
+struct Beeclust {
+  struct Memory {
+    std::uint32_t wait_updates = 0;
+    std::uint32_t turn_updates = 0;
+    float turn = 0;  ///< rad/s
+    TROUPE_FIELDS(wait_updates, turn_updates, turn)
+  };
+  static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
+
+  double speed, max_wait, half, meet, min_front;
+  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  Scanner scanner;
+  bool has_led = false;
+
+  static Beeclust make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    scanner = choice.take_ground_radio_scanner(4, fault);
+    if (fault.empty()) radio_heading = devices[choice.chosen()[k_radio]].pose.heading;
+    has_led = fault.empty() && choice.take_kind("led");
+    return choice.chosen();
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
+    radio.say();
+    if (memory.wait_updates > 0) {
+      // The wait is over: away from whom it met.
+      if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
+    } else if (memory.turn_updates > 0) {
+      --memory.turn_updates;
+    } else if (meets(radio)) {
+      memory.wait_updates = wait(percept);
+      if (memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
+    } else {
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
+      if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
+    }
+    const bool waits = memory.wait_updates > 0;
+    if (has_led) {
+      if (waits)
+        actions.device<LedCommand>(k_led).show(1.0f, 0.6f, 0.0f);
+      else
+        actions.device<LedCommand>(k_led).show(0.2f, 0.5f, 1.0f);
+    }
+    const bool turns = memory.turn_updates > 0;
+    actions.command = {waits || turns ? 0 : speed, 0, turns ? memory.turn : 0.0};
+  }
+
+  bool meets(const RadioPort& radio) const {
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message other = radio[i];
+      if (other.range <= meet && std::abs(wrap_angle(radio_heading + other.bearing)) <= k_ahead) return true;
+    }
+    return false;
+  }
+
+  /// In decisions.
+  std::uint32_t wait(const engine::Percept& percept) const {
+    const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
+    const double brightness = (color[0] + color[1] + color[2]) / 3;
+    const double square = brightness * brightness;
+    return static_cast<std::uint32_t>(std::min(max_wait * square / (square + half) / percept.tick_s, 1e9));
+  }
+
+  static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
+    memory.turn = static_cast<float>(right ? -k_turn : k_turn);
+    memory.turn_updates =
+        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.tick_s);
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind beeclust_controller() {
+  return engine::make_controller_kind<Beeclust>(
+      "beeclust", "aggregate where the ground is bright: wait where others are met", beeclust_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,137 @@
+#include "models/controllers/brazil_nut.hpp"
+
+#include "base/geometry.hpp"
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/light_sensor.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+constexpr std::size_t k_least_directions = 3;  // fewer do not tell where a light is
+
+const FieldTable& brazil_nut_fields() {
+  static const FieldTable table{{
+      {.name = "radius",
+       .unit = Unit::meters,
+       .min = 0,
+       .max = 1000,
+       .text = "of the disc as which it acts",
+       .above_min = true},
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "at most"},
+      {.name = "gain",
+       .unit = Unit::per_second,
+       .fallback = 2.0,
+       .min = 0,
+       .text = "turn rate for each radian that it is to turn"},
+      {.name = "taxis", .fallback = 0.6, .min = 0, .text = "weight of the way to the light"},
+      {.name = "noise", .fallback = 1.0, .min = 0, .text = "weight of the shaking"},
+      {.name = "push", .fallback = 8.0, .min = 0, .text = "of another in the same place"},
+      {.name = "shake",
+       .unit = Unit::seconds,
+       .fallback = 1.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "for how long it is shaken in one direction"},
+  }};
+  return table;
+}
+
+struct BrazilNut {
+  struct Memory {
+    std::uint32_t updates_left = 0;  ///< of the present shaking
+    double heading = 0;              ///< rad, of that, in the frame of its estimate
+    TROUPE_FIELDS(updates_left, heading)
+  };
+  static constexpr std::size_t k_light = 0, k_radio = 1;
+
+  double radius, speed, gain, taxis, noise, push, shake;
+  double radio_heading = 0;        // rad, of the radio in the frame of its drive
+  std::vector<SinCos> directions;  // of the light sensor, in that frame
+
+  static BrazilNut make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(),
+            p[4].number(), p[5].number(), p[6].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    std::size_t count = 0;
+    const bool has_eye = choice.take([&](const engine::DeviceInfo& device) {
+      if (device.kind != "light_sensor") return false;
+      count = device.prepared.percepts[k_light_brightness].columns;
+      return count >= k_least_directions;
+    });
+    if (!has_eye) {
+      fault = "needs a light sensor of three directions or more";
+      return {};
+    }
+    const double heading = devices[choice.chosen().front()].pose.heading;
+    for (std::size_t k = 0; k < count; ++k)
+      directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
+    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
+      return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
+    });
+    if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
+    if (has_radio) radio_heading = devices[choice.chosen().back()].pose.heading;
+    return choice.chosen();
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
+    radio.say(static_cast<float>(radius));
+    if (memory.updates_left == 0) {
+      memory.heading = random.uniform(-k_pi, k_pi);
+      memory.updates_left = static_cast<std::uint32_t>(std::max(shake / percept.tick_s, 1.0));
+    }
+    --memory.updates_left;
+    const SinCos shaken = sincos(memory.heading - percept.estimate.heading);
+    const Vec2 aim = taxis * way_to_light(percept) + noise * Vec2(shaken.cos, shaken.sin) + repulsion(radio);
+    const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
+    actions.command = {speed * std::min(aim.norm(), 1.0) * cos(angle), 0, gain * angle};
+  }
+
+  Vec2 way_to_light(const engine::Percept& percept) const {
+    const std::span<const float> brightness = percept.devices[k_light].field<float>(k_light_brightness);
+    Vec2 sum(0, 0);
+    for (std::size_t k = 0; k < directions.size(); ++k)
+      sum += static_cast<double>(brightness[k]) * Vec2(directions[k].cos, directions[k].sin);
+    const double norm = sum.norm();
+    return norm > 0 ? Vec2(sum / norm) : sum;
+  }
+
+  Vec2 repulsion(const RadioPort& radio) const {
+    Vec2 sum(0, 0);
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message message = radio[i];
+      float theirs = 0;
+      if (!message.read(theirs)) continue;
+      const double both = radius + std::max<double>(theirs, 0);
+      if (message.range >= both) continue;
+      const SinCos way = sincos(radio_heading + message.bearing);
+      sum -= push * (1 - message.range / both) * Vec2(way.cos, way.sin);
+    }
+    return sum;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind brazil_nut_controller() {
+  return engine::make_controller_kind<BrazilNut>(
+      "brazil_nut", "act as a disc of some size that is shaken, drawn to a light and pushed by others",
+      brazil_nut_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,110 @@
+#include "models/controllers/clustering.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/scan_ahead.hpp"
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_turn = 1.0;              // rad/s
+constexpr std::uint32_t k_surely_goes = 3;  // updates from a command until it must have moved
+
+const FieldTable& clustering_fields() {
+  static const FieldTable table{{
+      {.name = "speed",
+       .unit = Unit::meters_per_second,
+       .fallback = 0.15,
+       .min = 0,
+       .text = "straight ahead, and back"},
+      {.name = "back",
+       .unit = Unit::seconds,
+       .fallback = 1.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "for how long it backs off from what it cannot push"},
+      min_front_field(0.25),
+  }};
+  return table;
+}
+
+enum Does : std::uint8_t { k_ahead, k_back, k_turns };
+
+struct Clustering {
+  struct Memory {
+    double x = 0;                    ///< m, where it was when it decided before
+    double y = 0;                    ///< m
+    double heading = 0;              ///< rad
+    std::uint32_t same_updates = 0;  ///< since when it does the same
+    std::uint8_t does = 0;           ///< go straight on, back off or turn
+    std::uint32_t back_updates = 0;  ///< left of backing off
+    std::uint32_t turn_updates = 0;  ///< left of turning
+    float turn = 0;                  ///< rad/s
+    TROUPE_FIELDS(x, y, heading, same_updates, does, back_updates, turn_updates, turn)
+  };
+
+  double speed, back, min_front;
+  Scanner scanner;
+
+  static Clustering make(const Record& p) { return {p[0].number(), p[1].number(), p[2].number()}; }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    scanner = choice.take_scanner(4);
+    if (!scanner.is_usable()) fault = choice.scanner_fault();
+    return choice.chosen();
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const Pose& here = percept.estimate;
+    const bool stands = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
+    memory.x = here.x;
+    memory.y = here.y;
+    memory.heading = here.heading;
+    const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
+    const ScanAhead seen = scanner.look(percept.ranges(0), min_front, 0);
+    if (is_stuck && memory.does == k_back) {
+      memory.back_updates = 0;  // on to the turn
+    } else if (is_stuck) {
+      memory.back_updates = static_cast<std::uint32_t>(back / percept.tick_s);
+      begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);
+    } else if (memory.does == k_ahead && seen.obstruction) {
+      begin_turn(memory, percept, random, seen.left < seen.right ? -1 : 1);
+    }
+    const std::uint8_t did = memory.does;
+    if (memory.back_updates > 0) {
+      --memory.back_updates;
+      memory.does = k_back;
+      actions.set_speed(-speed, 0, 0);
+    } else if (memory.turn_updates > 0) {
+      --memory.turn_updates;
+      memory.does = k_turns;
+      actions.set_speed(0, 0, memory.turn);
+    } else {
+      memory.does = k_ahead;
+      actions.set_speed(speed, 0, 0);
+    }
+    memory.same_updates = memory.does == did ? memory.same_updates + 1 : 0;
+  }
+
+  static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, int side) {
+    memory.turn = static_cast<float>(side * k_turn);
+    memory.turn_updates = 1 + static_cast<std::uint32_t>(random.uniform(0, k_pi / k_turn) / percept.tick_s);
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind clustering_controller() {
+  return engine::make_controller_kind<Clustering>(
+      "clustering", "push pucks together: go on until it is too much, back off, turn", clustering_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,197 @@
+#include "models/controllers/collective_perception.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/scan_ahead.hpp"
+#include "models/devices/led.hpp"
+#include "models/ground.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_listen_s = 3;     // before it decides
+constexpr double k_straight_s = 10;  // mean
+constexpr double k_turn = 0.8;       // rad/s
+constexpr double k_stop_share = 0.6;
+constexpr float k_middle = 0.5f;  // of brightness: darker is black
+
+const FieldTable& perception_fields() {
+  static const FieldTable table{{
+      {.name = "speed",
+       .unit = Unit::meters_per_second,
+       .fallback = 0.16,
+       .min = 0,
+       .text = "straight ahead"},
+      {.name = "explore",
+       .unit = Unit::seconds,
+       .fallback = 10.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "for how long it looks at the floor, in the mean",
+       .above_min = true},
+      {.name = "share",
+       .unit = Unit::seconds,
+       .fallback = 10.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "for how long it says an opinion of quality 1, in the mean",
+       .above_min = true},
+      {.name = "rule",
+       .type = FieldType::text,
+       .fallback = std::string("majority"),
+       .text = "how it decides",
+       .choices = {"majority", "voter"}},
+      min_front_field(0.15),
+  }};
+  return table;
+}
+
+struct CollectivePerception {
+  struct Memory {
+    std::uint32_t updates_left = 0;  ///< of what it does
+    std::uint32_t looked = 0;        ///< at the floor, since it began to explore
+    std::uint32_t agreed = 0;        ///< how often that had the colour of its opinion
+    std::array<std::uint32_t, 2> votes{};
+    std::int32_t straight_updates = 0;
+    std::int32_t turn_updates = 0;
+    float turn = 0;  ///< rad/s
+    std::uint8_t opinion = 0;
+    std::uint8_t shares = 0;
+    std::uint8_t begun = 0;
+    TROUPE_FIELDS(updates_left, looked, agreed, votes, straight_updates, turn_updates, turn, opinion, shares,
+                  begun)
+  };
+  static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
+
+  double speed, explore, share;
+  bool by_majority;
+  double min_front;
+  Scanner scanner;
+  bool has_led = false;
+
+  static CollectivePerception make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].text() == "majority", p[4].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    scanner = choice.take_ground_radio_scanner(4, fault);
+    has_led = fault.empty() && choice.take_kind("led");
+    return choice.chosen();
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
+    if (memory.begun == 0) {
+      memory.begun = 1;
+      memory.opinion = static_cast<std::uint8_t>(percept.body % 2);
+      begin_exploring(memory, percept, random);
+    }
+    if (memory.shares == 0)
+      look(memory, percept);
+    else if (memory.updates_left * percept.tick_s <= k_listen_s)
+      hear(memory, radio);
+    if (memory.updates_left > 0) {
+      --memory.updates_left;
+    } else if (memory.shares == 0) {
+      begin_sharing(memory, percept, random);
+    } else {
+      decide(memory, random);
+      begin_exploring(memory, percept, random);
+    }
+    if (memory.shares != 0)
+      radio.say(memory.opinion);
+    else
+      radio.be_silent();
+    if (has_led) {
+      const float grey = memory.shares == 0 ? k_middle : static_cast<float>(memory.opinion);
+      actions.device<LedCommand>(k_led).show(grey, grey, grey);
+    }
+    walk(memory, percept, random, actions.command);
+  }
+
+  static std::uint32_t updates(double mean_s, const engine::Percept& percept, Random& random) {
+    return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.tick_s, 1e9));
+  }
+
+  void begin_exploring(Memory& memory, const engine::Percept& percept, Random& random) const {
+    memory.shares = 0;
+    memory.looked = 0;
+    memory.agreed = 0;
+    memory.updates_left = updates(explore, percept, random);
+  }
+
+  void begin_sharing(Memory& memory, const engine::Percept& percept, Random& random) const {
+    const double quality = static_cast<double>(memory.agreed) / std::max<std::uint32_t>(memory.looked, 1);
+    memory.shares = 1;
+    memory.votes = {};
+    memory.updates_left = updates(share * quality, percept, random);
+  }
+
+  static void look(Memory& memory, const engine::Percept& percept) {
+    const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
+    const bool is_white = (color[0] + color[1] + color[2]) / 3 > k_middle;
+    ++memory.looked;
+    memory.agreed += is_white == (memory.opinion != 0);
+  }
+
+  static void hear(Memory& memory, const RadioPort& radio) {
+    for (std::size_t i = 0; i < radio.count(); ++i)
+      if (std::uint8_t opinion = 0; radio[i].read(opinion) && opinion < 2) ++memory.votes[opinion];
+  }
+
+  void decide(Memory& memory, Random& random) const {
+    const std::uint32_t all = memory.votes[0] + memory.votes[1];
+    if (all == 0) return;
+    if (!by_majority) {
+      memory.opinion = random.below(all) < memory.votes[1];
+      return;
+    }
+    // Its own counts as what one message tells: no more than what it hears in a tick.
+    std::array<std::uint32_t, 2> votes = memory.votes;
+    ++votes[memory.opinion];
+    if (votes[0] != votes[1]) memory.opinion = votes[1] > votes[0];
+  }
+
+  void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
+    const auto [obstruction, stop, left, right] =
+        scanner.look(percept.ranges(k_scanner), min_front, k_stop_share * min_front);
+    if (memory.turn_updates == 0 && obstruction) {
+      memory.turn = static_cast<float>(left < right ? -k_turn : k_turn);
+      memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));
+    } else if (memory.turn_updates == 0 && --memory.straight_updates < 0) {
+      memory.turn = static_cast<float>(random.below(2) == 0 ? -k_turn : k_turn);
+      memory.turn_updates = static_cast<std::int32_t>(random.uniform(0, k_pi / k_turn) / percept.tick_s);
+      memory.straight_updates = static_cast<std::int32_t>(updates(k_straight_s, percept, random));
+    }
+    if (memory.turn_updates == 0) {
+      command = {speed, 0, 0};
+      return;
+    }
+    --memory.turn_updates;
+    command = {0, 0, memory.turn};
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind collective_perception_controller() {
+  return engine::make_controller_kind<CollectivePerception>(
+      "collective_perception", "decide with others whether more of the floor is black or white",
+      perception_fields());
+}
+
+}  // namespace troupe::models

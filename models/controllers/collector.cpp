@@ -1,0 +1,278 @@
+#include "models/controllers/collector.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "engine/world_spec.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/evasion.hpp"
+#include "models/controllers/fiducial_readings.hpp"
+#include "models/devices/gripper.hpp"
+#include "models/devices/power.hpp"
+#include "partition/box_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceInfo;
+using engine::FieldType;
+using engine::Record;
+using engine::WorldSpec;
+
+// m, m/s, rad, 1/s, updates.
+constexpr double k_cruise = 0.3;
+constexpr double k_creep = 0.1;
+constexpr double k_creep_within = 0.5;  // of a puck
+constexpr double k_aligned = 0.1;       // off the way to a puck: beyond, it turns on the spot
+constexpr double k_drive_within = 1.0;  // off any other way
+constexpr double k_turn_gain = 1;
+constexpr double k_at_sink = 0.5;     // nearer it lets go
+constexpr double k_delivered = 0.8;   // pucks that lie nearer to a sink are nobody's business
+constexpr double k_at_charger = 0.4;  // nearer it stands
+constexpr double k_low = 0.25;
+constexpr double k_full = 0.95;
+constexpr std::uint32_t k_patience = 30;  // of closing: from end to end takes 20
+constexpr std::uint32_t k_back_off = 15;
+constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
+
+bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
+
+double bearing_of(const Pose& from, const Vec2& to) {
+  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
+}
+
+struct Collector {
+  enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
+  struct Memory {
+    std::int32_t avoid_updates = 0;
+    std::uint32_t still_updates = 0;
+    std::uint32_t escape_updates = 0;
+    std::uint32_t updates = 0;  ///< in this mode
+    std::uint32_t goal = 0;     ///< of the sinks, or of the chargers
+    double x = 0;
+    double y = 0;
+    double heading = 0;
+    std::uint8_t mode = seeking;
+    TROUPE_FIELDS(avoid_updates, still_updates, escape_updates, updates, goal, x, y, heading, mode)
+  };
+  /// A puck in sight.
+  struct Puck {
+    double range = 0;
+    double bearing = 0;
+  };
+  static constexpr std::size_t k_scanner = 0, k_finder = 1, k_gripper = 2, k_pack = 3;
+
+  std::string sink;
+  std::int32_t puck_mark = 1, charger_mark = 2;
+  Scanner scanner;
+  FiducialReadings sights;  // of the finder
+  bool has_pack = false;
+  std::vector<Vec2> sinks, chargers;
+  partition::BoxGrid sinks_about;  // where pucks are delivered
+
+  static Collector make(const Record& p) {
+    Collector collector;
+    collector.sink = p[0].text();
+    collector.puck_mark = static_cast<std::int32_t>(p[1].integer());
+    collector.charger_mark = static_cast<std::int32_t>(p[2].integer());
+    return collector;
+  }
+
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault);
+  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
+
+ private:
+  static void enter(Memory& memory, Mode mode) {
+    memory.mode = mode;
+    memory.updates = 0;
+  }
+  static std::uint32_t nearest(std::span<const Vec2> places, const Vec2& from) {
+    const auto distance2 = [&](const Vec2& place) { return (place - from).squaredNorm(); };
+    return static_cast<std::uint32_t>(std::ranges::min_element(places, {}, distance2) - places.begin());
+  }
+  static std::uint8_t& order(const engine::Actions& actions) {
+    return actions.device<GripperCommand>(k_gripper).order;
+  }
+  bool is_delivered(const Vec2& puck) const {
+    return sinks_about.any_near(Box::around(puck, 0),
+                                [&](std::uint32_t i) { return (sinks[i] - puck).norm() < k_delivered; });
+  }
+  std::optional<Puck> puck_in_sight(const engine::Percept& percept) const;
+  void seek(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void grip(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
+  void head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,
+                engine::Actions& actions) const;
+};
+
+std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                           std::string& fault) {
+  DeviceChoice choice(devices, claimed);
+  scanner = choice.take_scanner(k_evasion.window_share);
+  if (!scanner.is_usable())
+    fault = choice.scanner_fault();
+  else if (!choice.take_kind("fiducial"))
+    fault = "needs a fiducial finder";
+  else if (!choice.take_kind("gripper"))
+    fault = "needs a gripper";
+  if (!fault.empty()) return {};
+  sights = FiducialReadings(devices[choice.chosen()[k_finder]]);
+  has_pack = choice.take_kind("power_pack");
+  return choice.chosen();
+}
+
+std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (!world.starts(BodyId(b))) continue;
+    const engine::BodySpec& body = world.bodies[b];
+    const Vec2 at = body.pose_world_body.position();
+    const std::string name = world.name(BodyId(b));
+    if (name.starts_with(sink) && is_number(std::string_view(name).substr(sink.size()))) sinks.push_back(at);
+    for (std::uint32_t p = 0; has_pack && p < world.types[body.type.index()].parts.size(); ++p)
+      if (engine::fiducial_of(world, BodyId(b), p) == charger_mark) {
+        chargers.push_back(at);
+        break;
+      }
+  }
+  if (sinks.empty()) return fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink);
+  std::vector<Box> boxes;
+  for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
+  sinks_about = partition::BoxGrid(boxes);
+  return {};
+}
+
+void Collector::operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                           engine::Actions& actions) const {
+  const auto& gripper = percept.devices[k_gripper].as<GripperState>();
+  const Vec2 here = percept.estimate.position();
+  ++memory.updates;
+  // An intervention may have left fewer sinks, or chargers, than there were when one was chosen.
+  if (memory.mode == carrying && memory.goal >= sinks.size()) memory.goal = nearest(sinks, here);
+  if (memory.mode == charging && chargers.empty()) enter(memory, leaving);
+  if (memory.mode == charging && memory.goal >= chargers.size()) memory.goal = nearest(chargers, here);
+  if (memory.mode == seeking && !chargers.empty() &&
+      percept.devices[k_pack].as<PowerPackState>().proportion_remaining() < k_low) {
+    enter(memory, charging);
+    memory.goal = nearest(chargers, here);
+  }
+  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
+  switch (memory.mode) {
+    case seeking: return seek(memory, percept, random, actions);
+    case gripping: return grip(memory, percept, actions);
+    case carrying:
+      if (gripper.held == 0) return enter(memory, leaving);
+      if ((sinks[memory.goal] - here).norm() > k_at_sink)
+        return head_for(sinks[memory.goal], memory, percept, random, actions);
+      enter(memory, releasing);
+      [[fallthrough]];
+    case releasing:
+      actions.command = {};
+      order(actions) = GripperCommand::open;
+      if (gripper.held == 0 && gripper.paddles == GripperState::is_open) enter(memory, leaving);
+      return;
+    case leaving:
+      order(actions) = GripperCommand::open;
+      actions.command = {-k_creep, 0, 0};
+      if (memory.updates <= k_back_off) return;
+      // Where it came from lies behind it: it goes elsewhere.
+      actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
+      if (memory.updates > k_back_off + 10 + random.below(20)) enter(memory, seeking);
+      return;
+    default:  // charging
+      if (percept.devices[k_pack].as<PowerPackState>().proportion_remaining() > k_full)
+        enter(memory, leaving);
+      else if ((chargers[memory.goal] - here).norm() < k_at_charger)
+        actions.command = {};
+      else
+        head_for(chargers[memory.goal], memory, percept, random, actions);
+  }
+}
+
+/// The nearest that does not lie at a sink.
+std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
+  const engine::Readings& seen = percept.devices[k_finder];
+  for (std::size_t i = 0; i < sights.count(seen); ++i)
+    if (sights.id(seen, i) == puck_mark && !is_delivered(sights.position(seen, i)))
+      return Puck{sights.range(seen, i), sights.bearing(seen, i)};
+  return {};
+}
+
+void Collector::seek(Memory& memory, const engine::Percept& percept, Random& random,
+                     engine::Actions& actions) const {
+  const auto& gripper = percept.devices[k_gripper].as<GripperState>();
+  order(actions) = GripperCommand::open;
+  if (gripper.beam_inner != 0 && gripper.paddles == GripperState::is_open) {
+    enter(memory, gripping);
+    return grip(memory, percept, actions);
+  }
+  const std::optional<Puck> puck = puck_in_sight(percept);
+  const bool is_near = puck && puck->range < k_creep_within;
+  if (!is_near && k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command))
+    return;
+  if (!puck) {
+    actions.command = {k_cruise, 0, 0};
+    return;
+  }
+  memory.avoid_updates = 0;
+  const double turn = k_turn_gain * puck->bearing;
+  const double speed = is_near ? k_creep : k_cruise;
+  actions.command = {std::abs(puck->bearing) < k_aligned ? speed : 0, 0, turn};
+}
+
+void Collector::grip(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
+  const auto& gripper = percept.devices[k_gripper].as<GripperState>();
+  actions.command = {};
+  order(actions) = GripperCommand::close;
+  if (gripper.held != 0) {
+    enter(memory, carrying);
+    memory.goal = nearest(sinks, percept.estimate.position());
+  } else if (gripper.taken != 0 || gripper.paddles == GripperState::closed || memory.updates > k_patience) {
+    enter(memory, leaving);
+  }
+}
+
+void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if (k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command)) return;
+  const double off = bearing_of(percept.estimate, goal);
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+}  // namespace
+
+engine::ControllerKind collector_controller() {
+  constexpr double k_most_mark = 1e9;
+  return engine::make_controller_kind<Collector>(
+      "collector", "grip marked pucks, carry them to the nearest sink, and charge",
+      {{
+          {.name = "sink",
+           .type = FieldType::text,
+           .fallback = "sink",
+           .text = "name of the model that they are brought to, or of several, but for a number behind it"},
+          {.name = "puck",
+           .type = FieldType::integer,
+           .fallback = 1,
+           .min = -k_most_mark,
+           .max = k_most_mark,
+           .text = "fiducial_return of a puck"},
+          {.name = "charger",
+           .type = FieldType::integer,
+           .fallback = 2,
+           .min = -k_most_mark,
+           .max = k_most_mark,
+           .text = "fiducial_return of a charger"},
+      }});
+}
+
+}  // namespace troupe::models

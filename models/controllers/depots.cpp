@@ -1,0 +1,89 @@
+#include "models/controllers/depots.hpp"
+
+#include "engine/controller.hpp"
+#include "models/devices/flags.hpp"
+
+#include <array>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceInfo;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+
+std::vector<std::size_t> choose_flags(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                      std::string& fault) {
+  for (std::size_t d = 0; d < devices.size(); ++d)
+    if (devices[d].kind == "flags" && !claimed[d]) {
+      claimed[d] = true;
+      return {d};
+    }
+  fault = "needs a device of kind \"flags\"";
+  return {};
+}
+
+struct Source {
+  static constexpr bool needs_drive = false;
+  static constexpr std::array<std::string_view, 1> brings{"flags"};
+  std::uint32_t capacity = 0;
+
+  static Source make(const Record& params) { return {static_cast<std::uint32_t>(params[0].integer())}; }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    std::vector<std::size_t> chosen = choose_flags(devices, claimed, fault);
+    // Of what a list can hold a source fills no more than there is.
+    if (!chosen.empty())
+      capacity = std::min(capacity, devices[chosen[0]].prepared.percepts[k_flag_colors].columns);
+    return chosen;
+  }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    if (percept.devices[0].field<std::uint32_t>(k_flag_count)[0] < capacity)
+      actions.device<FlagCommand>(0).ask(FlagCommand::push, 0, k_yellow_flag);
+  }
+};
+
+struct Sink {
+  struct Memory {
+    std::uint64_t delivered = 0;  ///< flags, since tick 0
+    TROUPE_FIELDS(delivered)
+  };
+  static constexpr bool needs_drive = false;
+  static constexpr std::array<std::string_view, 1> brings{"flags"};
+
+  static Sink make(const Record&) { return {}; }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    return choose_flags(devices, claimed, fault);
+  }
+  void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    memory.delivered = percept.devices[0].field<std::uint64_t>(k_flag_received)[0];
+    if (percept.devices[0].field<std::uint32_t>(k_flag_count)[0] > 0)
+      actions.device<FlagCommand>(0).ask(FlagCommand::pop);
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind source_controller() {
+  FieldTable params{{
+      {.name = "capacity",
+       .type = FieldType::integer,
+       .fallback = 1,
+       .min = 0,
+       .max = 1e6,
+       .text = "flags it holds at most; no more than its list of flags can"},
+      {.name = "unused",
+       .type = FieldType::integer,
+       .fallback = 0,
+       .text = "no effect: worlds written for Stage give a second number"},
+  }};
+  return engine::make_controller_kind<Source>("source", "make flags for robots to fetch", std::move(params));
+}
+
+engine::ControllerKind sink_controller() {
+  return engine::make_controller_kind<Sink>("sink", "count the flags that robots bring", {});
+}
+
+}  // namespace troupe::models

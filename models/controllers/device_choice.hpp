@@ -1,0 +1,79 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "models/controllers/scan_ahead.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::models {
+
+/// What a controller takes of a body's devices, one after another, in its `choose`.
+class DeviceChoice {
+ public:
+  /// Both must outlive it; `claimed` has an entry a device.
+  DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
+      : devices_(devices), claimed_(claimed) {}
+
+  /// Claims the first device that nobody has and that fits; false where there is none.
+  template <class Fits>
+  bool take(Fits&& fits) {
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      if (claimed_[d] || !fits(devices_[d])) continue;
+      claimed_[d] = true;
+      chosen_.push_back(d);
+      return true;
+    }
+    return false;
+  }
+  /// Claims the first of this kind that nobody has; false where there is none.
+  bool take_kind(std::string_view kind) {
+    return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
+  }
+  /// Claims an unclaimed ranger by which a controller sees ahead (Scanner::is_usable): the first one
+  /// with a fan of k_least_samples or more, as in Stage; else the first one whose transducers have as many
+  /// together. Where there is none, the scanner is not usable, and scanner_fault() says why.
+  /// share: see Scanner.
+  Scanner take_scanner(std::size_t share) {
+    Scanner scanner;
+    const auto is_usable = [&](const engine::DeviceInfo& device) {
+      scanner = Scanner(device, share);
+      return scanner.is_usable();
+    };
+    const bool has_one =
+        take([&](const engine::DeviceInfo& device) { return has_fan(device) && is_usable(device); }) ||
+        take(is_usable);
+    return has_one ? scanner : Scanner();
+  }
+  /// What a controller says that needs a scanner and has found none.
+  std::string scanner_fault() const;
+  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order. Where one of them is
+  /// missing the scanner is not usable, and `fault` says which.
+  Scanner take_ground_radio_scanner(std::size_t share, std::string& fault) {
+    if (!take_kind("ground")) {
+      fault = "needs a ground sensor";
+      return {};
+    }
+    if (!take_kind("radio")) {
+      fault = "needs a radio";
+      return {};
+    }
+    Scanner scanner = take_scanner(share);
+    if (!scanner.is_usable()) fault = scanner_fault();
+    return scanner;
+  }
+  /// Indices of what was taken, in this order.
+  const std::vector<std::size_t>& chosen() const { return chosen_; }
+
+ private:
+  static bool has_fan(const engine::DeviceInfo& device);
+
+  std::span<const engine::DeviceInfo> devices_;
+  std::vector<bool>& claimed_;
+  std::vector<std::size_t> chosen_;
+};
+
+}  // namespace troupe::models

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "base/random.hpp"
+#include "engine/kinds.hpp"
+#include "models/controllers/scan_ahead.hpp"
+
+#include <cstdint>
+#include <span>
+
+namespace troupe::models {
+
+/// How a robot that has somewhere to go gets past others: speeds in m/s and rad/s, distances in m. Its memory
+/// has avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad).
+struct Evasion {
+  double avoid_speed = 0.05;  ///< forward, while it turns away
+  double avoid_turn = 0.5;    ///< to either side
+  double min_front = 0.7;     ///< a reading below it ahead: it turns away
+  double stop = 0.5;          ///< below it: on the spot
+  double back_speed = 0.1;    ///< while it backs out
+  std::uint32_t stuck = 5;    ///< updates: more than it takes from a command to what comes of it
+  static constexpr std::size_t window_share = 4;  ///< of its scanner: see Scanner
+
+  /// As `wander`, with a narrower window ahead and for half as long: many meet where they all go. True where
+  /// it takes the command.
+  template <class Memory>
+  bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
+              engine::Command& command) const {
+    const auto [obstruction, is_near, left, right] = scanner.look(ranges, min_front, stop);
+    if (!obstruction && !is_near && memory.avoid_updates == 0) return false;
+    command.x = is_near ? 0 : avoid_speed;
+    command.y = 0;
+    if (memory.avoid_updates < 1) {
+      memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(5));
+      command.turn = left < right ? -avoid_turn : avoid_turn;
+    }
+    --memory.avoid_updates;
+    return true;
+  }
+
+  /// Out of where its scanner does not see what holds it. True where it takes the command.
+  template <class Memory>
+  bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
+    const bool is_to_move = command.x != 0 || command.turn != 0;
+    const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
+    memory.still_updates = is_to_move && is_still ? memory.still_updates + 1 : 0;
+    memory.x = here.x;
+    memory.y = here.y;
+    memory.heading = here.heading;
+    if (memory.still_updates > stuck) {
+      memory.still_updates = 0;
+      memory.escape_updates = 5 + random.below(10);
+      command = {command.x > 0 ? -back_speed : back_speed, 0, random.uniform(-avoid_turn, avoid_turn)};
+    }
+    if (memory.escape_updates == 0) return false;
+    --memory.escape_updates;
+    return true;
+  }
+};
+
+}  // namespace troupe::models

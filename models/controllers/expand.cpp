@@ -1,0 +1,189 @@
+#include "models/controllers/expand.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/beams.hpp"
+#include "models/controllers/device_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_even = 1e-6;      // of the sum of the ranges, and rad: less is rounding
+constexpr double k_turn_away = 0.5;  // rad
+
+const FieldTable& expand_fields() {
+  static const FieldTable table{{
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .text = "while the way is clear"},
+      {.name = "gain",
+       .unit = Unit::per_second,
+       .fallback = 1.0,
+       .text = "turn rate for each radian between heading and vector sum"},
+      {.name = "clearance",
+       .unit = Unit::meters,
+       .fallback = 0.5,
+       .min = 0,
+       .text = "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)"},
+      {.name = "clearances",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{},
+       .min = 0,
+       .text = "instead of `clearance`: what the beams of each transducer must exceed, in their order; 0 or "
+               "left out: anything"},
+      {.name = "cone",
+       .unit = Unit::radians,
+       .fallback = 0.5,
+       .min = 0,
+       .text = "drives only while the vector sum lies less than this off the front"},
+      {.name = "invert",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "turn away from the vector sum: robots cluster instead of dispersing"},
+      {.name = "hold_on_axis",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text =
+           "a vector sum that lies exactly on an axis changes nothing: the last command stays, as in Stage's "
+           "examples"},
+  }};
+  return table;
+}
+
+struct Expand {
+  struct Feeler {
+    std::size_t reading;
+    SinCos direction;
+    double clearance;  // m; -1: anything goes, as every range is more
+  };
+
+  double speed, gain, clearance;
+  std::vector<double> clearances;
+  double cone;
+  bool invert;
+  bool hold_on_axis;
+  std::vector<Feeler> feelers;
+
+  static Expand make(const Record& p) {
+    return {p[0].number(), p[1].number(),  p[2].number(),  p[3].numbers(),
+            p[4].number(), p[5].boolean(), p[6].boolean(), {}};
+  }
+
+  /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
+  bool can_point_ahead(std::span<const Beam> beams) const {
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    for (const Beam& beam : beams) {
+      if (std::abs(beam.bearing) < cone) return true;
+      double& side = beam.bearing > 0 ? left : right;
+      side = beam.bearing > 0 ? std::min(side, beam.bearing) : std::max(side, beam.bearing);
+    }
+    return left - right < k_pi;
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(sensors, claimed);
+    // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
+    if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); })) {
+      fault = "needs a ranger that no other controller of the robot reads";
+      return {};
+    }
+    const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
+    if (const std::size_t count = ranger.prepared.transducers.size(); clearances.size() > count) {
+      fault = fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(), count,
+                          ranger.name);
+    }
+    const std::vector<Beam> beams = beams_of(ranger);
+    if (!can_point_ahead(beams))
+      fault = fmt::format(
+          "needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
+          "sum of those of \"{}\" never points ahead",
+          ranger.name);
+    for (const Beam& beam : beams) {
+      const double demand = clearances.empty()                    ? clearance * beam.direction.cos
+                            : beam.transducer < clearances.size() ? clearances[beam.transducer]
+                                                                  : 0.0;
+      feelers.push_back({beam.reading, beam.direction, demand > 0 ? demand : -1.0});
+    }
+    return choice.chosen();
+  }
+
+  void operator()(const engine::DecideBatch& batch) const {
+    // First all the sums, then all the angles: an arc tangent takes long to come and little to do, so that
+    // those of several robots overlap when nothing stands between them.
+    constexpr std::size_t k_some = 64;
+    std::array<double, k_some> x;
+    std::array<double, k_some> y;
+    std::array<bool, k_some> clear;
+    for (std::size_t first = 0; first < batch.size(); first += k_some) {
+      const std::size_t count = std::min(k_some, batch.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::span<const float> ranges = batch.ranges(0, first + i);
+        double sum_x = 0;
+        double sum_y = 0;
+        double sum = 0;
+        bool all_clear = true;
+        for (const Feeler& feeler : feelers) {
+          const double r = ranges[feeler.reading];
+          sum_x += r * feeler.direction.cos;
+          sum_y += r * feeler.direction.sin;
+          sum += r;
+          all_clear &= r > feeler.clearance;
+        }
+        // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
+        const bool is_even = !hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
+        x[i] = is_even ? 1 : invert ? -sum_x : sum_x;
+        y[i] = is_even ? 0 : invert ? -sum_y : sum_y;
+        clear[i] = all_clear;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        if (hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
+        double theta = atan2(y[i], x[i]);
+        // Straight before a wall nothing would ever turn it.
+        if (!hold_on_axis && !invert && !clear[i] && std::abs(theta) < k_even) theta = k_turn_away;
+        batch.command(first + i) = {clear[i] && std::abs(theta) < cone ? speed : 0.0, 0.0, gain * theta};
+      }
+    }
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind expand_controller() {
+  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges",
+                                              expand_fields());
+}
+
+engine::Registry::Preset expand_pioneer_preset() {
+  constexpr double d = 0.75;
+  return {.name = "expand_pioneer",
+          .kind = "expand",
+          .text = "expand for 16 sonars, as in Stage's cave benchmark",
+          .params = {{"speed", 0.2},
+                     {"clearances", std::vector<double>{0, d / 4, d / 2, d, d, d / 2, d / 4}},
+                     {"hold_on_axis", true}}};
+}
+
+engine::Registry::Preset expand_swarm_preset() {
+  constexpr double d = 0.5;
+  return {.name = "expand_swarm",
+          .kind = "expand",
+          .text = "expand for a ring of 12 infrared rangers, as in Stage's hospital benchmark",
+          .params = {{"clearances",
+                      std::vector<double>{d, d / 1.5, d / 3, d / 5, 0, 0, 0, 0, 0, d / 5, d / 3, d / 1.5}},
+                     {"hold_on_axis", true}}};
+}
+
+}  // namespace troupe::models

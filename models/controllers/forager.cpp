@@ -1,0 +1,383 @@
+#include "models/controllers/forager.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/evasion.hpp"
+#include "models/controllers/fiducial_readings.hpp"
+#include "models/controllers/floor_plan.hpp"
+#include "models/devices/flags.hpp"
+#include "models/devices/power.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceInfo;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::WorldSpec;
+
+// What Stage's foragers do, m, m/s, rad/s, updates.
+constexpr double k_cruise = 0.4;
+constexpr std::uint32_t k_wait = 20;
+constexpr double k_fetch_radius = 2;
+constexpr double k_deliver_radius = 1;
+constexpr double k_full = 0.95;
+constexpr double k_creep_within = 0.5;
+constexpr double k_creep = 0.02;
+constexpr double k_docked = 0.08;
+constexpr double k_back_off = 0.3;
+constexpr double k_back_speed = 0.1;
+constexpr double k_abandon = 0.0005;  // the chance, an update
+constexpr std::int32_t k_charger_mark = 2;
+
+// And what is ours.
+constexpr int k_steps_ahead = 2;        // cells
+constexpr double k_turn_gain = 1;       // 1/s
+constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on the spot
+constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
+constexpr double k_aligned = 0.2;      // rad
+constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
+constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
+constexpr std::uint32_t k_patience = 50;  // updates of backing off
+constexpr double k_least_zone = 1;        // m: nearer than this it is in the zone, however small that is
+
+constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
+
+/// Where flags come from, where they go, where energy is.
+struct Goal {
+  BodyId body;
+  Vec2 at;
+  std::shared_ptr<const WaysTo> ways;
+};
+struct Task {
+  Goal source, sink;
+};
+
+/// Where a charger is seen, or known to be.
+struct Sight {
+  double range = 0;    // m
+  double bearing = 0;  // rad, from straight ahead
+};
+
+double bearing_of(const Pose& from, const Vec2& to) {
+  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
+}
+
+struct Forager {
+  enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
+  struct Memory {
+    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
+    std::uint32_t near_updates = 0;  ///< in a row, within reach of source or sink; or backing off
+    std::uint32_t task = 0;
+    std::uint32_t charger = 0;
+    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
+    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
+    double x = 0;                      ///< m: its estimate at the last update
+    double y = 0;
+    double heading = 0;  ///< rad
+    std::uint8_t mode = working;
+    std::uint8_t started = 0;
+    TROUPE_FIELDS(avoid_updates, near_updates, task, charger, still_updates, escape_updates, x, y, heading,
+                  mode, started)
+  };
+  static constexpr std::array<std::string_view, 1> brings{"flags"};
+  static constexpr std::size_t k_scanner = 0;
+  static constexpr std::size_t k_flags = 1;
+
+  std::vector<std::pair<std::string, std::string>> names;  // of source and sink, each task
+  std::string map;
+  double low = 0;
+  bool abandons = false;
+  Scanner scanner;
+  std::optional<std::size_t> pack, finder;  // among the devices it chose
+  FiducialReadings sights;                  // of the finder
+  std::vector<Task> tasks;
+  std::vector<Goal> chargers;
+  bool has_zone = false;  // where chargers are: it goes there first
+  Goal zone;
+  double zone_radius = 0;
+
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault);
+  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
+
+ protected:
+  Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
+
+ private:
+  void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void head_for(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions,
+                const Goal& goal) const;
+  void go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const;
+  void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+  void leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
+  std::uint32_t nearest_charger(const Pose& from) const;
+  bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
+};
+
+std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                         std::string& fault) {
+  DeviceChoice choice(devices, claimed);
+  scanner = choice.take_scanner(k_evasion.window_share);
+  if (!scanner.is_usable()) fault = choice.scanner_fault();
+  if (fault.empty() && !choice.take_kind("flags")) fault = "needs a device of kind \"flags\"";
+  if (!fault.empty()) return {};
+  const auto last = [&] { return choice.chosen().size() - 1; };
+  if (choice.take_kind("power_pack")) pack = last();
+  if (choice.take_kind("fiducial")) {
+    finder = last();
+    sights = FiducialReadings(devices[choice.chosen().back()]);
+  }
+  return choice.chosen();
+}
+
+std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+  const FloorPlan plan = FloorPlan::of_world(world, map);
+  const auto goal = [&](BodyId body) {
+    const Vec2 at = world.bodies[body.index()].pose_world_body.position();
+    const std::array<int, 1> cells{plan.cell(at)};
+    return Goal{body, at, std::make_shared<const WaysTo>(plan, cells)};
+  };
+  for (const auto& [source, sink] : names) {
+    const BodyId from = find_body(world, source);
+    const BodyId to = find_body(world, sink);
+    if (!from.valid() || !to.valid())
+      return fmt::format("needs a model \"{}\"", from.valid() ? sink : source);
+    tasks.push_back({goal(from), goal(to)});
+  }
+  for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
+    for (std::uint32_t p = 0; p < world.types[world.bodies[b].type.index()].parts.size(); ++p)
+      if (engine::fiducial_of(world, BodyId(b), p) == k_charger_mark) {
+        chargers.push_back(goal(BodyId(b)));
+        break;
+      }
+  if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
+    has_zone = true;
+    zone = goal(body);
+    const engine::PartSpec& part = world.types[world.bodies[body.index()].type.index()].parts.front();
+    zone_radius = std::max(0.5 * std::min(part.size.x(), part.size.y()), k_least_zone);
+  }
+  return {};
+}
+
+bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
+                     engine::Actions& actions) const {
+  return k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command);
+}
+
+std::uint32_t Forager::nearest_charger(const Pose& from) const {
+  const auto distance2 = [&](const Goal& goal) { return (goal.at - from.position()).squaredNorm(); };
+  return static_cast<std::uint32_t>(std::ranges::min_element(chargers, {}, distance2) - chargers.begin());
+}
+
+/// By the finder, where it has one that sees a charger; else by where the world says one stands.
+Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
+  if (finder) {
+    const engine::Readings& seen = percept.devices[*finder];
+    for (std::size_t i = 0; i < sights.count(seen); ++i)
+      if (sights.id(seen, i) == k_charger_mark) return {sights.range(seen, i), sights.bearing(seen, i)};
+  }
+  const Vec2& at = chargers[memory.charger].at;
+  return {(at - percept.estimate.position()).norm(), bearing_of(percept.estimate, at)};
+}
+
+void Forager::operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if (memory.started == 0 || memory.task >= tasks.size()) {  // an intervention may have left fewer tasks
+    memory.started = 1;
+    memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  }
+  if (memory.mode == working && pack && !chargers.empty() &&
+      percept.devices[*pack].as<PowerPackState>().proportion_remaining() < low) {
+    memory.mode = has_zone ? to_zone : refuelling;
+    memory.near_updates = 0;
+    memory.charger = nearest_charger(percept.estimate);
+  }
+  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
+  switch (memory.mode) {
+    case working: return work(memory, percept, random, actions);
+    case refuelling: return refuel(memory, percept, random, actions);
+    case to_zone: return go_to_zone(memory, percept, random, actions);
+    default: return leave(memory, percept, actions);
+  }
+}
+
+void Forager::head_for(Memory& memory, const engine::Percept& percept, Random& random,
+                       engine::Actions& actions, const Goal& goal) const {
+  if (avoids(memory, percept, random, actions)) return;
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+void Forager::go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
+                         engine::Actions& actions) const {
+  if ((zone.at - percept.estimate.position()).norm() < zone_radius) {
+    memory.mode = refuelling;
+    memory.charger = nearest_charger(percept.estimate);
+    return refuel(memory, percept, random, actions);
+  }
+  head_for(memory, percept, random, actions, zone);
+}
+
+void Forager::work(Memory& memory, const engine::Percept& percept, Random& random,
+                   engine::Actions& actions) const {
+  const bool has_flag = percept.devices[k_flags].field<std::uint32_t>(k_flag_count)[0] > 0;
+  const Task& task = tasks[memory.task];
+  const Goal& goal = has_flag ? task.sink : task.source;
+  const double radius = has_flag ? k_deliver_radius : k_fetch_radius;
+  const double away = (goal.at - percept.estimate.position()).norm();
+  memory.near_updates = away < radius ? memory.near_updates + 1 : 0;
+  if (memory.near_updates > k_wait) {
+    memory.near_updates = 0;
+    actions.device<FlagCommand>(k_flags).ask(has_flag ? FlagCommand::give : FlagCommand::take,
+                                             goal.body.value);
+    if (has_flag) memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  } else if (abandons && memory.near_updates > 0 && random.uniform() < k_abandon) {
+    if (!has_flag) memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
+  }
+  if (avoids(memory, percept, random, actions)) return;
+  if (away < radius / 2) {
+    actions.command = {};
+    return;
+  }
+  const double off =
+      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
+  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+}
+
+void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& random,
+                     engine::Actions& actions) const {
+  const auto& state = percept.devices[*pack].as<PowerPackState>();
+  if (state.proportion_remaining() > k_full) {
+    memory.mode = leaving;
+    memory.near_updates = 0;
+    return leave(memory, percept, actions);
+  }
+  const Goal& charger = chargers[memory.charger];
+  const Sight sight = charger_in_sight(memory, percept);
+  const bool is_near = (charger.at - percept.estimate.position()).norm() < k_dock_within;
+  if (!is_near) return head_for(memory, percept, random, actions, charger);
+  memory.avoid_updates = 0;
+  if (abandons && state.charging == 0 && random.uniform() < k_abandon)
+    memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
+  if (sight.range < k_docked) {  // not at the first contact: who stands there leaves no room for others
+    actions.command = {};
+    return;
+  }
+  const double turn = k_turn_gain * sight.bearing;
+  const bool is_aligned = std::abs(sight.bearing) < k_aligned;
+  // Who stands before it charges there, or is about to: it waits, and leaves room to come out.
+  const bool is_taken =
+      scanner.straight_ahead(percept.ranges(k_scanner)) < k_room && sight.range > k_creep_within;
+  if (is_taken)
+    actions.command = {is_aligned && sight.range < k_queue ? -k_back_speed : 0, 0, turn};
+  else
+    actions.command = {!is_aligned ? 0 : sight.range < k_creep_within ? k_creep : 0.5 * k_cruise, 0, turn};
+}
+
+void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
+  ++memory.near_updates;  // who cannot back off turns away where it stands, as one that works does
+  if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
+    memory.mode = working;
+    memory.near_updates = 0;
+  }
+  actions.command = {-k_back_speed, 0, 0};
+}
+
+FieldTable with_plan(std::vector<engine::Field> fields) {
+  fields.push_back({.name = "map",
+                    .type = FieldType::text,
+                    .fallback = "cave",
+                    .text = "the model that is the floor plan; where there is none of this name, the first "
+                            "image"});
+  return {std::move(fields)};
+}
+
+struct Fasr : Forager {
+  static Fasr make(const Record& p) {
+    Fasr forager;
+    forager.names = {{p[0].text(), p[1].text()}};
+    forager.map = p[2].text();
+    forager.low = 0.25;
+    return forager;
+  }
+};
+
+constexpr std::size_t k_most_tasks = 8;
+
+/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a
+/// charger and while it charges.
+struct Fasr2 : Forager {
+  static constexpr bool switches = true;
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    Forager::operator()(memory, percept, random, actions);
+    const bool is_docking = memory.mode == refuelling || memory.mode == leaving;
+    const bool is_at_charger =
+        memory.mode == refuelling && charger_in_sight(memory, percept).range < k_creep_within;
+    actions.switch_device(k_scanner, !is_at_charger);
+    if (finder) actions.switch_device(*finder, is_docking);
+  }
+  static Fasr2 make(const Record& p) {
+    Fasr2 forager;
+    for (std::size_t i = 0; i < k_most_tasks; ++i)
+      if (!p[i].text().empty()) forager.names.emplace_back(p[i].text() + "_source", p[i].text() + "_sink");
+    forager.map = p[k_most_tasks].text();
+    forager.low = 0.2;
+    forager.abandons = true;
+    return forager;
+  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    if (names.empty()) fault = "needs a task: of \"red\" the models are red_source and red_sink";
+    return fault.empty() ? Forager::choose(devices, claimed, fault) : std::vector<std::size_t>();
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind fasr_controller() {
+  return engine::make_controller_kind<Fasr>("fasr",
+                                            "fetch flags from a source, bring them to a sink, and charge",
+                                            with_plan({{.name = "source",
+                                                        .type = FieldType::text,
+                                                        .fallback = "source",
+                                                        .text = "the model that holds flags to be fetched"},
+                                                       {.name = "sink",
+                                                        .type = FieldType::text,
+                                                        .fallback = "sink",
+                                                        .text = "the model that they are brought to"}}));
+}
+
+engine::ControllerKind fasr2_controller() {
+  static constexpr std::array<std::string_view, k_most_tasks> k_names{"task",  "task2", "task3", "task4",
+                                                                      "task5", "task6", "task7", "task8"};
+  std::vector<engine::Field> fields;
+  for (const std::string_view name : k_names)
+    fields.push_back({.name = name,
+                      .type = FieldType::text,
+                      .fallback = "",
+                      .text = "\"red\": from model red_source to model red_sink"});
+  return engine::make_controller_kind<Fasr2>(
+      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge",
+      with_plan(std::move(fields)));
+}
+
+}  // namespace troupe::models

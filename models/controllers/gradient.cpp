@@ -1,0 +1,182 @@
+#include "models/controllers/gradient.hpp"
+
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/scan_ahead.hpp"
+#include "models/devices/led.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceInfo;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
+constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
+constexpr double k_turn = 0.8;             // rad/s
+constexpr std::uint32_t k_backwards = 20;  // decisions
+constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stand and to hear from there
+constexpr float k_far_hops = 12;           // that an LED can tell apart
+constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
+
+const FieldTable& gradient_fields() {
+  static const FieldTable table{{
+      {.name = "beacon",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "it stands, and is where counting begins"},
+      {.name = "spacing",
+       .unit = Unit::meters,
+       .fallback = 1.0,
+       .min = 0,
+       .max = 10000,
+       .text = "it settles where nobody is settled nearer than this"},
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .min = 0, .text = "while it roams"},
+      min_front_field(0.4),
+      {.name = "patience",
+       .type = FieldType::integer,
+       .fallback = 20,
+       .min = 1,
+       .max = 1000000,
+       .text = "decisions after which a count that nobody has confirmed is forgotten"},
+  }};
+  return table;
+}
+
+struct Gradient {
+  struct Memory {
+    std::uint32_t hops = k_hops_unknown;
+    std::uint32_t unconfirmed = 0;  ///< decisions since somebody said a count that this one follows from
+    std::uint32_t alone = 0;        ///< decisions since it heard somebody who is settled
+    std::int32_t avoid_updates = 0;
+    std::uint8_t settled = 0;
+    std::uint8_t halts = 0;  ///< decisions for which it still stands before it settles
+    TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
+  };
+  struct Heard {
+    std::uint32_t hops = k_hops_unknown;  ///< the least
+    float nearest = std::numeric_limits<float>::infinity();
+  };
+  static constexpr bool needs_drive = false;
+
+  bool beacon;
+  double spacing, speed, min_front;
+  std::uint32_t patience;
+  Scanner scanner;
+  std::size_t led = 0;  // its place among the devices; 0: none
+
+  static Gradient make(const Record& p) {
+    return {p[0].boolean(), p[1].number(), p[2].number(), p[3].number(),
+            static_cast<std::uint32_t>(p[4].integer())};
+  }
+
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    if (!choice.take_kind("radio")) fault = "needs a radio";
+    if (!beacon) {
+      scanner = choice.take_scanner(3);
+      // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say
+      // why.
+      for (std::size_t d = 0; d < devices.size() && !scanner.is_usable() && fault.empty(); ++d)
+        if (!claimed[d] && !devices[d].prepared.bearings.empty()) fault = choice.scanner_fault();
+    }
+    if (choice.take_kind("led")) led = choice.chosen().size() - 1;
+    return choice.chosen();
+  }
+
+  static Heard listen(const RadioPort& radio) {
+    Heard heard;
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message message = radio[i];
+      std::uint8_t hops = 0;
+      if (!message.read(hops)) continue;
+      heard.hops = std::min<std::uint32_t>(heard.hops, hops);
+      heard.nearest = std::min(heard.nearest, message.range);
+    }
+    return heard;
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[0], actions.devices[0]);
+    const Heard heard = listen(radio);
+    const bool in_touch = heard.hops != k_hops_unknown;
+    if (beacon) {
+      memory.settled = 1;
+      memory.hops = 0;
+    } else {
+      const bool has_room = in_touch && heard.nearest >= spacing;
+      if (!scanner.is_usable()) memory.settled = 1;
+      // Where it would be out of touch when it has come to a stop it must not settle.
+      if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
+      if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
+      if (memory.settled != 0) count(memory, heard);
+    }
+    if (led != 0) show(memory, actions.device<LedCommand>(led));
+    if (memory.settled != 0) {
+      actions.command = {};
+      if (memory.hops == k_hops_unknown)
+        radio.be_silent();
+      else
+        radio.say(static_cast<std::uint8_t>(memory.hops));
+      return;
+    }
+    memory.alone = in_touch ? 0 : memory.alone + 1;
+    if (memory.halts > 0) {
+      actions.command = {};
+      return;
+    }
+    roam(memory, percept.ranges(1), random, actions.command);
+  }
+
+  static void show(const Memory& memory, LedCommand& command) {
+    if (memory.settled == 0) return command.show(0.75f, 0.75f, 0.75f);
+    const float share = std::min(static_cast<float>(memory.hops) / k_far_hops, 1.0f);
+    command.show(1 - share, 0.35f, share);
+  }
+
+  void count(Memory& memory, const Heard& heard) const {
+    const std::uint32_t hops = std::min<std::uint32_t>(heard.hops + 1, k_hops_unknown);
+    if (hops <= memory.hops || ++memory.unconfirmed > patience) {
+      memory.hops = hops;
+      memory.unconfirmed = 0;
+    }
+  }
+
+  void roam(Memory& memory, std::span<const float> ranges, Random& random, engine::Command& command) const {
+    if (memory.alone > 0 && memory.alone <= k_backwards) {
+      command = {-speed, 0, 0};
+      memory.avoid_updates = 0;
+      return;
+    }
+    const auto [obstruction, stop, left, right] = scanner.look(ranges, min_front, k_stop_share * min_front);
+    if (!obstruction && memory.avoid_updates == 0) {
+      command = {speed, 0, 0};
+      return;
+    }
+    const double forward = stop ? 0 : k_creep_share * speed;
+    if (memory.avoid_updates == 0) {
+      memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(20));
+      command.turn = left < right ? -k_turn : k_turn;
+    }
+    command = {forward, 0, command.turn};
+    --memory.avoid_updates;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind gradient_controller() {
+  return engine::make_controller_kind<Gradient>(
+      "gradient", "settle in touch with others, and count the hops to a beacon by radio", gradient_fields());
+}
+
+}  // namespace troupe::models

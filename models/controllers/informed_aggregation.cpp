@@ -1,0 +1,173 @@
+#include "models/controllers/informed_aggregation.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/controllers/evasion.hpp"
+#include "models/controllers/scan_ahead.hpp"
+#include "models/ground.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+constexpr double k_turn = 1.5;             // rad/s
+constexpr double k_least_turn = k_pi / 2;  // rad
+constexpr float k_black = 0.25f;           // of brightness: darker is black
+constexpr float k_white = 0.75f;
+constexpr Evasion k_evasion{};
+
+enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
+enum Does : std::uint8_t { k_walks, k_enters, k_stands };
+
+const FieldTable& informed_aggregation_fields() {
+  static const FieldTable table{{
+      {.name = "informed",
+       .type = FieldType::text,
+       .fallback = std::string("no"),
+       .text = "on which colour alone it stops; no: on both",
+       .choices = {"no", "black", "white"}},
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
+      {.name = "enter",
+       .unit = Unit::seconds,
+       .fallback = 8.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "for how long it goes on, at most, on a site before it stops there"},
+      {.name = "leave",
+       .unit = Unit::per_second,
+       .fallback = 0.04,
+       .min = 0,
+       .text = "rate at which one that stands alone leaves"},
+      {.name = "others",
+       .fallback = 0.25,
+       .min = 0,
+       .max = 1000,
+       .text = "for each other that it hears on its site it leaves exp(-this) times as often"},
+      min_front_field(0.08),
+  }};
+  return table;
+}
+
+struct InformedAggregation {
+  struct Memory {
+    std::uint32_t enter_updates = 0;
+    std::uint32_t turn_updates = 0;
+    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
+    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
+    double x = 0;                      ///< m: its estimate at the last update
+    double y = 0;
+    double heading = 0;       ///< rad
+    float turn = 0;           ///< rad/s
+    std::uint8_t does = 0;    ///< walk, enter or stand
+    std::uint8_t site = 0;    ///< black or white, while it enters or stands
+    std::uint8_t leaves = 0;  ///< 1: it comes from a site, and stops on none before it has left that
+    TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
+                  leaves)
+  };
+  static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2;
+
+  bool stops_on_black, stops_on_white;
+  double speed, enter, leave, others, min_front;
+  Scanner scanner;
+
+  static InformedAggregation make(const Record& p) {
+    return {p[0].text() != "white", p[0].text() != "black", p[1].number(), p[2].number(),
+            p[3].number(),          p[4].number(),          p[5].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    scanner = choice.take_ground_radio_scanner(4, fault);
+    return choice.chosen();
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random& random,
+                  engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
+    const Ground ground = ground_below(percept);
+    if (memory.does == k_stands) {
+      const double rate = leave * exp(-others * static_cast<double>(standing_here(radio, memory.site)));
+      if (random.uniform() < rate * percept.tick_s) {
+        memory.does = k_walks;
+        memory.leaves = 1;
+        begin_turn(memory, percept, random, random.below(2) == 0);
+      }
+    } else {
+      find_site(memory, ground, percept, random);
+    }
+    if (memory.does == k_stands) {
+      radio.say(memory.site);
+      actions.command = {};
+    } else {
+      radio.be_silent();
+      walk(memory, percept, random, actions.command);
+    }
+  }
+
+  static Ground ground_below(const engine::Percept& percept) {
+    const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
+    const float brightness = (color[0] + color[1] + color[2]) / 3;
+    return brightness < k_black ? k_is_black : brightness > k_white ? k_is_white : k_plain;
+  }
+
+  static std::size_t standing_here(const RadioPort& radio, std::uint8_t site) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < radio.count(); ++i)
+      if (std::uint8_t theirs = 0; radio[i].read(theirs) && theirs == site) ++count;
+    return count;
+  }
+
+  void find_site(Memory& memory, Ground ground, const engine::Percept& percept, Random& random) const {
+    if (ground == k_plain) memory.leaves = 0;
+    const bool may_stop = memory.leaves == 0 &&
+                          (ground == k_is_black ? stops_on_black : ground == k_is_white && stops_on_white);
+    if (!may_stop) {
+      memory.does = k_walks;
+    } else if (memory.does == k_walks || memory.site != ground) {
+      memory.does = k_enters;
+      memory.site = ground;
+      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, enter) / percept.tick_s);
+    } else if (memory.enter_updates > 0) {
+      --memory.enter_updates;
+    } else {
+      memory.does = k_stands;
+    }
+  }
+
+  void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
+    if (k_evasion.escapes(memory, percept.estimate, random, command)) return;
+    if (memory.turn_updates > 0) {
+      --memory.turn_updates;
+    } else {
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
+      if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
+    }
+    const bool turns = memory.turn_updates > 0;
+    command = {turns ? 0 : speed, 0, turns ? memory.turn : 0.0};
+  }
+
+  static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
+    memory.turn = static_cast<float>(right ? -k_turn : k_turn);
+    memory.turn_updates =
+        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.tick_s);
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind informed_aggregation_controller() {
+  return engine::make_controller_kind<InformedAggregation>(
+      "informed_aggregation", "gather on black or white ground, the longer the more stand there",
+      informed_aggregation_fields());
+}
+
+}  // namespace troupe::models

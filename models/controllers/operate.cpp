@@ -1,0 +1,193 @@
+#include "models/controllers/operate.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/controller.hpp"
+#include "engine/ticks.hpp"
+#include "models/devices/actuator.hpp"
+#include "models/devices/gripper.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+enum class Order { open, close, up, down, go_to, speed };
+const std::vector<std::string_view> k_orders{"open", "close", "up", "down", "go_to", "speed"};
+
+const FieldTable& order_fields() {
+  static const FieldTable table{{
+      {.name = "at", .unit = Unit::seconds, .min = 0, .text = "world time from which the order holds"},
+      {.name = "device", .type = FieldType::text, .text = "name of the device"},
+      {.name = "order",
+       .type = FieldType::text,
+       .text = "a gripper's: open, close, up, down; an actuator's: go_to, speed",
+       .choices = k_orders},
+      {.name = "value",
+       .fallback = 0.0,
+       .min = -1e6,
+       .max = 1e6,
+       .text = "of go_to, m or rad; of speed, m/s or rad/s"},
+  }};
+  return table;
+}
+
+struct Step {
+  double at_s;
+  std::string device;
+  Order order;
+  double value;
+  std::size_t chosen = 0;  // position of the device among those of the controller
+};
+
+bool takes_value(Order order) { return order >= Order::go_to; }
+
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= 1e6)) return {};
+  return number;
+}
+
+/// What stands before the first separator, which goes with it.
+std::string_view take_first(char separator, std::string_view& rest) {
+  const std::size_t end = std::min(rest.size(), rest.find(separator));
+  const std::string_view word = rest.substr(0, end);
+  rest.remove_prefix(std::min(rest.size(), end + 1));
+  return word;
+}
+/// What stands behind the last colon, which goes with it; all where there is none.
+std::string_view take_last(std::string_view& rest) {
+  const std::size_t colon = rest.rfind(':');
+  const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
+  rest = colon == rest.npos ? std::string_view() : rest.substr(0, colon);
+  return word;
+}
+
+/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS, where the device's name may hold
+/// colons; what is wrong with it in `fault`.
+std::optional<Step> read_step(std::string_view entry, std::string& fault) {
+  std::string_view time = entry;
+  std::string_view device = take_first('@', time);
+  const std::optional<double> at_s = number_of(time);
+  const bool has_colon = device.find(':') != device.npos;
+  std::string_view name = take_last(device);
+  std::string_view number;
+  const auto is_order = [](std::string_view word) {
+    return std::ranges::find(k_orders, word) != k_orders.end();
+  };
+  if (!is_order(name) && number_of(name)) {
+    number = name;
+    name = take_last(device);
+  }
+  const std::optional<double> value = number_of(number);
+  if (!at_s || *at_s < 0 || !has_colon) {
+    fault = fmt::format(
+        "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry);
+  } else if (!is_order(name)) {
+    fault = fmt::format("has a plan with an {}", unknown_name("order", name, k_orders));
+  } else {
+    const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
+    if (takes_value(order) == value.has_value())
+      return Step{*at_s, std::string(device), order, value.value_or(0)};
+    fault = fmt::format("has a plan with \"{}\": that order {}", entry,
+                        takes_value(order) ? "needs a number" : "takes no number");
+  }
+  return {};
+}
+
+struct Operate {
+  std::vector<Step> steps;
+  std::string fault_of_plan;
+
+  static Operate make(const Record& p) {
+    Operate operate;
+    for (std::string_view plan = p[0].text(); !plan.empty() && operate.fault_of_plan.empty();)
+      if (const auto step = read_step(take_first(',', plan), operate.fault_of_plan))
+        operate.steps.push_back(*step);
+    for (const Record& r : p[1].records())
+      operate.steps.push_back(
+          {r[0].number(), r[1].text(),
+           static_cast<Order>(std::ranges::find(k_orders, r[2].text()) - k_orders.begin()), r[3].number()});
+    std::ranges::stable_sort(operate.steps, {}, &Step::at_s);
+    return operate;
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>&,
+                                  std::string& fault) {
+    fault = fault_of_plan;
+    if (!fault.empty()) return {};
+    std::vector<std::size_t> chosen;
+    for (Step& step : steps) {
+      const auto device = std::ranges::find(devices, step.device, &engine::DeviceInfo::name);
+      if (device == devices.end()) {
+        std::vector<std::string_view> names;
+        for (const engine::DeviceInfo& other : devices) names.push_back(other.name);
+        fault = fmt::format("has an order for {}", unknown_name("device", step.device, names));
+        return {};
+      }
+      const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
+      if (device->kind != wanted) {
+        fault = fmt::format("has an order \"{}\" for \"{}\", which is no {}",
+                            k_orders[static_cast<std::size_t>(step.order)], step.device, wanted);
+        return {};
+      }
+      const auto index = static_cast<std::size_t>(device - devices.begin());
+      const auto known = std::ranges::find(chosen, index);
+      step.chosen = static_cast<std::size_t>(known - chosen.begin());
+      if (known == chosen.end()) chosen.push_back(index);
+    }
+    if (steps.empty()) fault = "needs orders: it does nothing without them";
+    return chosen;
+  }
+
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    for (const Step& step : steps) {  // in the order of time: the last that has begun holds
+      if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
+      using G = GripperCommand;
+      switch (step.order) {
+        case Order::open: actions.device<G>(step.chosen).order = G::open; break;
+        case Order::close: actions.device<G>(step.chosen).order = G::close; break;
+        case Order::up: actions.device<G>(step.chosen).order = G::up; break;
+        case Order::down: actions.device<G>(step.chosen).order = G::down; break;
+        case Order::go_to:
+          actions.device<ActuatorCommand>(step.chosen) = {ActuatorCommand::position, step.value};
+          break;
+        case Order::speed:
+          actions.device<ActuatorCommand>(step.chosen) = {ActuatorCommand::velocity, step.value};
+          break;
+      }
+    }
+  }
+  static constexpr bool needs_drive = false;
+};
+
+}  // namespace
+
+engine::ControllerKind operate_controller() {
+  static const FieldTable fields{{
+      {.name = "plan",
+       .type = FieldType::text,
+       .fallback = std::string(),
+       .text =
+           "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need"},
+      {.name = "orders",
+       .type = FieldType::records,
+       .fallback = std::vector<Record>{},
+       .text = "what is asked of which device, and when",
+       .record = &order_fields()},
+  }};
+  return engine::make_controller_kind<Operate>("operate", "operate grippers and actuators by timed orders",
+                                               fields);
+}
+
+}  // namespace troupe::models

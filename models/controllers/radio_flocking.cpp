@@ -1,0 +1,120 @@
+#include "models/controllers/radio_flocking.hpp"
+
+#include "base/geometry.hpp"
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "models/controllers/beams.hpp"
+#include "models/controllers/device_choice.hpp"
+#include "models/radio.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Record;
+using engine::Unit;
+
+// In units of the heading.
+constexpr double k_push = 3;            // of a wall that is touched
+constexpr double k_repulsion = 5;       // of another, at most
+constexpr double k_attraction = 0.3;    // at most, so that the many afar do not outweigh the one nearby
+constexpr double k_least_range = 1e-3;  // m
+constexpr double k_backwards = 0.5;     // of the speed
+
+const FieldTable& flocking_fields() {
+  static const FieldTable table{{
+      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.2, .min = 0, .text = "straight ahead"},
+      {.name = "distance",
+       .unit = Unit::meters,
+       .fallback = 0.6,
+       .min = 0,
+       .text = "that it keeps from others",
+       .above_min = true},
+      {.name = "spacing_weight", .fallback = 1.0, .min = 0, .text = "of that, against the others' headings"},
+      {.name = "gain",
+       .unit = Unit::per_second,
+       .fallback = 1.0,
+       .min = 0,
+       .text = "turn rate for each radian that it is to turn"},
+      {.name = "clearance",
+       .unit = Unit::meters,
+       .fallback = 0.8,
+       .min = 0,
+       .text = "walls and others that its scanner sees nearer than this push it away"},
+  }};
+  return table;
+}
+
+struct RadioFlocking {
+  double speed, distance, spacing_weight, gain, clearance;
+  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  std::vector<Beam> beams;
+
+  static RadioFlocking make(const Record& p) {
+    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
+                                  std::string& fault) {
+    DeviceChoice choice(devices, claimed);
+    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
+      return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
+    });
+    if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
+    if (has_radio) radio_heading = devices[choice.chosen().front()].pose.heading;
+    if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
+      beams = beams_of(devices[choice.chosen().back()]);
+    return choice.chosen();
+  }
+
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    const RadioPort radio(percept.devices[0], actions.devices[0]);
+    const double own = percept.estimate.heading;
+    Vec2 headings(1, 0);
+    Vec2 spacing(0, 0);
+    std::size_t heard = 0;
+    for (std::size_t i = 0; i < radio.count(); ++i) {
+      const RadioPort::Message message = radio[i];
+      float heading = 0;
+      if (!message.read(heading)) continue;
+      ++heard;
+      const SinCos theirs = sincos(heading - own);
+      headings += Vec2(theirs.cos, theirs.sin);
+      const SinCos way = sincos(radio_heading + message.bearing);
+      const double near = distance / std::max<double>(message.range, k_least_range);
+      spacing += std::clamp(1 - near * near, -k_repulsion, k_attraction) * Vec2(way.cos, way.sin);
+    }
+    Vec2 aim = headings.squaredNorm() > 0 ? Vec2(headings / headings.norm()) : Vec2(1, 0);
+    if (heard > 0) aim += spacing_weight / static_cast<double>(heard) * spacing;
+    aim += push(percept);
+    const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
+    actions.command = {speed * std::max(-k_backwards, cos(angle)), 0, gain * angle};
+    radio.say(static_cast<float>(own));
+  }
+
+  /// Away from what is near: the mean over the beams that see something nearer than the clearance.
+  Vec2 push(const engine::Percept& percept) const {
+    Vec2 sum(0, 0);
+    std::size_t count = 0;
+    for (const Beam& beam : beams) {
+      const double range = percept.ranges(1)[beam.reading];
+      if (!(range < clearance)) continue;
+      sum -= (1 - range / clearance) * Vec2(beam.direction.cos, beam.direction.sin);
+      ++count;
+    }
+    return count > 0 ? Vec2(k_push / static_cast<double>(count) * sum) : sum;
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind radio_flocking_controller() {
+  return engine::make_controller_kind<RadioFlocking>(
+      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart",
+      flocking_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,246 @@
+#include "models/controllers/waypoints.hpp"
+
+#include "base/math.hpp"
+#include "engine/controller.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world_spec.hpp"
+#include "models/drives/drives.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Unit;
+
+// It lands on goals that it keeps to but for the rounding of its last step, m and rad.
+constexpr double k_there = 1e-6;
+
+const FieldTable& goal_fields() {
+  static const FieldTable table = [] {
+    FieldTable goal = engine::pose_fields();
+    goal.fields.push_back({.name = "at",
+                           .unit = Unit::seconds,
+                           .fallback = 0.0,
+                           .min = 0,
+                           .max = 1e9,
+                           .text = "when it is there, since the start of the world, or of its round; it "
+                                   "stays until then; 0: when it gets there"});
+    goal.fields.push_back({.name = "speed",
+                           .unit = Unit::meters_per_second,
+                           .fallback = 0.0,
+                           .min = 0,
+                           .max = 1e6,
+                           .text = "how fast it goes there, straight; 0: as its drive goes to goals"});
+    goal.fields.push_back({.name = "wait",
+                           .unit = Unit::seconds,
+                           .fallback = 0.0,
+                           .min = 0,
+                           .max = 1e9,
+                           .text = "how long it stays there before it goes on"});
+    return goal;
+  }();
+  return table;
+}
+
+const FieldTable& waypoint_fields() {
+  static const FieldTable table{{
+      {.name = "goals",
+       .type = FieldType::records,
+       .text = "where to, one after another, in the frame of the robot's localization",
+       .record = &goal_fields()},
+      {.name = "near",
+       .unit = Unit::meters,
+       .fallback = 0.1,
+       .min = 0.03,  // drives come within 0.02 m along both axes
+       .text = "how near it believes to be when it goes on from a goal without `at` and `speed`"},
+      {.name = "again",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "begins again after the last goal; otherwise it stays there"},
+  }};
+  return table;
+}
+
+struct Goal {
+  Pose pose;
+  double at_s;
+  double speed;
+  double wait_s;
+
+  /// It goes there in a straight line, as fast as it was told, and not as its drive goes to goals.
+  bool is_tracked() const { return at_s > 0 || speed > 0; }
+};
+
+struct Waypoints {
+  struct Memory {
+    std::uint32_t goal = 0;    ///< the one it goes to
+    std::uint64_t begun = 0;   ///< the tick with which its round began, where goals have times
+    std::uint64_t leaves = 0;  ///< the tick with which it goes on, while it waits
+    TROUPE_FIELDS(goal, begun, leaves)
+  };
+
+  std::vector<Goal> goals;
+  double near;
+  bool again;
+  // Of the drive, where goals are tracked:
+  double speed_max = 0;  // m/s, in any direction
+  double turn_max = 0;   // rad/s, either way
+  std::uint64_t period = 1;
+
+  static Waypoints make(const Record& p) {
+    Waypoints waypoints{{}, p[1].number(), p[2].boolean()};
+    for (const Record& goal : p[0].records()) {
+      const auto at = [&](std::string_view name) { return engine::get(goal_fields(), goal, name).number(); };
+      waypoints.goals.push_back({{at("x"), at("y"), 0, at("heading")}, at("at"), at("speed"), at("wait")});
+    }
+    return waypoints;
+  }
+
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
+                                  std::string& fault) const {
+    if (goals.empty()) fault = "needs goals: without them it has nowhere to go";
+    return {};
+  }
+
+  std::string look(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
+    if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
+    if (std::ranges::none_of(goals, &Goal::is_tracked)) return {};
+    const engine::DriveKind omni = omni_drive();
+    if (!type.drive || type.drive->kind != omni.name)
+      return "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where "
+             "they are sent";
+    const auto limit = [&](std::string_view name) {
+      return engine::get(omni.params, type.drive->params, name).number();
+    };
+    speed_max = std::min({limit("velocity_max_x"), -limit("velocity_min_x"), limit("velocity_max_y"),
+                          -limit("velocity_min_y")});
+    turn_max = std::min(limit("turn_max"), -limit("turn_min"));
+    if (!(speed_max > 0 && turn_max > 0))
+      return "has goals with `at` or `speed`, and its drive does not go in every direction";
+    for (std::size_t i = 0; i < goals.size(); ++i)
+      if (const std::string fault = fault_of(i); !fault.empty())
+        return fmt::format("has a goal {} {}", i + 1, fault);
+    return {};
+  }
+
+  void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    // An intervention may have left fewer goals than the robot had passed.
+    memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(goals.size() - 1));
+    const Ahead ahead = look_ahead(percept, actions.command);
+    if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
+    const Goal& goal = goals[memory.goal];
+    if (goal.is_tracked())
+      track(goal, due(memory, percept), ahead, percept, actions);
+    else
+      actions.go_to(goal.pose.x, goal.pose.y, goal.pose.heading);
+  }
+
+ private:
+  /// When a command that is given now begins to move it, and where it is then unless something stops it.
+  struct Ahead {
+    std::uint64_t tick;
+    Pose pose;
+  };
+
+  Ahead look_ahead(const engine::Percept& percept, const engine::Command& command) const {
+    Ahead ahead{percept.tick - 1 + period, percept.estimate};
+    if (command.mode != engine::ControlMode::velocity) return ahead;
+    const double dt = static_cast<double>(period) * percept.tick_s;
+    const Vec2 way = Rotation(ahead.pose.heading) * Vec2(command.x * dt, command.y * dt);
+    ahead.pose.x += way.x();
+    ahead.pose.y += way.y();
+    ahead.pose.heading += command.turn * dt;
+    return ahead;
+  }
+
+  /// The tick with whose end it is to be at its goal; 0: whenever it gets there.
+  std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
+    const double at_s = goals[memory.goal].at_s;
+    return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
+  }
+
+  bool has_arrived(const Memory& memory, const engine::Percept& percept, const Ahead& ahead) const {
+    const Goal& goal = goals[memory.goal];
+    if (!goal.is_tracked())
+      return (goal.pose.position() - percept.estimate.position()).squaredNorm() <= near * near;
+    const double turn = wrap_angle(goal.pose.heading - ahead.pose.heading);
+    return ahead.tick >= due(memory, percept) && turn >= -k_there && turn <= k_there &&
+           (goal.pose.position() - ahead.pose.position()).squaredNorm() <= k_there * k_there;
+  }
+
+  bool is_last(const Memory& memory) const { return !again && memory.goal + 1 == goals.size(); }
+
+  bool waits_no_more(Memory& memory, const engine::Percept& percept, const Ahead& ahead) const {
+    const Goal& goal = goals[memory.goal];
+    if (!(goal.wait_s > 0) || is_last(memory)) return true;
+    if (memory.leaves == 0) memory.leaves = ahead.tick + engine::period_ticks(goal.wait_s, percept.tick_s);
+    if (ahead.tick < memory.leaves) return false;
+    memory.leaves = 0;
+    return true;
+  }
+
+  void go_on(Memory& memory, const Ahead& ahead) const {
+    if (is_last(memory)) return;
+    if (++memory.goal < goals.size()) return;
+    memory.goal = 0;
+    if (std::ranges::any_of(goals, [](const Goal& goal) { return goal.at_s > 0; })) memory.begun = ahead.tick;
+  }
+
+  /// At the speed that takes it there in time; or, where it is late, as fast as its drive can.
+  void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
+             engine::Actions& actions) const {
+    const Vec2 way = goal.pose.position() - ahead.pose.position();
+    const double turn = wrap_angle(goal.pose.heading - ahead.pose.heading);
+    const double step_s = static_cast<double>(period) * percept.tick_s;
+    double left_s = goal.at_s > 0 && due > ahead.tick
+                        ? static_cast<double>(due - ahead.tick) * percept.tick_s
+                        : std::max(way.norm() / speed_of(goal), (turn < 0 ? -turn : turn) / turn_max);
+    left_s = std::max(left_s, step_s);
+    const double speed = way.norm() / left_s;
+    const double by = speed > speed_max ? speed_max / speed : 1;
+    const Vec2 velocity = Rotation(-ahead.pose.heading) * Vec2(way.x() / left_s * by, way.y() / left_s * by);
+    actions.set_speed(velocity.x(), velocity.y(), std::clamp(turn / left_s, -turn_max, turn_max));
+  }
+
+  double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
+
+  /// What cannot be kept of a goal that it is to keep to.
+  std::string fault_of(std::size_t i) const {
+    const Goal& goal = goals[i];
+    if (goal.at_s > 0 && goal.speed > 0) return "with both `at` and `speed`: one follows from the other";
+    if (goal.speed > speed_max)
+      return fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction", goal.speed,
+                         speed_max);
+    if (i == 0 || !(goal.at_s > 0)) return {};
+    const Goal& before = goals[i - 1];
+    if (before.at_s > 0 && goal.at_s <= before.at_s)
+      return fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s);
+    const double way = (goal.pose.position() - before.pose.position()).norm();
+    const double time_s = goal.at_s - before.at_s - before.wait_s;
+    if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
+      return fmt::format(
+          "{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction", way,
+          std::max(time_s, 0.0), speed_max);
+    return {};
+  }
+};
+
+}  // namespace
+
+engine::ControllerKind waypoints_controller() {
+  engine::ControllerKind kind = engine::make_controller_kind<Waypoints>(
+      "waypoints", "go from goal to goal by where it believes to be", waypoint_fields());
+  for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
+  return kind;
+}
+
+}  // namespace troupe::models

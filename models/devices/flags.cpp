@@ -1,0 +1,141 @@
+#include "models/devices/flags.hpp"
+
+#include "engine/world.hpp"
+
+#include <algorithm>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Effect;
+using engine::Element;
+using engine::FieldType;
+using engine::Record;
+using engine::StateTable;
+using engine::World;
+
+constexpr std::int64_t k_most_flags = 1000;
+
+/// The flags of one row.
+class FlagList {
+ public:
+  FlagList(StateTable& state, std::size_t slot)
+      : received_(state.cell<std::uint64_t>(slot, k_flag_received)[0]),
+        count_(state.cell<std::uint32_t>(slot, k_flag_count)[0]),
+        colors_(state.cell<std::uint32_t>(slot, k_flag_colors)),
+        sizes_(state.cell<float>(slot, k_flag_sizes)) {}
+
+  bool empty() const { return count_ == 0; }
+  bool full() const { return count_ == colors_.size(); }
+  void push(const Flag& flag) {
+    if (full()) return;
+    std::move_backward(colors_.begin(), colors_.begin() + count_, colors_.begin() + count_ + 1);
+    std::move_backward(sizes_.begin(), sizes_.begin() + count_, sizes_.begin() + count_ + 1);
+    colors_[0] = flag.color;
+    sizes_[0] = flag.size;
+    ++count_;
+  }
+  Flag pop() {
+    if (empty()) return {};
+    const Flag first{colors_[0], sizes_[0]};
+    std::move(colors_.begin() + 1, colors_.begin() + count_, colors_.begin());
+    std::move(sizes_.begin() + 1, sizes_.begin() + count_, sizes_.begin());
+    --count_;
+    colors_[count_] = 0;
+    sizes_[count_] = 0;
+    return first;
+  }
+  void count_received() { ++received_; }
+
+ private:
+  std::uint64_t& received_;
+  std::uint32_t& count_;
+  std::span<std::uint32_t> colors_;
+  std::span<float> sizes_;
+};
+
+void act(const DeviceBatch& batch) {
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    const auto& command = batch.commands->as<FlagCommand>(batch.slot(i));
+    std::uint32_t& done = batch.state.cell<std::uint32_t>(batch.slot(i), k_flag_request)[0];
+    if (command.request == done) continue;
+    done = command.request;
+    FlagList own(batch.state, batch.slot(i));
+    switch (command.verb) {
+      case FlagCommand::push: own.push({command.color, command.size}); break;
+      case FlagCommand::pop: own.pop(); break;
+      case FlagCommand::take:
+      case FlagCommand::give: batch.emit(i, 0, command.verb, BodyId(command.target)); break;
+      default: break;
+    }
+  }
+}
+
+/// The flags of a body, where it holds any.
+std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
+  if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
+  const Row row = world.row(body);
+  if (!world.is_there(row)) return {};
+  for (const engine::BodyType::Device& device : world.type(row).devices)
+    if (device.kind == kind) return FlagList(world.state(device), world.slot(row));
+  return {};
+}
+
+void apply(World& world, const std::any&, const Effect& effect) {
+  const Row row = world.row(effect.source);
+  const engine::BodyType::Device& device = world.type(row).devices[effect.device];
+  FlagList own(world.state(device), world.slot(row));
+  std::optional<FlagList> other = flags_of(world, effect.target, device.kind);
+  if (!other || effect.target == effect.source) return;
+  const bool takes = effect.verb == FlagCommand::take;
+  FlagList& from = takes ? *other : own;
+  FlagList& to = takes ? own : *other;
+  if (from.empty() || to.full()) return;
+  to.push(from.pop());
+  if (!takes) to.count_received();
+}
+
+}  // namespace
+
+DeviceKind flags_kind() {
+  DeviceKind kind{.name = "flags", .text = "tokens that a body holds, takes and gives"};
+  kind.params = {{
+      {.name = "most",
+       .type = FieldType::integer,
+       .fallback = 16,
+       .min = 1,
+       .max = static_cast<double>(k_most_flags),
+       .text = "how many it can hold"},
+      {.name = "yellow",
+       .type = FieldType::integer,
+       .fallback = 0,
+       .min = 0,
+       .max = static_cast<double>(k_most_flags),
+       .text = "yellow ones of 0.25 m that it holds at the start"},
+  }};
+  kind.prepare = [](const Record& params, const Pose&) {
+    const auto most = static_cast<std::uint32_t>(params[0].integer());
+    DeviceKind::Prepared prepared{
+        .data = std::min(params[0].integer(), params[1].integer()),
+        .percepts = {{"received", Element::u64, 1, "", "flags that others gave it since tick 0"},
+                     {"count", Element::u32, 1, "", "flags it holds"},
+                     {"request", Element::u32, 1, "", "the last one that was carried out"},
+                     {"colors", Element::u32, most, "", "of each flag, the first one first: 0xRRGGBBAA"},
+                     {"sizes", Element::f32, most, "m", "of each flag"}},
+        .commands = engine::memory_fields<FlagCommand>(),
+        .command_bytes = sizeof(FlagCommand)};
+    prepared.most_effects = 1;
+    return prepared;
+  };
+  kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
+    FlagList flags(state, slot);
+    for (std::int64_t i = 0; i < *std::any_cast<std::int64_t>(&data); ++i) flags.push(k_yellow_flag);
+  };
+  kind.act = act;
+  kind.apply = apply;
+  return kind;
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,363 @@
+#include "models/devices/gripper.hpp"
+
+#include "engine/world.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace troupe::models {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::FieldType;
+using engine::Mount;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+constexpr double k_rate = 0.5;                // ends of travel a second: 2 s from end to end
+constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, behind the tips, in lengths of the gripper
+enum Verb : std::uint32_t { k_grip, k_release };
+enum JointIndex : std::size_t { k_left, k_right };
+
+struct Gripper {
+  Eigen::Vector3d size{0.2, 0.3, 0.2};
+  Eigen::Vector3d paddle{0.66, 0.1, 0.4};  // shares of the size
+  bool starts_closed = false;
+  bool starts_up = false;
+  bool autosnatch = false;
+  Mount mount;  // the gripper's frame in the body's
+
+  double base_front() const { return -size.x() / 2 + (1 - paddle.x()) * size.x(); }
+  double thickness() const { return paddle.y() * size.y(); }
+  double height() const { return paddle.z() * size.z(); }
+  /// How far a paddle goes from open to closed, and from down to up.
+  double travel() const { return size.y() / 2 - thickness(); }
+  double rise() const { return size.z() - height(); }
+  /// y of the left paddle's inner face.
+  double face(double position) const { return (1 - position) * travel(); }
+  Pose left(double position, double lift) const { return {0, -position * travel(), lift * rise(), 0}; }
+  Pose right(double position, double lift) const { return {0, position * travel(), lift * rise(), 0}; }
+};
+
+Gripper read(const Record& params) {
+  Gripper gripper;
+  for (int i = 0; i < 3; ++i) {
+    gripper.size[i] = params[0].numbers()[static_cast<std::size_t>(i)];
+    gripper.paddle[i] = params[1].numbers()[static_cast<std::size_t>(i)];
+  }
+  gripper.starts_closed = params[2].text() == "closed";
+  gripper.starts_up = params[3].text() == "up";
+  gripper.autosnatch = params[4].boolean();
+  return gripper;
+}
+
+Solid block(double x0, double x1, double y0, double y1, double height) {
+  return {{{Vec2(x0, y0), Vec2(x1, y0), Vec2(x1, y1), Vec2(x0, y1)}}, {0, height}};
+}
+
+/// The base and the paddles, open and down.
+std::vector<DeviceKind::Fixture> body(const Record& params) {
+  const Gripper g = read(params);
+  const double half_x = g.size.x() / 2;
+  const double half_y = g.size.y() / 2;
+  return {{block(-half_x, g.base_front(), -half_y, half_y, g.size.z()), -1},
+          {block(g.base_front(), half_x, half_y - g.thickness(), half_y, g.height()), k_left},
+          {block(g.base_front(), half_x, -half_y, -half_y + g.thickness(), g.height()), k_right}};
+}
+
+// ---- what it feels
+
+/// One gripper at one instant: finds what lies between its paddles.
+class Hand {
+ public:
+  Hand(const World& world, const Gripper& gripper, const GripperState& state, Row row, const Mount& frame)
+      : world_(world),
+        gripper_(gripper),
+        state_(state),
+        row_(row),
+        frame_(frame),
+        z_(frame.z + state.lift_position * gripper.rise()) {}
+
+  /// visit(row, its shape in place) for the bodies that it may feel.
+  template <class Visit>
+  void for_each_near(Visit&& visit) const {
+    const double reach = gripper_.size.head<2>().norm() / 2;
+    world_.index().for_each_near(
+        Box::around(frame_.transform.position, reach), [&](const partition::BodyCircle& circle) {
+          const Row other(circle.row);
+          const partition::ObstacleShape& shape = world_.type(other).grip;
+          if (other == row_ || shape.empty()) return;
+          const Transform& at = world_.transform(other);
+          if (!partition::in_reach(frame_.transform.position, reach, at.position, shape.radius)) return;
+          visit(other, partition::PlacedShape(shape, at, world_.poses()[other.index()].z));
+        });
+  }
+
+  bool breaks_beam(const partition::PlacedShape& shape, double behind_tips) const {
+    const double x = gripper_.size.x() / 2 - behind_tips * gripper_.size.x();
+    const double y = gripper_.face(state_.paddle_position);
+    const Vec2 left = frame_.transform * Vec2(x, y);
+    const Vec2 right = frame_.transform * Vec2(x, -y);
+    return shape.any_piece([&](const ConvexPrism& piece, const auto& polygon) {
+      return piece.z.shifted(shape.z()).contains(z_) && partition::segment_overlap(left, right, polygon);
+    });
+  }
+
+  /// Whether the face of a paddle would sweep over it on the way to this position. side: 1 left, -1 right.
+  bool touches(const partition::PlacedShape& shape, double side, double to) const {
+    const double from_y = side * gripper_.face(state_.paddle_position);
+    const double to_y = side * gripper_.face(to);
+    const double x0 = gripper_.base_front();
+    const double x1 = gripper_.size.x() / 2;
+    std::array<Vec2, 4> swept{Vec2(x0, std::min(from_y, to_y)), Vec2(x1, std::min(from_y, to_y)),
+                              Vec2(x1, std::max(from_y, to_y)), Vec2(x0, std::max(from_y, to_y))};
+    for (Vec2& corner : swept) corner = frame_.transform * corner;
+    const ZInterval heights{z_, z_ + gripper_.height()};
+    return shape.any_piece([&](const ConvexPrism& piece, const auto& polygon) {
+      if (!piece.z.shifted(shape.z()).overlaps(heights)) return false;
+      std::array<Vec2, 128> corners;
+      if (polygon.size() > corners.size()) return false;  // no piece has more
+      for (std::size_t k = 0; k < polygon.size(); ++k) corners[k] = polygon[k];
+      return partition::convex_overlap(swept, std::span(corners).first(polygon.size()));
+    });
+  }
+
+  /// Whether it fits between the paddles when they are open.
+  bool fits(const partition::PlacedShape& shape) const {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    const Transform back = engine::inverse(frame_).transform;
+    shape.any_piece([&](const ConvexPrism&, const auto& polygon) {
+      for (std::size_t k = 0; k < polygon.size(); ++k) {
+        const double y = (back * polygon[k]).y();
+        low = std::min(low, y);
+        high = std::max(high, y);
+      }
+      return false;
+    });
+    return high - low <= 2 * gripper_.travel();
+  }
+
+ private:
+  const World& world_;
+  const Gripper& gripper_;
+  const GripperState& state_;
+  Row row_;
+  const Mount& frame_;
+  double z_;  // of the paddles' lower edge, world frame
+};
+
+/// What closing paddles would hold: of what the left one touches the lowest id, else of what the right one
+/// does.
+struct Touched {
+  BodyId left;
+  BodyId right;
+
+  BodyId target() const { return left.valid() ? left : right; }
+};
+
+void feel(const World& world, const Hand& hand, double closer, GripperState& state, Touched& touched) {
+  state.beam_inner = state.beam_outer = state.contact_left = state.contact_right = 0;
+  hand.for_each_near([&](Row row, const partition::PlacedShape& shape) {
+    state.beam_inner = state.beam_inner != 0 || hand.breaks_beam(shape, k_beams[0]);
+    state.beam_outer = state.beam_outer != 0 || hand.breaks_beam(shape, k_beams[1]);
+    const auto touch = [&](double side, std::uint8_t& contact, BodyId& lowest) {
+      if (!hand.touches(shape, side, closer)) return;
+      contact = 1;
+      if (hand.fits(shape) && (!lowest.valid() || world.body(row) < lowest)) lowest = world.body(row);
+    };
+    touch(1, state.contact_left, touched.left);
+    touch(-1, state.contact_right, touched.right);
+  });
+}
+
+// ---- what it does
+
+void obey(std::uint8_t order, GripperState& state) {
+  using S = GripperState;
+  if (order == GripperCommand::open && state.paddles != S::is_open) state.paddles = S::opening;
+  if (order == GripperCommand::close && state.paddles != S::closed) state.paddles = S::closing;
+  if (order == GripperCommand::up && state.lift != S::is_up) state.lift = S::rising;
+  if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
+}
+
+/// Whether what it held is not its own any more: dead, as bodies are only given up by who holds them.
+bool has_lost(const World& world, BodyId own, const GripperState& state) {
+  return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
+}
+
+/// A step on the way to an end; what rounding leaves of the way is no step of its own.
+double towards(double position, double end, double step) {
+  if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
+  return position < end ? position + step : position - step;
+}
+
+/// Ends what has come to its end.
+void finish(GripperState& state) {
+  using S = GripperState;
+  if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
+    state.paddles = S::closed;
+  if (state.paddles == S::opening && state.paddle_position == 0 && state.held == 0)
+    state.paddles = S::is_open;
+  if (state.lift == S::rising && state.lift_position == 1) state.lift = S::is_up;
+  if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
+}
+
+void act(const DeviceBatch& batch) {
+  using S = GripperState;
+  const Gripper& gripper = *std::any_cast<Gripper>(&batch.data);
+  const double step = k_rate * batch.period_s;
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    auto& state = batch.state.as<GripperState>(batch.slot(i));
+    if (has_lost(batch.world, batch.body(i), state)) state.held = 0;
+    const Mount frame = compose(batch.mount(i), gripper.mount);
+    const Hand hand(batch.world, gripper, state, batch.rows[i], frame);
+    Touched touched;
+    feel(batch.world, hand, towards(state.paddle_position, 1, step), state, touched);
+    state.stalled = 0;
+    if (gripper.autosnatch)
+      obey(state.beam_inner != 0 || state.beam_outer != 0 ? GripperCommand::close : GripperCommand::open,
+           state);
+    else
+      obey(batch.commands->as<GripperCommand>(batch.slot(i)).order, state);
+    if (state.paddles != S::closing) state.taken = 0;
+
+    double paddle = state.paddle_position;
+    if (state.paddles == S::opening && state.held != 0)
+      batch.emit(i, 0, k_release, BodyId(state.held - 1));
+    else if (state.paddles == S::closing && state.held == 0 && touched.target().valid())
+      batch.emit(i, 0, k_grip, touched.target());
+    else if (state.paddles == S::closing && state.held == 0)
+      paddle = towards(paddle, 1, step);
+    else if (state.paddles == S::opening)
+      paddle = towards(paddle, 0, step);
+    double lift = state.lift_position;
+    if (state.lift == S::rising || state.lift == S::sinking)
+      lift = towards(lift, state.lift == S::rising ? 1 : 0, step);
+    state.asked_paddle = paddle;
+    state.asked_lift = lift;
+    if (paddle == state.paddle_position && lift == state.lift_position) {
+      finish(state);
+      continue;
+    }
+    batch.move_joint(i, k_left, gripper.left(paddle, lift));
+    batch.move_joint(i, k_right, gripper.right(paddle, lift));
+  }
+}
+
+void settled(const DeviceBatch& batch) {
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    if (!batch.asked_joint(i, k_left)) continue;
+    auto& state = batch.state.as<GripperState>(batch.slot(i));
+    if (batch.moved_joint(i, k_left)) {
+      state.paddle_position = state.asked_paddle;
+      state.lift_position = state.asked_lift;
+    } else {
+      state.stalled = 1;
+    }
+    finish(state);
+  }
+}
+
+/// Where both have moved: whether it is still there to be held is asked again.
+void apply(World& world, const std::any& data, const engine::Effect& effect) {
+  const Gripper& gripper = *std::any_cast<Gripper>(&data);
+  const Row row = world.row(effect.source);
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may say anything
+  const Row target = is_body ? world.row(effect.target) : Row();
+  const engine::BodyType::Device& device = world.type(row).devices[effect.device];
+  auto& state = world.state(device).as<GripperState>(world.slot(row));
+  if (effect.verb == k_release) {
+    if (target.valid() && world.carrier(target) == effect.source) world.release(target);
+    state.held = 0;
+    finish(state);
+    return;
+  }
+  const Mount frame = compose(world.mount(row, device.joint), gripper.mount);
+  const Hand hand(world, gripper, state, row, frame);
+  const partition::PlacedShape shape(world.type(target).grip, world.transform(target),
+                                     world.poses()[target.index()].z);
+  const double closer =
+      towards(state.paddle_position, 1, k_rate * world.tick_s() * static_cast<double>(device.period));
+  if (!hand.touches(shape, 1, closer) && !hand.touches(shape, -1, closer)) return;
+  const bool has_it = world.attach(target, row, device.moves);
+  state.taken = !has_it;
+  if (!has_it) return;
+  state.held = effect.target.value + 1;
+  finish(state);
+}
+
+}  // namespace
+
+DeviceKind gripper_kind() {
+  DeviceKind kind{.name = "gripper", .text = "two paddles that close on bodies, hold and lift them"};
+  kind.params = {{
+      {.name = "size",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{0.2, 0.3, 0.2},
+       .min = 0,
+       .max = 1000,
+       .text = "of base and paddles together, [x, y, z]",
+       .columns = 3,
+       .above_min = true},
+      {.name = "paddle_size",
+       .type = FieldType::numbers,
+       .fallback = std::vector<double>{0.66, 0.1, 0.4},
+       .min = 0,
+       .max = 0.999,
+       .text = "of each paddle, in shares of the gripper's; y below 0.5",
+       .columns = 3,
+       .above_min = true},
+      {.name = "paddles",
+       .type = FieldType::text,
+       .fallback = std::string("open"),
+       .text = "at the start",
+       .choices = {"open", "closed"}},
+      {.name = "lift",
+       .type = FieldType::text,
+       .fallback = std::string("down"),
+       .text = "at the start",
+       .choices = {"down", "up"}},
+      {.name = "autosnatch",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "closes by itself when a beam is broken, opens when none is"},
+  }};
+  kind.joints = {"left", "right"};
+  kind.carries = true;
+  kind.body = body;
+  kind.prepare = [](const Record& params, const Pose& pose_body_gripper) {
+    Gripper gripper = read(params);
+    gripper.mount = Mount(pose_body_gripper);
+    return DeviceKind::Prepared{.data = gripper,
+                                .percepts = engine::memory_fields<GripperState>(),
+                                .percept_bytes = sizeof(GripperState),
+                                .commands = engine::memory_fields<GripperCommand>(),
+                                .command_bytes = sizeof(GripperCommand),
+                                .reach_m = gripper.size.head<2>().norm(),
+                                .most_effects = 1,
+                                .joints = {gripper.left(gripper.starts_closed, gripper.starts_up),
+                                           gripper.right(gripper.starts_closed, gripper.starts_up)},
+                                .joint_reach_m = gripper.travel()};
+  };
+  kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
+    const Gripper& gripper = *std::any_cast<Gripper>(&data);
+    auto& s = state.as<GripperState>(slot);
+    s.paddles = gripper.starts_closed ? GripperState::closed : GripperState::is_open;
+    s.lift = gripper.starts_up ? GripperState::is_up : GripperState::is_down;
+    s.paddle_position = s.asked_paddle = gripper.starts_closed;
+    s.lift_position = s.asked_lift = gripper.starts_up;
+  };
+  kind.act = act;
+  kind.settled = settled;
+  kind.apply = apply;
+  return kind;
+}
+
+}  // namespace troupe::models

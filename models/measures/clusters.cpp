@@ -1,0 +1,114 @@
+#include "models/measures/clusters.hpp"
+
+#include "engine/world.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Measure;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+const FieldTable& cluster_fields() {
+  static const FieldTable table{{{.name = "distance",
+                                  .unit = Unit::meters,
+                                  .min = 0,
+                                  .max = 1000,
+                                  .text = "origins that are no farther apart are of one cluster",
+                                  .above_min = true}}};
+  return table;
+}
+
+/// Pushable bodies, joined where they lie near one another.
+class Clusters : public Measure {
+ public:
+  Clusters(const World& world, const Record& params, const std::vector<Row>&)
+      : distance_(engine::get(cluster_fields(), params, "distance").number()),
+        parents_(world.rows()),
+        sizes_(world.rows()) {}
+
+ protected:
+  struct Count {
+    std::size_t bodies = 0;
+    std::size_t clusters = 0;
+    std::size_t largest = 0;
+  };
+  Count count(const World& world) {
+    std::iota(parents_.begin(), parents_.end(), 0u);
+    std::ranges::fill(sizes_, 0u);
+    const auto counts = [&](std::uint32_t row) {
+      return world.type(Row(row)).pushable && world.is_there(Row(row));
+    };
+    Count found;
+    for (std::uint32_t row = 0; row < world.rows(); ++row) {
+      if (!counts(row)) continue;
+      ++found.bodies;
+      const Vec2 here = world.transform(Row(row)).position;
+      world.index().for_each_near(Box::around(here, distance_), [&](const partition::BodyCircle& circle) {
+        if (circle.row >= row || !counts(circle.row)) return;
+        if ((world.transform(Row(circle.row)).position - here).squaredNorm() <= distance_ * distance_)
+          parents_[root(row)] = root(circle.row);
+      });
+    }
+    for (std::uint32_t row = 0; row < world.rows(); ++row)
+      if (counts(row)) ++sizes_[root(row)];
+    for (const std::uint32_t size : sizes_) {
+      found.clusters += size > 0;
+      found.largest = std::max<std::size_t>(found.largest, size);
+    }
+    return found;
+  }
+
+ private:
+  std::uint32_t root(std::uint32_t row) {
+    while (parents_[row] != row) row = parents_[row] = parents_[parents_[row]];
+    return row;
+  }
+
+  double distance_;
+  std::vector<std::uint32_t> parents_;  // a row each
+  std::vector<std::uint32_t> sizes_;
+};
+
+class ClusterCount : public Clusters {
+ public:
+  using Clusters::Clusters;
+  double value(World& world) override { return static_cast<double>(count(world).clusters); }
+};
+
+class LargestCluster : public Clusters {
+ public:
+  using Clusters::Clusters;
+  double value(World& world) override {
+    const Count found = count(world);
+    if (found.bodies == 0) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(found.largest) / static_cast<double>(found.bodies);
+  }
+};
+
+}  // namespace
+
+engine::MeasureKind clusters_measure() {
+  return engine::make_measure_kind<ClusterCount>(
+      "clusters", Unit::none, "in how many heaps the pushable bodies lie",
+      "The connected components of the graph that joins pushable bodies whose origins are at most `distance` "
+      "apart; a body that lies alone counts as one. Whichever robots are measured.",
+      cluster_fields());
+}
+
+engine::MeasureKind largest_cluster_measure() {
+  return engine::make_measure_kind<LargestCluster>(
+      "largest_cluster", Unit::none, "which share of the pushable bodies lies in the largest heap",
+      "The bodies of the largest of the components that `clusters` counts, over all pushable bodies. Not a "
+      "number where there are none.",
+      cluster_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,158 @@
+#include "models/measures/coverage.hpp"
+
+#include "engine/measures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Measure;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+constexpr double k_most_cells = 25e6;  // two bytes each
+
+const FieldTable& fields() {
+  static const FieldTable table{{{.name = "cell",
+                                  .unit = Unit::meters,
+                                  .fallback = 1.0,
+                                  .min = 0.001,
+                                  .max = 100000,
+                                  .text = "edge of the square cells"}}};
+  return table;
+}
+
+/// Where robots may be; where nothing says so, the ground on which anything stands at the start.
+Box ground_of(const World& world, std::span<const Row> robots) {
+  if (world.spec().bounds) return *world.spec().bounds;
+  Box box = world.scene().bounds();
+  for (const Row row : robots)
+    if (const BodyId body = world.body(row); world.spec().starts(body))
+      box.extend(world.spec().bodies[body.index()].pose_world_body.position());
+  return box;
+}
+
+class Coverage : public Measure {
+ public:
+  Coverage(const World& world, const Record& params, std::vector<Row> robots)
+      : robots_(std::move(robots)), grid_{engine::get(fields(), params, "cell").number(), 0} {
+    const Box ground = ground_of(world, robots_);
+    if (ground.empty()) return;
+    const Vec2 size = ground.size() / grid_.cell_m;
+    const double cells = (size.x() + 1) * (size.y() + 1);
+    if (cells > k_most_cells)
+      throw std::length_error(
+          fmt::format("{:.3g} cells of {:g} m, and at most {:.3g} are allowed: give a "
+                      "larger cell_m",
+                      cells, grid_.cell_m, k_most_cells));
+    low_ = grid_.cell(ground.min);
+    const partition::Cell high = grid_.cell(ground.max);
+    columns_ = static_cast<std::size_t>(std::int64_t{high.x} - low_.x + 1);
+    lines_ = static_cast<std::size_t>(std::int64_t{high.y} - low_.y + 1);
+    free_.assign(columns_ * lines_, 0);
+    visited_.assign(free_.size(), 0);
+    for (std::size_t y = 0; y < lines_; ++y)
+      for (std::size_t x = 0; x < columns_; ++x)
+        free_[y * columns_ + x] = ground.contains({centre(low_.x, x), centre(low_.y, y)});
+    for (const partition::FixedSolid& solid : world.scene().solids())
+      if (solid.obstacle) take(solid.solid);
+    free_cells_ = static_cast<std::size_t>(std::ranges::count(free_, 1));
+  }
+
+  void see(World& world) override {
+    constexpr std::size_t k_block = 4096;
+    world.parallel().for_each((robots_.size() + k_block - 1) / k_block, [&](std::size_t b) {
+      for (std::size_t i = b * k_block; i < std::min(robots_.size(), (b + 1) * k_block); ++i)
+        if (world.is_there(robots_[i])) visit(world.transform(robots_[i]).position);
+    });
+  }
+
+  double value(World&) override {
+    if (free_cells_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    std::size_t both = 0;
+    for (std::size_t i = 0; i < free_.size(); ++i) both += free_[i] & visited_[i];
+    return static_cast<double>(both) / static_cast<double>(free_cells_);
+  }
+
+  std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(visited_)); }
+
+ private:
+  double centre(std::int32_t low, std::size_t i) const {
+    return (low + static_cast<double>(i) + 0.5) * grid_.cell_m;
+  }
+
+  void visit(const Vec2& place) {
+    const partition::Cell cell = grid_.cell(place);
+    const std::int64_t x = std::int64_t{cell.x} - low_.x;
+    const std::int64_t y = std::int64_t{cell.y} - low_.y;
+    if (x < 0 || y < 0 || x >= static_cast<std::int64_t>(columns_) || y >= static_cast<std::int64_t>(lines_))
+      return;
+    // Robots of several tasks may be in one cell; whoever comes first, it has been visited.
+    std::atomic_ref<std::uint8_t> visited(visited_[static_cast<std::size_t>(y) * columns_ + x]);
+    if (visited.load(std::memory_order_relaxed) == 0) visited.store(1, std::memory_order_relaxed);
+  }
+
+  /// Takes the cells whose centres lie in a solid: line by line, between every other two crossings of its
+  /// edges with the line of the centres.
+  void take(const Solid& solid) {
+    std::vector<std::vector<double>> crossings(lines_);
+    for (const Ring& ring : solid.contours)
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vec2& a = ring[i];
+        const Vec2& b = ring[(i + 1) % ring.size()];
+        for (std::size_t y = first_not_below(low_.y, lines_, std::min(a.y(), b.y())); y < lines_; ++y) {
+          const double height = centre(low_.y, y);
+          if (height >= std::max(a.y(), b.y())) break;
+          crossings[y].push_back(a.x() + (height - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+        }
+      }
+    for (std::size_t y = 0; y < lines_; ++y) {
+      std::ranges::sort(crossings[y]);
+      for (std::size_t i = 0; i + 1 < crossings[y].size(); i += 2)
+        for (std::size_t x = first_not_below(low_.x, columns_, crossings[y][i]);
+             x < columns_ && centre(low_.x, x) < crossings[y][i + 1]; ++x)
+          free_[y * columns_ + x] = 0;
+    }
+  }
+
+  /// The first of `count` cells from `low` on whose centre is not below v.
+  std::size_t first_not_below(std::int32_t low, std::size_t count, double v) const {
+    const std::int64_t near = std::int64_t{grid_.cell({v, 0}).x} - low;
+    auto i = static_cast<std::size_t>(std::clamp<std::int64_t>(near, 0, static_cast<std::int64_t>(count)));
+    while (i < count && centre(low, i) < v) ++i;
+    return i;
+  }
+
+  std::vector<Row> robots_;
+  partition::GridGeometry grid_;
+  partition::Cell low_;
+  std::size_t columns_ = 0;
+  std::size_t lines_ = 0;
+  std::vector<std::uint8_t> free_;
+  std::size_t free_cells_ = 0;
+  std::vector<std::uint8_t> visited_;
+};
+
+}  // namespace
+
+engine::MeasureKind coverage_measure() {
+  return engine::make_measure_kind<Coverage>(
+      "coverage", Unit::none, "share of the free ground that robots have been on",
+      "Of the square cells of edge `cell`, one corner of which is the world's origin, that are free the "
+      "share in which the origin of a robot has been at the end of any tick since measuring began. A cell is "
+      "free when its centre lies in the bounds of the world and in no obstacle that never moves, whatever "
+      "its height. A world without bounds has those of what stands in it at the start. Ground that no robot "
+      "can reach counts.",
+      fields());
+}
+
+}  // namespace troupe::models

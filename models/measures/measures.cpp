@@ -1,0 +1,419 @@
+#include "models/measures/measures.hpp"
+
+#include "engine/measures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::Element;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Measure;
+using engine::Record;
+using engine::StateTable;
+using engine::Unit;
+using engine::World;
+
+/// A measure of the state alone.
+class OfRobots : public Measure {
+ public:
+  OfRobots(const World&, const Record&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+
+ protected:
+  std::span<const Row> robots() const { return robots_; }
+  /// Of those that are in the world.
+  template <class Term>
+  double mean(World& world, Term&& term) const {
+    const std::size_t there = engine::count_there(world, robots_);
+    if (there == 0) return std::numeric_limits<double>::quiet_NaN();
+    const double sum = engine::ordered_sum(world, robots_.size(), [&](std::size_t i) {
+      return world.is_there(robots_[i]) ? static_cast<double>(term(i)) : 0.0;
+    });
+    return sum / static_cast<double>(there);
+  }
+  template <class Holds>
+  double count(Holds&& holds) const {
+    return static_cast<double>(std::ranges::count_if(robots_, holds));
+  }
+
+ private:
+  std::vector<Row> robots_;
+};
+
+class Stalls : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    return count([&](Row row) { return world.stalled(row); });
+  }
+};
+
+class Held : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    return count([&](Row row) { return world.held(row); });
+  }
+};
+
+class Displacement : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      const Row row = robots()[i];
+      return (world.transform(row).position - world.origin(row)).norm();
+    });
+  }
+};
+
+class PathLength : public OfRobots {
+ public:
+  PathLength(const World& world, const Record& params, std::vector<Row> rows)
+      : OfRobots(world, params, std::move(rows)), lengths_(robots().size(), 0), tick_(world.tick()) {
+    for (const Row row : robots()) places_.push_back(world.transform(row).position);
+  }
+
+  void see(World& world) override {
+    constexpr std::size_t k_block = 4096;
+    if (world.tick() != tick_) set_out_from(world.placed_before_step());
+    tick_ = world.tick();
+    world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
+      for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) {
+        const Vec2& place = world.transform(robots()[i]).position;
+        if (world.has_lives()) begin_life(world, i);
+        lengths_[i] += (place - places_[i]).norm();
+        places_[i] = place;
+      }
+    });
+  }
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) { return lengths_[i]; });
+  }
+  // The places need not be kept: in a state that is put back, they are those where it begins.
+  std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
+
+ private:
+  /// Who was born since the last tick comes from where that was; who is not there stays.
+  void begin_life(const World& world, std::size_t i) {
+    const Row row = robots()[i];
+    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
+    if (!world.is_there(row))
+      places_[i] = world.transform(row).position;
+    else if (is_new)
+      places_[i] = world.origin(row);
+  }
+
+  /// Who was put elsewhere went from there: that it was put there is no way.
+  void set_out_from(std::span<const World::Placed> placed) {
+    if (placed.empty()) return;
+    if (numbers_.empty()) {
+      for (std::uint32_t i = 0; i < robots().size(); ++i) numbers_.emplace_back(robots()[i], i);
+      std::ranges::sort(numbers_, {}, by_row);
+    }
+    for (const World::Placed& place : placed) {
+      const auto found = std::ranges::lower_bound(numbers_, place.row.index(), {}, by_row);
+      if (found != numbers_.end() && found->first == place.row)
+        places_[found->second] = place.pose.position();
+    }
+  }
+  static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
+
+  std::vector<double> lengths_;                         // beside robots(), as are
+  std::vector<Vec2> places_;                            // in the state that was seen last
+  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when somebody is placed
+  std::uint64_t tick_;                                  // that was seen last
+};
+
+class MeanSpeed : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      const Row row = robots()[i];
+      const engine::Velocity& v = world.velocities()[row.index()];
+      return world.stalled(row) ? 0 : Vec2(v.x, v.y).norm();
+    });
+  }
+};
+
+class Order : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.cos; });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.sin; });
+    return Vec2(x, y).norm();
+  }
+};
+
+class Spread : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override {
+    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.x(); });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.y(); });
+    return mean(world,
+                [&](std::size_t i) { return (world.transform(robots()[i]).position - Vec2(x, y)).norm(); });
+  }
+};
+
+const FieldTable& share_within_fields() {
+  static const FieldTable table{{
+      {.name = "center",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .text = "[x, y] of the circle",
+       .columns = 2},
+      {.name = "radius", .unit = Unit::meters, .min = 0, .text = "of the circle"},
+  }};
+  return table;
+}
+
+class ShareWithin : public OfRobots {
+ public:
+  ShareWithin(const World& world, const Record& params, std::vector<Row> rows)
+      : OfRobots(world, params, std::move(rows)),
+        center_(params[0].numbers()[0], params[0].numbers()[1]),
+        radius_(params[1].number()) {}
+
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      return (world.transform(robots()[i]).position - center_).squaredNorm() <= radius_ * radius_;
+    });
+  }
+
+ private:
+  Vec2 center_;
+  double radius_;
+};
+
+const FieldTable& state_mean_fields() {
+  static const FieldTable table{{
+      {.name = "component",
+       .type = FieldType::text,
+       .text = "of the state, as \"KIND/0\" is the memory of the first controller"},
+      {.name = "field", .type = FieldType::text, .text = "of the component"},
+      {.name = "column",
+       .type = FieldType::integer,
+       .fallback = 0,
+       .min = 0,
+       .max = 1e6,
+       .text = "of a field that is an array"},
+  }};
+  return table;
+}
+
+/// Of those robots whose state has the component.
+class StateMean : public OfRobots {
+  struct Cell {
+    std::size_t table = k_none;
+    std::size_t field = 0;
+    std::size_t row = 0;
+  };
+  static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
+
+ public:
+  StateMean(const World& world, const Record& params, std::vector<Row> rows)
+      : StateMean(world, params, std::move(rows), cells_of(world, params)) {}
+
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) {
+      const Cell& cell = cells_[i];
+      return number(world.tables()[cell.table], cell);
+    });
+  }
+
+ private:
+  /// cells: by body.
+  StateMean(const World& world, const Record& params, std::vector<Row> rows, const std::vector<Cell>& cells)
+      : OfRobots(world, params, with(world, cells, std::move(rows))),
+        column_(static_cast<std::size_t>(params[2].integer())) {
+    for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
+  }
+
+  /// Each type that has the component keeps a table of its own.
+  static std::vector<Cell> cells_of(const World& world, const Record& params) {
+    const std::string& component = params[0].text();
+    std::vector<Cell> cells(world.spec().bodies.size());
+    std::vector<std::string_view> known;
+    bool has_component = false;
+    for (std::size_t t = 0; t < world.tables().size(); ++t) {
+      const StateTable& table = world.tables()[t];
+      known.push_back(table.component());
+      if (table.component() != component) continue;
+      has_component = true;
+      const std::size_t field = field_of(table, params);
+      for (std::size_t row = 0; row < table.rows(); ++row) cells[table.ids()[row].index()] = {t, field, row};
+    }
+    if (!has_component) {
+      std::ranges::sort(known);
+      known.erase(std::unique(known.begin(), known.end()), known.end());
+      throw std::invalid_argument(unknown_name("component", component, known));
+    }
+    return cells;
+  }
+  static std::size_t field_of(const StateTable& table, const Record& params) {
+    const std::string& name = params[1].text();
+    std::vector<std::string_view> known;
+    for (const engine::StateField& field : table.fields()) {
+      if (field.name != name) {
+        known.push_back(field.name);
+        continue;
+      }
+      if (params[2].integer() >= field.columns)
+        throw std::invalid_argument(fmt::format("the last column of \"{}\" is {}", name, field.columns - 1));
+      return known.size();
+    }
+    throw std::invalid_argument(unknown_name("field", name, known));
+  }
+  static std::vector<Row> with(const World& world, const std::vector<Cell>& cells, std::vector<Row> rows) {
+    std::erase_if(rows, [&](Row row) { return cells[world.body(row).index()].table == k_none; });
+    return rows;
+  }
+
+  double number(const StateTable& table, const Cell& cell) const {
+    switch (table.fields()[cell.field].element) {
+      case Element::f64: return table.cell<double>(cell.row, cell.field)[column_];
+      case Element::f32: return table.cell<float>(cell.row, cell.field)[column_];
+      case Element::i64: return static_cast<double>(table.cell<std::int64_t>(cell.row, cell.field)[column_]);
+      case Element::i32: return table.cell<std::int32_t>(cell.row, cell.field)[column_];
+      case Element::u64: return static_cast<double>(table.cell<std::uint64_t>(cell.row, cell.field)[column_]);
+      case Element::u32: return table.cell<std::uint32_t>(cell.row, cell.field)[column_];
+      case Element::u8: return table.cell<std::uint8_t>(cell.row, cell.field)[column_];
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::size_t column_;
+  std::vector<Cell> cells_;  // beside robots()
+};
+
+class Alive : public OfRobots {
+ public:
+  using OfRobots::OfRobots;
+  double value(World& world) override { return static_cast<double>(engine::count_there(world, robots())); }
+};
+
+const FieldTable& deaths_fields() {
+  static const FieldTable table{{
+      {.name = "type", .type = FieldType::text, .text = "of the bodies that are counted, robots or not"},
+  }};
+  return table;
+}
+
+class Deaths : public Measure {
+ public:
+  Deaths(const World& world, const Record& params, const std::vector<Row>&) {
+    const std::string& type = params[0].text();
+    std::vector<std::string_view> known;
+    for (std::size_t r = 0; r < world.rows(); ++r) {
+      const std::string& name = world.type(Row(r)).name;
+      known.push_back(name);
+      if (name == type) rows_.push_back(Row(r));
+    }
+    if (!rows_.empty()) return;
+    std::ranges::sort(known);
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));
+  }
+  double value(World& world) override {
+    return static_cast<double>(
+        std::ranges::count_if(rows_, [&](Row row) { return world.presence(row) == engine::Presence::dead; }));
+  }
+
+ private:
+  std::vector<Row> rows_;
+};
+
+}  // namespace
+
+engine::MeasureKind stalls_measure() {
+  return engine::make_measure_kind<Stalls>(
+      "stalls", Unit::none, "robots that are stalled",
+      "The number of robots whose last motion was refused, because something stood in its way, or because it "
+      "would have left the world.");
+}
+
+engine::MeasureKind alive_measure() {
+  return engine::make_measure_kind<Alive>(
+      "alive", Unit::none, "robots that are in the world",
+      "The number of robots that have been born and have not died. All other measures are of these alone.");
+}
+
+engine::MeasureKind deaths_measure() {
+  return engine::make_measure_kind<Deaths>(
+      "deaths", Unit::none, "bodies of a type that have died",
+      "The number of bodies of a type that were in the world and are no more: pucks that a remover took, "
+      "robots whose packs ran empty. Whichever robots are measured.",
+      deaths_fields());
+}
+
+engine::MeasureKind held_measure() {
+  return engine::make_measure_kind<Held>(
+      "held", Unit::none, "robots held at the world's bounds",
+      "The number of robots whose last motion would have left the world. They count as stalled, too.");
+}
+
+engine::MeasureKind displacement_measure() {
+  return engine::make_measure_kind<Displacement>(
+      "displacement", Unit::meters, "how far robots are from where they started, in the mean",
+      "The mean over the robots of the straight distance between their origins now and at tick 0, or where "
+      "they were born.");
+}
+
+engine::MeasureKind path_length_measure() {
+  return engine::make_measure_kind<PathLength>(
+      "path_length", Unit::meters, "how far robots have gone, in the mean",
+      "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
+      "between their origins before and after the tick. Where a program puts a robot between two ticks it "
+      "has "
+      "not gone.");
+}
+
+engine::MeasureKind mean_speed_measure() {
+  return engine::make_measure_kind<MeanSpeed>(
+      "mean_speed", Unit::meters_per_second, "how fast robots moved in the last tick, in the mean",
+      "The mean over the robots of the speed, in any direction, with which their origins moved in the last "
+      "tick; 0 for one that is stalled, and for all before the first tick.");
+}
+
+engine::MeasureKind order_measure() {
+  return engine::make_measure_kind<Order>(
+      "order", Unit::none, "how far headings agree: 0 not at all, 1 wholly",
+      "The length of the mean of the robots' unit vectors of heading. Vicsek et al., Novel type of phase "
+      "transition in a system of self-driven particles, Physical Review Letters 75, 1995, for particles of "
+      "one speed; also called polarisation.");
+}
+
+engine::MeasureKind spread_measure() {
+  return engine::make_measure_kind<Spread>(
+      "spread", Unit::meters, "how far robots are from their centre, in the mean",
+      "The mean over the robots of the distance between their origins and the mean of all their origins.");
+}
+
+engine::MeasureKind share_within_measure() {
+  return engine::make_measure_kind<ShareWithin>(
+      "share_within", Unit::none, "share of the robots that are in a circle",
+      "The share of the robots whose origin lies within `radius` of `center`, the circle included.",
+      share_within_fields());
+}
+
+engine::MeasureKind state_mean_measure() {
+  return engine::make_measure_kind<StateMean>(
+      "state_mean", Unit::none, "a number of the robots' state, in the mean",
+      "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
+      "sensor reads. Of a field that is 0 or 1 it is a share.",
+      state_mean_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,155 @@
+#include "models/measures/nearness.hpp"
+
+#include "engine/measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::Measure;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+constexpr std::size_t k_batch = 256;  // robots a task
+
+/// Robots that look for one another through the index.
+class AmongRobots : public Measure {
+ public:
+  AmongRobots(const World& world, std::vector<Row> robots)
+      : robots_(std::move(robots)), measured_(world.rows(), 0) {
+    for (const Row row : robots_) measured_[row.index()] = 1;
+  }
+
+ protected:
+  std::span<const Row> robots() const { return robots_; }
+
+  /// work(row), in parallel, of neighbours one after another: they share what the caches hold.
+  template <class Work>
+  void for_each_robot(World& world, Work&& work) const {
+    const std::span<const std::uint32_t> order = world.index().order();
+    world.parallel().for_each((order.size() + k_batch - 1) / k_batch, [&](std::size_t b) {
+      for (const std::uint32_t row :
+           order.subspan(b * k_batch, std::min(k_batch, order.size() - b * k_batch)))
+        if (measured_[row]) work(row);
+    });
+  }
+
+  /// visit(squared distance) for the others within `reach`, and for some beyond it. It may be reduced on the
+  /// way.
+  template <class Visit>
+  void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
+                      Visit&& visit) const {
+    constexpr double k_round = 1 + 1e-9;  // of the products that are compared
+    const Vec2 place = world.transform(Row(row)).position;
+    // The index holds every origin within the box; those of wide bodies more than once.
+    world.index().for_each_near(Box::around(place, radius), [&](const partition::BodyCircle& other) {
+      if (other.row == row || !measured_[other.row]) return;
+      // The circle's centre is rounded; its radius makes up for it.
+      const double x = other.x - place.x();
+      const double y = other.y - place.y();
+      const double far = (reach + other.radius) * k_round;
+      if (x * x + y * y > far * far) return;
+      visit((world.transform(Row(other.row)).position - place).squaredNorm());
+    });
+  }
+
+ private:
+  std::vector<Row> robots_;
+  std::vector<std::uint8_t> measured_;  // a row each
+};
+
+class MeanNearestDistance : public AmongRobots {
+ public:
+  MeanNearestDistance(const World& world, const Record&, std::vector<Row> robots)
+      : AmongRobots(world, std::move(robots)), distances_(world.rows(), 0) {}
+
+  double value(World& world) override {
+    const std::size_t there = engine::count_there(world, robots());
+    if (there < 2) return std::numeric_limits<double>::quiet_NaN();
+    for_each_robot(world, [&](std::uint32_t row) { distances_[row] = nearest(world, row); });
+    const double sum = engine::ordered_sum(world, robots().size(), [&](std::size_t i) {
+      return world.is_there(robots()[i]) ? distances_[robots()[i].index()] : 0.0;
+    });
+    return sum / static_cast<double>(there);
+  }
+
+ private:
+  /// Looks in a box, and in a larger one until the nearest found lies in it. There is another robot, so it
+  /// ends; where it begins changes speed alone: a little beyond where the nearest was.
+  double nearest(const World& world, std::uint32_t row) const {
+    double radius = std::max(1.25 * distances_[row], 0.1 * world.geometry().cell_m);
+    for (;;) {
+      double best = std::numeric_limits<double>::infinity();
+      for_each_other(world, row, radius, best,
+                     [&](double squared) { best = std::min(best, std::sqrt(squared)); });
+      if (best <= radius) return best;
+      radius = std::min(best, 2 * radius);
+    }
+  }
+
+  std::vector<double> distances_;  // a row each, when they were last asked for
+};
+
+const FieldTable& neighbours_fields() {
+  static const FieldTable table{{{.name = "radius",
+                                  .unit = Unit::meters,
+                                  .fallback = 1.0,
+                                  .min = 0,
+                                  .max = 1000,
+                                  .text = "how near a neighbour is",
+                                  .above_min = true}}};
+  return table;
+}
+
+class Neighbours : public AmongRobots {
+ public:
+  Neighbours(const World& world, const Record& params, std::vector<Row> robots)
+      : AmongRobots(world, std::move(robots)),
+        radius_(engine::get(neighbours_fields(), params, "radius").number()),
+        counts_(world.rows(), 0) {}
+
+  double value(World& world) override {
+    const std::size_t there = engine::count_there(world, robots());
+    if (there == 0) return std::numeric_limits<double>::quiet_NaN();
+    for_each_robot(world, [&](std::uint32_t row) {
+      std::uint32_t count = 0;
+      for_each_other(world, row, radius_, radius_,
+                     [&](double squared) { count += squared <= radius_ * radius_; });
+      counts_[row] = count;
+    });
+    std::uint64_t sum = 0;
+    for (const Row row : robots()) sum += world.is_there(row) ? counts_[row.index()] : 0;
+    return static_cast<double>(sum) / static_cast<double>(there);
+  }
+
+ private:
+  double radius_;
+  std::vector<std::uint32_t> counts_;  // a row each
+};
+
+}  // namespace
+
+engine::MeasureKind mean_nearest_distance_measure() {
+  return engine::make_measure_kind<MeanNearestDistance>(
+      "mean_nearest_distance", Unit::meters, "how far the nearest other robot is, in the mean",
+      "The mean over the robots of the distance between a robot's origin and that of the nearest other one "
+      "of those that are measured, walls or not. Not a number for fewer than two robots. Clark and Evans, "
+      "Distance to nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
+}
+
+engine::MeasureKind neighbours_measure() {
+  return engine::make_measure_kind<Neighbours>(
+      "neighbours", Unit::none, "how many other robots are near, in the mean",
+      "The mean over the robots of the number of others, of those that are measured, whose origin lies "
+      "within `radius` of its own, walls or not: the mean degree of the graph that joins robots within that "
+      "distance.",
+      neighbours_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,80 @@
+#include "models/measures/rank_errors.hpp"
+
+#include "engine/measures.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace troupe::models {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Measure;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+
+const FieldTable& rank_errors_fields() {
+  static const FieldTable table{{{.name = "center",
+                                  .type = FieldType::numbers,
+                                  .unit = Unit::meters,
+                                  .text = "[x, y]: from where distances count",
+                                  .columns = 2}}};
+  return table;
+}
+
+class RankErrors : public Measure {
+ public:
+  RankErrors(const World& world, const Record& params, std::vector<Row> robots)
+      : robots_(std::move(robots)),
+        center_(params[0].numbers()[0], params[0].numbers()[1]),
+        met_(world.spec().types.size(), 0) {
+    ranked_.reserve(robots_.size());
+  }
+
+  double value(World& world) override {
+    ranked_.clear();
+    for (const Row row : robots_) {
+      if (!world.is_there(row)) continue;
+      const std::size_t type = world.spec().bodies[world.body(row).index()].type.index();
+      ranked_.push_back({(world.transform(row).position - center_).squaredNorm(), type});
+    }
+    // Of equal distances the lower type comes first, so that they count as right.
+    std::ranges::sort(ranked_);
+    std::ranges::fill(met_, 0);
+    std::uint64_t pairs = 0;
+    std::uint64_t wrong = 0;
+    std::uint64_t all = 0;
+    for (const auto& [distance, type] : ranked_) {
+      pairs += all - met_[type];
+      for (std::size_t later = type + 1; later < met_.size(); ++later) wrong += met_[later];
+      ++met_[type];
+      ++all;
+    }
+    if (pairs == 0) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(wrong) / static_cast<double>(pairs);
+  }
+
+ private:
+  std::vector<Row> robots_;
+  Vec2 center_;
+  std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
+  std::vector<std::uint64_t> met_;                      // robots of each type, from the centre on
+};
+
+}  // namespace
+
+engine::MeasureKind rank_errors_measure() {
+  return engine::make_measure_kind<RankErrors>(
+      "rank_errors", Unit::none, "share of the pairs of unlike robots that stand in the wrong order",
+      "Of all pairs of robots of different types, the share in which the one whose type stands later in the "
+      "world is nearer to `center`. 0: robots stand in rings, type by type; about one half: they are mixed. "
+      "Not a number where all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
+      "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.",
+      rank_errors_fields());
+}
+
+}  // namespace troupe::models

@@ -1,0 +1,378 @@
+#include "worldio/images/bitmap.hpp"
+
+#include "worldio/stage/stage_files.hpp"
+
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr int k_darkest_free = 128;  // of 255: what is darker is solid
+
+/// Counts what the pixels of a PNG unpack to, without keeping it.
+class Unpacked {
+ public:
+  Unpacked() { inflateInit(&stream_); }
+  ~Unpacked() { inflateEnd(&stream_); }
+  Unpacked(const Unpacked&) = delete;
+  Unpacked& operator=(const Unpacked&) = delete;
+
+  /// Reads on, until there are more bytes than this.
+  void add(std::string_view data, std::size_t most) {
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
+    stream_.avail_in = static_cast<uInt>(data.size());
+    for (int status = Z_OK; status == Z_OK && stream_.total_out <= most;) {
+      stream_.next_out = buffer_.data();
+      stream_.avail_out = static_cast<uInt>(buffer_.size());
+      status = inflate(&stream_, Z_NO_FLUSH);
+    }
+  }
+  std::size_t bytes() const { return stream_.total_out; }
+
+ private:
+  z_stream stream_{};
+  std::array<Bytef, 1 << 15> buffer_;
+};
+
+/// True when a chunk of a PNG is cut off or does not fit its checksum: stb_image does not look, and a map
+/// with a flipped bit would be another map. Also when its pixels unpack to far more than the image has:
+/// stb_image unpacks everything, and a thousandth of it is enough to say so.
+bool png_is_damaged(std::string_view bytes) {
+  constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
+  if (!bytes.starts_with(k_signature)) return false;
+  const auto number = [&](std::size_t at) {
+    std::uint32_t n = 0;
+    for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return n;
+  };
+  constexpr std::size_t k_frame = 12;  // a chunk's length, kind and checksum
+  constexpr std::size_t k_most_pixel_bytes = 8;
+  std::size_t most = 0;
+  Unpacked unpacked;
+  for (std::size_t at = k_signature.size(); bytes.size() - at >= k_frame;) {
+    const std::size_t length = number(at);
+    if (length > bytes.size() - at - k_frame) return true;
+    const auto* kind_and_data = reinterpret_cast<const Bytef*>(bytes.data() + at + 4);
+    if (crc32(0, kind_and_data, static_cast<uInt>(length + 4)) != number(at + 8 + length)) return true;
+    const std::string_view kind = bytes.substr(at + 4, 4);
+    if (kind == "IEND") return false;
+    if (kind == "IHDR" && length >= 8) {
+      const std::size_t width = number(at + 8);
+      const std::size_t height = number(at + 12);
+      if (static_cast<double>(width) * static_cast<double>(height) <= k_most_pixels)
+        most = k_most_pixel_bytes * (width + 1) * (height + 1);
+    }
+    if (kind == "IDAT" && most > 0) {  // else it is refused for its size
+      unpacked.add(bytes.substr(at + 8, length), most);
+      if (unpacked.bytes() > most) return true;
+    }
+    at += k_frame + length;
+  }
+  return true;
+}
+
+/// True when the segments of a JPEG do not follow one another, a Huffman table has more codes than there are
+/// bytes, or a scan uses one that was not given: stb_image (2.27, Debian 12) writes the one behind the room
+/// it has for it, and searches whatever lay in memory for the other.
+bool jpeg_is_damaged(std::string_view bytes) {
+  constexpr unsigned k_first_marker = 0xc0, k_huffman = 0xc4, k_first_restart = 0xd0, k_last_restart = 0xd7,
+                     k_progressive = 0xc2, k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
+  std::size_t at = 0;
+  const auto byte = [&](std::size_t i) {
+    return i < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) : 0;
+  };
+  // Any number of bytes 0xff may stand before a marker, which is 0 where there is none.
+  const auto take_marker = [&]() -> unsigned {
+    if (byte(at) != 0xff) return 0;
+    while (byte(at) == 0xff) ++at;
+    return byte(at++);
+  };
+  if (take_marker() != k_start) return false;
+  unsigned given[2] = {0,
+                       0};  // Huffman tables, a bit each: for the means of blocks, and for what they vary by
+  bool is_progressive = false;
+  unsigned marker = take_marker();
+  while (marker != k_end) {
+    if (marker < k_first_marker || (marker >= k_first_restart && marker <= k_start)) return true;
+    const std::size_t length = byte(at) << 8 | byte(at + 1);
+    const std::size_t end = at + length;
+    if (length < 2 || end > bytes.size()) return true;
+    if (marker == k_huffman)
+      for (std::size_t table = at + 2; table < end;) {  // a byte that says which, 16 counts, the codes
+        given[byte(table) >> 4 & 1] |= 1u << (byte(table) & 15);
+        unsigned codes = 0;
+        for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
+        table += 17 + codes;
+        if (codes > 256 || table > end) return true;
+      }
+    is_progressive = is_progressive || marker == k_progressive;
+    if (marker ==
+        k_start_of_scan) {  // components: a byte that says which, its two tables; then the coefficients
+      const std::size_t after = at + 3 + 2 * std::size_t{byte(at + 2)};
+      if (after + 3 != end) return true;
+      const bool needs[] = {!is_progressive || byte(after) == 0, !is_progressive || byte(after + 1) > 0};
+      for (std::size_t component = at + 3; component < after; component += 2)
+        for (const unsigned kind : {0u, 1u}) {
+          const unsigned table = kind == 0 ? byte(component + 1) >> 4 : byte(component + 1) & 15;
+          if (table > 3 || (needs[kind] && !(given[kind] >> table & 1))) return true;
+        }
+    }
+    at = end;
+    const bool is_scan = marker == k_start_of_scan;
+    do {  // behind the head of a scan its pixels, up to a marker that is neither a byte 0xff of them nor a
+          // restart
+      while (is_scan && at < bytes.size() && byte(at) != 0xff) ++at;
+      marker = take_marker();
+    } while (is_scan && at < bytes.size() &&
+             (marker == 0 || (marker >= k_first_restart && marker <= k_last_restart)));
+  }
+  return false;
+}
+
+/// True when a PNM (P5 or P6, the binary ones) is cut off or says nonsense of itself: stb_image does not
+/// look, and takes what happened to lie in memory for the pixels that are not there.
+bool pnm_is_damaged(std::string_view bytes) {
+  if (!bytes.starts_with("P5") && !bytes.starts_with("P6")) return false;
+  constexpr std::string_view k_blanks = " \t\n\v\f\r";
+  std::size_t at = 2;
+  const auto next_number = [&]() -> double {
+    while (at < bytes.size() && (k_blanks.find(bytes[at]) != k_blanks.npos || bytes[at] == '#'))
+      if (bytes[at] == '#')
+        at = std::min(bytes.size(), bytes.find_first_of("\r\n", at));
+      else
+        ++at;
+    double value = -1;
+    for (; at < bytes.size() && bytes[at] >= '0' && bytes[at] <= '9'; ++at)
+      value = std::min(1e6, 10 * std::max(value, 0.0) + (bytes[at] - '0'));
+    return value;
+  };
+  const double width = next_number();
+  const double height = next_number();
+  const double largest = next_number();
+  constexpr double k_most = 999999;  // stb_image multiplies beyond what an int holds
+  for (const double number : {width, height, largest})
+    if (number < 1 || number > k_most) return true;
+  ++at;  // the one blank before the pixels
+  const double size = width * height * (bytes[1] == '6' ? 3 : 1) * (largest > 255 ? 2 : 1);
+  return at > bytes.size() || static_cast<double>(bytes.size() - at) < size;
+}
+
+/// True when a BMP is shorter than it says, or than its pixels: stb_image would fill it up with black.
+bool bmp_is_damaged(std::string_view bytes) {
+  if (!bytes.starts_with("BM")) return false;
+  const auto number = [&](std::size_t at, std::size_t count) {
+    std::uint32_t n = 0;
+    for (std::size_t i = 0; i < count && at + i < bytes.size(); ++i)
+      n |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+    return n;
+  };
+  const bool is_old = number(14, 4) == 12;  // the head of OS/2
+  const std::uint32_t width = is_old ? number(18, 2) : number(18, 4);
+  const auto height =
+      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // below 0: top row first
+  const std::uint32_t bits = is_old ? number(24, 2) : number(28, 2);
+  const double row_bytes = 4 * std::ceil(static_cast<double>(width) * bits / 32);
+  return static_cast<double>(bytes.size()) <
+         std::max<double>(number(2, 4), number(10, 4) + row_bytes * std::abs(static_cast<double>(height)));
+}
+
+/// Where the outline of the solid pixels turns: the corners that its contours have.
+std::size_t count_corners(const Bitmap& bitmap) {
+  std::size_t count = 0;
+  for (int y = 0; y <= bitmap.height; ++y)
+    for (int x = 0; x <= bitmap.width; ++x) {
+      const bool above_left = bitmap.at(x - 1, y - 1), above = bitmap.at(x, y - 1),
+                 left = bitmap.at(x - 1, y), here = bitmap.at(x, y);
+      const bool is_diagonal = above_left == here && above == left && here != left;
+      count += is_diagonal ? 2 : (above_left != here) != (above != left);
+    }
+  return count;
+}
+
+/// The directed unit edges around the solid pixels that are left when those between two solid pixels cancel,
+/// as the set of directions in which they leave each corner of the pixel lattice (image axes, +y down).
+class BoundaryEdges {
+ public:
+  // In the order of the corners they lead to, x before y: the first one set is the one Stage takes.
+  enum Direction : std::uint8_t { left = 1, up = 2, down = 4, right = 8 };
+
+  explicit BoundaryEdges(const Bitmap& bitmap)
+      : rows_(static_cast<std::size_t>(bitmap.height) + 1),
+        leaving_((static_cast<std::size_t>(bitmap.width) + 1) * rows_, 0) {
+    for (int y = 0; y < bitmap.height; ++y)
+      for (int x = 0; x < bitmap.width; ++x) {
+        if (!bitmap.solid[static_cast<std::size_t>(y) * bitmap.width + x]) continue;
+        if (!bitmap.at(x, y - 1)) at(x, y) |= right;
+        if (!bitmap.at(x + 1, y)) at(x + 1, y) |= down;
+        if (!bitmap.at(x, y + 1)) at(x + 1, y + 1) |= left;
+        if (!bitmap.at(x - 1, y)) at(x, y + 1) |= up;
+      }
+  }
+
+  std::size_t corners() const { return leaving_.size(); }
+  /// Corners are numbered by x, then y.
+  int x_of(std::size_t corner) const { return static_cast<int>(corner / rows_); }
+  int y_of(std::size_t corner) const { return static_cast<int>(corner % rows_); }
+  bool any_leaves(std::size_t corner) const { return leaving_[corner] != 0; }
+
+  /// Takes one edge out and returns the corner it leads to.
+  std::size_t follow(std::size_t corner) {
+    std::uint8_t& set = leaving_[corner];
+    const auto first = static_cast<std::uint8_t>(set & (~set + 1));
+    set = static_cast<std::uint8_t>(set & ~first);
+    switch (first) {
+      case left: return corner - rows_;
+      case up: return corner - 1;
+      case down: return corner + 1;
+      default: return corner + rows_;
+    }
+  }
+
+ private:
+  std::uint8_t& at(int x, int y) { return leaving_[static_cast<std::size_t>(x) * rows_ + y]; }
+
+  std::size_t rows_;
+  std::vector<std::uint8_t> leaving_;
+};
+
+}  // namespace
+
+bool is_dark(std::span<const std::uint8_t> channels) { return channels[0] < k_darkest_free; }
+
+std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
+                                  const PixelRule& is_solid) {
+  const std::optional<std::string> bytes = read_file(file);
+  if (bytes) return decode_bitmap(*bytes, file.string(), where, diagnostics, k_most_pixels, is_solid);
+  diagnostics.error(where, fmt::format("cannot read the image {}", file.string()));
+  return {};
+}
+
+std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
+                                    Diagnostics& diagnostics, double most_pixels, const PixelRule& is_solid) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    diagnostics.error(where, fmt::format("the image {} is larger than 2 GB", name));
+    return {};
+  }
+  struct Format {
+    bool (*is_damaged)(std::string_view bytes);
+    std::string_view what;
+  };
+  constexpr Format k_formats[] = {
+      {png_is_damaged, "a checksum in it does not fit, or it holds more than its pixels"},
+      {jpeg_is_damaged, "it breaks the rules of JPEG, or ends too early"},
+      {pnm_is_damaged, "its numbers make no sense, or it ends too early"},
+      {bmp_is_damaged, "it ends too early"}};
+  for (const auto& [is_damaged, what] : k_formats)
+    if (is_damaged(bytes)) {
+      diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, what));
+      return {};
+    }
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  Bitmap bitmap;
+  int channels = 0;
+  // What the head says, before memory is taken for it.
+  if (stbi_info_from_memory(data, size, &bitmap.width, &bitmap.height, &channels) &&
+      static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
+    diagnostics.error(
+        where, fmt::format("the image {} is too large: {} x {} pixels, at most {:.0f} million are read", name,
+                           bitmap.width, bitmap.height, most_pixels / 1e6));
+    return {};
+  }
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(data, size, &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
+  if (!pixels) {
+    diagnostics.error(where, fmt::format("{} is no PNG, JPEG, BMP or PNM image that can be read ({})", name,
+                                         stbi_failure_reason()));
+    return {};
+  }
+  const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
+  bitmap.solid.resize(count);
+  const auto stride = static_cast<std::size_t>(channels);
+  for (std::size_t i = 0; i < count; ++i)
+    bitmap.solid[i] = is_solid(std::span<const std::uint8_t>(pixels.get() + i * stride, stride));
+  if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners) {
+    diagnostics.error(
+        where, fmt::format("the image {} is too large: its outlines have {} corners, at most {} are read; "
+                           "is it a photograph?",
+                           name, corners, k_most_corners));
+    return {};
+  }
+  return bitmap;
+}
+
+std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
+  BoundaryEdges edges(bitmap);
+  std::vector<Ring> rings;
+  for (std::size_t start = 0; start < edges.corners(); ++start)
+    while (edges.any_leaves(start)) {
+      Ring ring;
+      std::size_t corner = start;
+      do {
+        const Vec2 point(edges.x_of(corner), -edges.y_of(corner));
+        // Straight runs become one edge, but as in Stage never among the first three points.
+        const std::size_t n = ring.size();
+        if (n > 2 && cross(ring[n - 1] - ring[n - 2], point - ring[n - 1]) == 0)
+          ring.back() = point;
+        else
+          ring.push_back(point);
+        corner = edges.follow(corner);
+      } while (corner != start);
+      rings.push_back(std::move(ring));
+    }
+  return rings;
+}
+
+void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours) {
+  for (Ring& ring : contours)
+    for (Vec2& p : ring) p = {(p.x() / width - 0.5) * size.x(), ((p.y() + height) / height - 0.5) * size.y()};
+}
+
+void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids) {
+  constexpr double k_thickness = 0.01;  // m, as in Stage
+  const double x = size.x() / 2;
+  const double y = size.y() / 2;
+  const double t = std::min({k_thickness, x, y});
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    solids.push_back({{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}, {0, size.z()}});
+  };
+  wall(-x, -y, -x + t, y);
+  wall(x - t, -y, x, y);
+  wall(-x, -y, x, -y + t);
+  wall(-x, y - t, x, y);
+}
+
+void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size, const Box& frame) {
+  Box box = frame;
+  ZInterval z{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Solid& solid : solids) {
+    for (const Ring& ring : solid.contours)
+      for (const Vec2& point : ring) box.extend(point);
+    z.min = std::min(z.min, solid.z.min);
+    z.max = std::max(z.max, solid.z.max);
+  }
+  if (box.empty()) return;
+  const auto scale = [](double wanted, double extent) { return extent > 0 ? wanted / extent : 1.0; };
+  const Vec2 center = box.center();
+  const Vec2 factor(scale(size.x(), box.size().x()), scale(size.y(), box.size().y()));
+  const double factor_z = scale(size.z(), z.max - z.min);
+  for (Solid& solid : solids) {
+    for (Ring& ring : solid.contours)
+      for (Vec2& point : ring) point = (point - center).cwiseProduct(factor);
+    solid.z = {solid.z.min * factor_z, solid.z.max * factor_z};
+  }
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,72 @@
+#include "worldio/images/floor_image.hpp"
+
+#include "worldio/images/bitmap.hpp"
+#include "worldio/images/ros_map.hpp"
+
+#include <string>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unknown_is_solid, Where where,
+                                   Diagnostics& diagnostics) {
+  const std::optional<RosMap> map = read_ros_map(file, where, diagnostics);
+  if (!map) return {};
+  const auto bitmap =
+      read_bitmap(map->image, map->where_image, diagnostics, solid_cells(*map, unknown_is_solid));
+  if (!bitmap) return {};
+  FloorImage image{bitmap->width, bitmap->height, bitmap_contours(*bitmap), {}};
+  const Eigen::Vector2d size = map->resolution_m * Eigen::Vector2d(bitmap->width, bitmap->height);
+  image.place = {size, compose(map->pose_map_corner, {size.x() / 2, size.y() / 2, 0, 0})};
+  return image;
+}
+
+}  // namespace
+
+Solid FloorImage::solid(const Eigen::Vector3d& size) const {
+  Solid solid{contours, {0, size.z()}};
+  fit_image(width, height, size, solid.contours);
+  return solid;
+}
+
+std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
+                                   Eigen::Vector3d& size) {
+  std::vector<Solid> solids;
+  if (image.place) size.head<2>() = image.place->size_m;
+  if (image.place || spec.keeps_margins) {
+    solids.push_back(image.solid(size));
+  } else {
+    solids.push_back({image.contours, {0, 1}});
+    normalise(solids, size);
+  }
+  if (spec.boundary) add_boundary(size, solids);
+  if (image.place)
+    for (Solid& solid : solids) solid = placed(std::move(solid), image.place->pose_map_center);
+  return solids;
+}
+
+std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size) {
+  std::vector<Solid> solids = floor_plan_body(image, spec, size);
+  if (image.place) return solids;
+  Box frame;  // of an image whose margins are kept
+  if (spec.keeps_margins) {
+    frame.max = size.head<2>() / 2;
+    frame.min = -frame.max;
+  }
+  normalise(solids, size, frame);
+  return solids;
+}
+
+const FloorImage* FloorImages::read(const std::filesystem::path& file, bool unknown_is_solid, Where where) {
+  const auto [entry, is_new] = images_.try_emplace({file.string(), unknown_is_solid});
+  if (is_new && is_ros_map(file)) {
+    entry->second = read_map(file, unknown_is_solid, where, diagnostics_);
+  } else if (is_new) {
+    if (const auto bitmap = read_bitmap(file, where, diagnostics_))
+      entry->second = FloorImage{bitmap->width, bitmap->height, bitmap_contours(*bitmap), {}};
+  }
+  return entry->second ? &*entry->second : nullptr;
+}
+
+}  // namespace troupe::worldio

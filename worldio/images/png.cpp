@@ -1,0 +1,119 @@
+#include "worldio/images/png.hpp"
+
+#include "worldio/whole_file.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <cstdio>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+
+namespace troupe::worldio {
+namespace {
+
+using Message = std::array<char, 128>;
+
+[[noreturn]] void on_error(png_structp png, png_const_charp message) {
+  auto& text = *static_cast<Message*>(png_get_error_ptr(png));
+  std::snprintf(text.data(), text.size(), "%s", message);
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void append(png_structp png, png_bytep data, std::size_t size) {
+  try {
+    static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+  } catch (const std::bad_alloc&) {
+    png_error(png, "out of memory");
+  }
+}
+
+/// Pixels as a PNG has them.
+struct Rows {
+  int width;
+  int height;
+  std::span<const std::uint8_t> bytes;
+  int color_type;
+  int bits;                 // a channel
+  std::size_t pixel_bytes;  // of all channels
+};
+
+/// False when libpng jumped out. Nothing with a destructor may live in here: the jump would skip it.
+bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector<png_text>& texts) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
+               image.bits, image.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
+  png_write_info(png, info);
+  const std::size_t stride = image.pixel_bytes * static_cast<std::size_t>(image.width);
+  for (int row = 0; row < image.height; ++row) png_write_row(png, image.bytes.data() + stride * row);
+  png_write_end(png, info);
+  return true;
+}
+
+std::string encode(const Rows& image, const std::vector<std::pair<std::string, std::string>>& text) {
+  if (image.width < 1 || image.height < 1 ||
+      image.bytes.size() != image.pixel_bytes * static_cast<std::size_t>(image.width) * image.height) {
+    throw std::runtime_error(fmt::format("an image of {} x {} pixels with {} bytes", image.width,
+                                         image.height, image.bytes.size()));
+  }
+  std::vector<png_text> texts;
+  for (const auto& [key, value] : text) {
+    // tEXt is Latin-1; what goes beyond ASCII is UTF-8 here, and iTXt carries that.
+    const bool ascii = std::ranges::all_of(value, [](char c) { return static_cast<unsigned char>(c) < 128; });
+    png_text entry{};
+    entry.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
+    entry.key = const_cast<png_charp>(key.c_str());
+    entry.text = const_cast<png_charp>(value.c_str());
+    entry.text_length = value.size();
+    texts.push_back(entry);
+  }
+  Message message{};
+  std::string bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &message, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (info) png_set_write_fn(png, &bytes, append, nullptr);
+  const bool whole = info && encode_rows(png, info, image, texts);
+  png_destroy_write_struct(&png, &info);
+  if (!whole) throw std::runtime_error(fmt::format("libpng: {}", message.data()));
+  return bytes;
+}
+
+void write_rows(const std::filesystem::path& file, const Rows& image,
+                const std::vector<std::pair<std::string, std::string>>& text) {
+  try {
+    write_whole(file, {encode(image, text)});
+  } catch (const std::system_error& error) {
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.code().message()));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.what()));
+  }
+}
+
+}  // namespace
+
+void write_png(const std::filesystem::path& file, const Image& image,
+               const std::vector<std::pair<std::string, std::string>>& text) {
+  write_rows(file, {image.width, image.height, image.rgba, PNG_COLOR_TYPE_RGB_ALPHA, 8, 4}, text);
+}
+
+void write_png(const std::filesystem::path& file, const DepthImage& image,
+               const std::vector<std::pair<std::string, std::string>>& text) {
+  std::vector<std::uint8_t> bytes;  // of each value the high one first
+  bytes.reserve(2 * image.values.size());
+  for (const std::uint16_t value : image.values) {
+    bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    bytes.push_back(static_cast<std::uint8_t>(value & 0xff));
+  }
+  write_rows(file, {image.width, image.height, bytes, PNG_COLOR_TYPE_GRAY, 16, 2}, text);
+}
+
+}  // namespace troupe::worldio

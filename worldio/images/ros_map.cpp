@@ -1,0 +1,210 @@
+#include "worldio/images/ros_map.hpp"
+
+#include "worldio/stage/stage_files.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_most_bytes = 1 << 16;  // it is a dozen lines
+constexpr double k_most_meters = 200e3;        // as large as worlds are
+
+constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin", "negate",
+                                       "occupied_thresh", "free_thresh", "mode"};
+constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
+
+/// The whole text as a number; a "+" before it is YAML's.
+std::optional<double> number_of(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (text.empty() || fault != std::errc() || rest != end || !std::isfinite(value)) return {};
+  return value;
+}
+
+class MapReader {
+ public:
+  MapReader(const std::filesystem::path& file, Diagnostics& diagnostics)
+      : file_(file), file_number_(diagnostics.files()->add(file.string())), diagnostics_(diagnostics) {}
+
+  std::optional<RosMap> read(std::string_view text) {
+    try {
+      return read(YAML::Load(std::string(text)));
+    } catch (const YAML::Exception& fault) {
+      error(line_of(fault.mark), fmt::format("this is no YAML: {}", fault.msg));
+      return {};
+    }
+  }
+
+ private:
+  std::optional<RosMap> read(const YAML::Node& map);
+  void check_keys(const YAML::Node& map);
+  std::optional<double> number(const YAML::Node& value, std::string_view key, double min, double max,
+                               std::string_view what);
+  void read_origin(const YAML::Node& origin, RosMap& map);
+  void read_thresholds(const YAML::Node& node, RosMap& map);
+
+  static std::uint32_t line_of(const YAML::Mark& mark) {
+    return mark.is_null() ? 0 : static_cast<std::uint32_t>(mark.line + 1);
+  }
+  void error(std::uint32_t line, std::string message) {
+    diagnostics_.error({file_number_, line}, std::move(message));
+    is_right_ = false;
+  }
+  void error(const YAML::Node& at, std::string message) { error(line_of(at.Mark()), std::move(message)); }
+  static std::string shown(const YAML::Node& value) {
+    return value.IsScalar()     ? fmt::format("\"{}\"", value.Scalar())
+           : value.IsSequence() ? std::string("a list")
+           : value.IsMap()      ? std::string("a map")
+                                : std::string("nothing");
+  }
+
+  const std::filesystem::path& file_;
+  std::uint32_t file_number_;
+  Diagnostics& diagnostics_;
+  bool is_right_ = true;
+};
+
+std::optional<RosMap> MapReader::read(const YAML::Node& node) {
+  if (!node.IsMap()) {
+    error(0, "a map of ROS is a list of \"key: value\": image, resolution, origin, ...");
+    return {};
+  }
+  RosMap map;
+  if (const YAML::Node image = node["image"]; !image) {
+    error(0, "a map needs \"image\", the path of its image");
+  } else if (!image.IsScalar() || image.Scalar().empty()) {
+    error(image, fmt::format("\"image\" needs the path of an image; here is {}", shown(image)));
+  } else {
+    map.image = file_.parent_path() / image.Scalar();
+    map.where_image = {file_number_, line_of(image.Mark())};
+  }
+  if (const YAML::Node resolution = node["resolution"]; !resolution)
+    error(0, "a map needs \"resolution\", the edge of a cell in m");
+  else
+    map.resolution_m =
+        number(resolution, "resolution", 1e-6, k_most_meters, "a length in m, above 0").value_or(1);
+  if (const YAML::Node origin = node["origin"])
+    read_origin(origin, map);
+  else
+    error(0, "a map needs \"origin\", the place of its lower left corner: [x, y, yaw]");
+  read_thresholds(node, map);
+  if (const YAML::Node negate = node["negate"]) {
+    const std::string text = negate.IsScalar() ? negate.Scalar() : "";
+    map.negate = text == "1" || text == "true";
+    if (!map.negate && text != "0" && text != "false")
+      error(negate, fmt::format("\"negate\" needs 0 or 1; here is {}", shown(negate)));
+  }
+  if (const YAML::Node mode = node["mode"]) {
+    const std::string name = mode.IsScalar() ? mode.Scalar() : "";
+    const auto known = std::ranges::find(k_modes, name);
+    if (known != k_modes.end())
+      map.mode = static_cast<RosMap::Mode>(known - k_modes.begin());
+    else
+      error(mode, unknown_name("mode", name, {k_modes.begin(), k_modes.end()}));
+  }
+  check_keys(node);
+  if (!is_right_) return {};
+  return map;
+}
+
+/// Of a map that is wrong a key that maps do not have is an error too: warnings would not be shown, and it
+/// may be the misspelt one that is missing.
+void MapReader::check_keys(const YAML::Node& map) {
+  const bool is_right = is_right_;
+  for (const auto& entry : map) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    if (std::ranges::find(k_keys, key) != std::end(k_keys)) continue;
+    const std::string suggestion = did_you_mean(key, k_keys);
+    if (is_right)
+      diagnostics_.warning({file_number_, line_of(entry.first.Mark())},
+                           fmt::format("a map of ROS has no \"{}\"; it is ignored{}", key, suggestion));
+    else
+      error(entry.first, fmt::format("a map of ROS has no \"{}\"{}", key, suggestion));
+  }
+}
+
+std::optional<double> MapReader::number(const YAML::Node& value, std::string_view key, double min, double max,
+                                        std::string_view what) {
+  const std::optional<double> given = value.IsScalar() ? number_of(value.Scalar()) : std::nullopt;
+  if (given && *given >= min && *given <= max) return given;
+  error(value, fmt::format("\"{}\" needs {}; here is {}", key, what, shown(value)));
+  return {};
+}
+
+void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
+  if (!origin.IsSequence() || origin.size() != 3) {
+    error(origin, "\"origin\" needs [x, y, yaw], in m and rad");
+    return;
+  }
+  double parts[3] = {};
+  for (std::size_t i = 0; i < 3; ++i)
+    parts[i] = number(origin[i], "origin", -k_most_meters / 2, k_most_meters / 2,
+                      "[x, y, yaw], numbers in m and rad at most 100 km away")
+                   .value_or(0);
+  map.pose_map_corner = {parts[0], parts[1], 0, wrap_angle(parts[2])};
+}
+
+void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
+  constexpr std::string_view k_what = "a probability from 0 to 1";
+  if (const YAML::Node given = node["occupied_thresh"])
+    map.occupied_thresh = number(given, "occupied_thresh", 0, 1, k_what).value_or(map.occupied_thresh);
+  const YAML::Node free = node["free_thresh"];
+  if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_what).value_or(map.free_thresh);
+  if (map.free_thresh > map.occupied_thresh)
+    error(free ? free : node["occupied_thresh"],
+          fmt::format("\"free_thresh\", {}{}, must be at most \"occupied_thresh\", {}", map.free_thresh,
+                      free ? "" : " unless it is given", map.occupied_thresh));
+}
+
+}  // namespace
+
+bool is_ros_map(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  return ending == ".yaml" || ending == ".yml";
+}
+
+std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics) {
+  const std::optional<std::string> text = read_file(file);
+  if (text) return parse_ros_map(file, *text, diagnostics);
+  diagnostics.error(where, fmt::format("cannot read the map {}", file.string()));
+  return {};
+}
+
+std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
+                                    Diagnostics& diagnostics) {
+  if (text.size() > k_most_bytes) {
+    diagnostics.error(
+        {diagnostics.files()->add(file.string()), 0},
+        fmt::format("too large: a map of ROS is a few lines of YAML, at most {} KiB", k_most_bytes >> 10));
+    return {};
+  }
+  return MapReader(file, diagnostics).read(text);
+}
+
+PixelRule solid_cells(const RosMap& map, bool unknown_is_solid) {
+  return [map, unknown_is_solid](std::span<const std::uint8_t> channels) {
+    const bool has_opacity = channels.size() % 2 == 0;
+    const std::size_t colors = channels.size() - (has_opacity ? 1 : 0);
+    double sum = 0;
+    for (std::size_t i = 0; i < colors; ++i) sum += channels[i];
+    const double value = sum / static_cast<double>(colors);
+    if (map.mode == RosMap::Mode::raw)
+      return value > 100 ? unknown_is_solid : value > 100 * map.occupied_thresh;
+    const double occupied = map.negate ? value / 255 : 1 - value / 255;
+    if (map.mode == RosMap::Mode::scale && has_opacity && channels.back() < 255) return unknown_is_solid;
+    if (occupied > map.occupied_thresh) return true;
+    return map.mode == RosMap::Mode::trinary && occupied >= map.free_thresh && unknown_is_solid;
+  };
+}
+
+}  // namespace troupe::worldio

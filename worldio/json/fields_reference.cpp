@@ -1,0 +1,140 @@
+#include "worldio/json/fields_reference.hpp"
+
+#include "engine/watch_spec.hpp"
+#include "worldio/json/fields_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <variant>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Value;
+
+std::string keys(const Field& field) {
+  std::string text;
+  for (const engine::UnitSuffix& suffix : engine::unit_suffixes(field.unit))
+    text += fmt::format("{}`{}{}`", text.empty() ? "" : ", ", field.name, suffix.suffix);
+  return text;
+}
+
+std::string what(const Field& field) {
+  const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
+  const auto within = [&](const std::string& noun) { return limits.empty() ? noun : noun + ", " + limits; };
+  switch (field.type) {
+    case FieldType::boolean: return "true or false";
+    case FieldType::integer: return within("whole number");
+    case FieldType::number: return within("number");
+    case FieldType::numbers:
+      return within(field.columns > 0 ? fmt::format("list of {} numbers", field.columns)
+                                      : std::string("list of numbers"));
+    case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::colors: return "list of colours, each an X11 name or [r, g, b]";
+    case FieldType::record: return "object";
+    case FieldType::records: return "list of objects";
+  }
+  return {};
+}
+
+std::string value_text(const Value& value, const Field& field) {
+  const std::string_view symbol = engine::unit_suffixes(field.unit).front().symbol;
+  const std::string unit = symbol.empty() ? std::string() : fmt::format(" {}", symbol);
+  if (const auto* x = std::get_if<bool>(&value.v)) return *x ? "true" : "false";
+  if (const auto* x = std::get_if<std::int64_t>(&value.v)) return fmt::format("{}{}", *x, unit);
+  if (const auto* x = std::get_if<double>(&value.v)) return fmt::format("{:.6g}{}", *x, unit);
+  if (const auto* x = std::get_if<std::string>(&value.v)) return fmt::format("\"{}\"", *x);
+  if (const auto* x = std::get_if<std::vector<double>>(&value.v)) {
+    std::string numbers;
+    for (const double number : *x) numbers += fmt::format("{}{:.6g}", numbers.empty() ? "" : ", ", number);
+    return fmt::format("[{}]{}", numbers, x->empty() ? "" : unit);
+  }
+  if (std::holds_alternative<std::vector<engine::Record>>(value.v)) return "none";
+  // A block that is left out has the defaults of its fields, unless one of them has none.
+  const bool optional =
+      field.type == FieldType::record &&
+      std::ranges::all_of(field.record->fields, [](const Field& f) { return f.fallback.given(); });
+  return optional ? "its defaults" : "required";
+}
+
+void append_table(const FieldTable& table, std::string& text) {
+  if (table.fields.empty()) {
+    text += "No parameters.\n\n";
+    return;
+  }
+  text += "| key | value | default | meaning |\n|---|---|---|---|\n";
+  for (const Field& field : table.fields)
+    text += fmt::format("| {} | {} | {} | {} |\n", keys(field), what(field),
+                        value_text(field.fallback, field), field.text);
+  text += '\n';
+  for (const Field& field : table.fields) {
+    if (!field.record || field.record == &engine::pose_fields())
+      continue;  // poses stand once, with the conventions
+    text += fmt::format("{} `{}`:\n\n", field.type == FieldType::records ? "Each of" : "In", field.name);
+    append_table(*field.record, text);
+  }
+}
+
+template <class Kinds>
+void append_kinds(std::string_view heading, const Kinds& kinds, std::string& text) {
+  for (const auto& kind : kinds) {
+    text += fmt::format("### {} `{}`\n\n{}\n\n", heading, kind.name, kind.text);
+    append_table(kind.params, text);
+  }
+}
+
+}  // namespace
+
+std::string world_format_reference(const engine::Registry& registry) {
+  std::string text = "### Poses\n\n";
+  append_table(engine::pose_fields(), text);
+  text += "### `watch{}`: how the world is watched\n\nNothing of it changes a result.\n\n";
+  append_table(engine::watch_fields(), text);
+  text +=
+      "### `window{}`: the view it asks for\n\nThat of `--camera window` ([pictures.md](pictures.md)). What "
+      "is drawn is asked for "
+      "by `--layers`, beside `show_grid`, `show_clock`, `show_footprints`, `show_occupancy` and, with "
+      "`show_data`, "
+      "`show_ranger_ranges` and `show_fiducial`.\n\n";
+  append_table(engine::window_fields(), text);
+  append_kinds("Drive", registry.drives, text);
+  append_kinds("Sensor", registry.sensors(), text);
+  append_kinds("Device", registry.other_devices(), text);
+  append_kinds("Controller", registry.controllers, text);
+  append_kinds("Fault", registry.faults, text);
+  for (const engine::Registry::Preset& preset : registry.presets) {
+    text += fmt::format("### Controller `{}`\n\n{}: `{}` with other defaults.\n\n", preset.name, preset.text,
+                        preset.kind);
+    const engine::ControllerKind* kind = registry.controller(preset.kind);
+    if (!kind || preset.params.empty()) continue;
+    text += "| key | default |\n|---|---|\n";
+    for (const auto& [name, value] : preset.params) {
+      const Field& field = kind->params.fields[static_cast<std::size_t>(kind->params.find(name))];
+      text += fmt::format("| {} | {} |\n", keys(field), value_text(value, field));
+    }
+    text += '\n';
+  }
+  text.pop_back();  // the blank line after the last table
+  return text;
+}
+
+std::string measures_reference(const engine::Registry& registry) {
+  std::string text = "| measure | column | what it is |\n|---|---|---|\n";
+  for (const engine::MeasureKind& kind : registry.measures)
+    text += fmt::format("| `{}` | `{}{}` | {} |\n", kind.name, kind.name,
+                        engine::unit_suffixes(kind.unit).front().suffix, kind.text);
+  for (const engine::MeasureKind& kind : registry.measures) {
+    text += fmt::format("\n### `{}`\n\n{}\n", kind.name, kind.definition);
+    if (kind.params.fields.empty()) continue;
+    text += '\n';
+    append_table(kind.params, text);
+    text.pop_back();
+  }
+  return text;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,310 @@
+#include "worldio/json/json_document.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <iterator>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_max_depth = 64;  // the reader and the destructors recurse
+
+/// Where the lexer is: it takes characters one by one through the iterator below.
+struct Progress {
+  std::uint32_t line = 1;
+  char last = 0;
+};
+
+/// Counts the lines of what passes through it, because nlohmann's parser keeps no positions.
+class CountingIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  CountingIterator(const char* at, Progress* progress) : at_(at), progress_(progress) {}
+  reference operator*() const { return *at_; }
+  CountingIterator& operator++() {
+    progress_->last = *at_;
+    progress_->line += *at_ == '\n';
+    ++at_;
+    return *this;
+  }
+  friend bool operator==(const CountingIterator& a, const CountingIterator& b) { return a.at_ == b.at_; }
+
+ private:
+  const char* at_;
+  Progress* progress_;
+};
+
+/// nlohmann's SAX interface, building the tree.
+class TreeBuilder {
+ public:
+  TreeBuilder(std::string_view text, const Progress& progress, Where start, bool fixed_place,
+              Diagnostics& diagnostics)
+      : text_(text),
+        progress_(progress),
+        start_(start),
+        fixed_place_(fixed_place),
+        diagnostics_(diagnostics) {}
+
+  bool null() { return add(std::monostate{}); }
+  bool boolean(bool x) { return add(x); }
+  bool number_integer(std::int64_t x) { return add(x, true); }
+  bool number_unsigned(std::uint64_t x) {
+    constexpr auto k_max = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    return x <= k_max ? add(static_cast<std::int64_t>(x), true) : add(x, true);
+  }
+  bool number_float(double x, const std::string&) { return add(x, true); }
+  bool string(std::string& x) { return add(std::move(x)); }
+  bool binary(nlohmann::json::binary_t&) { return false; }  // never met in JSON text
+
+  bool start_array(std::size_t) { return add(JsonNode::List{}) && open(); }
+  bool end_array() { return close(); }
+  bool start_object(std::size_t) { return add(JsonNode::Object{}) && open(); }
+  bool key(std::string& x) {
+    auto& members = std::get<JsonNode::Object>(open_.back()->value);
+    members.push_back({std::move(x), here(false), {}});
+    return true;
+  }
+  bool end_object() {
+    report_repeated_keys(std::get<JsonNode::Object>(open_.back()->value));
+    return close();
+  }
+
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& fault) {
+    // The reader's message: "[json.exception...] parse error at line 2, column 3: what"; the line is ours to
+    // say.
+    std::string_view message = fault.what();
+    if (const std::size_t end = message.find("] "); end != std::string_view::npos)
+      message.remove_prefix(end + 2);
+    if (message.starts_with("parse error at line "))
+      if (const std::size_t end = message.find(": "); end != std::string_view::npos)
+        message.remove_prefix(end + 2);
+    std::string what(message);
+    // It names only what would end the list, where one more member would do as well.
+    for (const std::string_view end : {"expected '}'", "expected ']'"})
+      if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
+    Where where = start_;
+    if (!fixed_place_) {
+      const std::size_t before = std::min(position > 0 ? position - 1 : 0, text_.size());
+      where.line = 1 + static_cast<std::uint32_t>(std::count(text_.begin(), text_.begin() + before, '\n'));
+    }
+    constexpr int k_out_of_range = 406;  // a number that no double holds: a value, which has a pointer
+    const bool has_pointer = fault.id == k_out_of_range && !open_.empty();
+    diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
+    return false;
+  }
+
+  JsonNode take() { return std::move(root_); }
+
+ private:
+  /// A number's end is only known from the character after it, which may have been the line's end.
+  Where here(bool read_ahead) const {
+    if (fixed_place_) return start_;
+    const bool passed = read_ahead && progress_.last == '\n';
+    return {start_.file, progress_.line - (passed ? 1 : 0)};
+  }
+
+  /// The pointer of the value that comes next.
+  std::string next_pointer() const {
+    std::string pointer;
+    for (const JsonNode* node : open_) {
+      pointer += '/';
+      if (const auto* list = node->list())
+        pointer += std::to_string(node == open_.back() ? list->size() : list->size() - 1);
+      else
+        pointer += escape_pointer_token(node->object()->back().key);
+    }
+    return pointer;
+  }
+
+  template <class T>
+  bool add(T&& x, bool read_ahead = false) {
+    JsonNode* node = &root_;
+    if (!open_.empty()) {
+      if (auto* list = std::get_if<JsonNode::List>(&open_.back()->value))
+        node = &list->emplace_back();
+      else
+        node = &std::get<JsonNode::Object>(open_.back()->value).back().node;
+    }
+    node->value = std::forward<T>(x);
+    node->where = here(read_ahead);
+    last_ = node;
+    return true;
+  }
+
+  bool open() {
+    if (open_.size() == k_max_depth) {
+      diagnostics_.error(last_->where, fmt::format("nested deeper than {} levels", k_max_depth));
+      return false;
+    }
+    open_.push_back(last_);  // stays where it is: nothing is added beside it before it is closed
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  void report_repeated_keys(const JsonNode::Object& members) {
+    std::unordered_map<std::string_view, Where> seen;
+    for (const JsonMember& member : members) {
+      const auto [first, fresh] = seen.emplace(member.key, member.where);
+      if (fresh) continue;
+      diagnostics_.error(member.where, fixed_place_
+                                           ? fmt::format("the key \"{}\" stands here twice", member.key)
+                                           : fmt::format("the key \"{}\" already stands on line {}",
+                                                         member.key, first->second.line));
+    }
+  }
+
+  std::string_view text_;
+  const Progress& progress_;
+  Where start_;
+  bool fixed_place_;
+  Diagnostics& diagnostics_;
+  JsonNode root_;
+  JsonNode* last_ = nullptr;
+  std::vector<JsonNode*> open_;
+};
+
+/// A pointer's tokens, unescaped; empty where it is no pointer to something below the root.
+std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer) {
+  if (pointer.empty() || pointer[0] != '/') return std::nullopt;
+  std::vector<std::string> tokens;
+  for (std::size_t i = 0; i < pointer.size(); ++i) {
+    if (pointer[i] == '/') {
+      tokens.emplace_back();
+    } else if (pointer[i] == '~') {
+      if (i + 1 == pointer.size() || (pointer[i + 1] != '0' && pointer[i + 1] != '1')) return std::nullopt;
+      tokens.back() += pointer[++i] == '0' ? '~' : '/';
+    } else {
+      tokens.back() += pointer[i];
+    }
+  }
+  return tokens;
+}
+
+/// Position in a list, or its size for `-`; empty where the token is no number.
+std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
+  if (token == "-") return size;
+  std::size_t index = 0;
+  const auto [end, fault] = std::from_chars(token.data(), token.data() + token.size(), index);
+  if (fault != std::errc{} || end != token.data() + token.size()) return std::nullopt;
+  return index;
+}
+
+}  // namespace
+
+const JsonNode* JsonNode::find(std::string_view key) const {
+  if (const Object* members = object())
+    for (const JsonMember& member : *members)
+      if (member.key == key) return &member.node;
+  return nullptr;
+}
+
+std::string JsonNode::describe() const {
+  struct {
+    std::string operator()(std::monostate) const { return "null"; }
+    std::string operator()(bool x) const { return x ? "true" : "false"; }
+    std::string operator()(std::int64_t x) const { return fmt::format("the number {}", x); }
+    std::string operator()(std::uint64_t x) const { return fmt::format("the number {}", x); }
+    std::string operator()(double x) const { return fmt::format("the number {}", x); }
+    std::string operator()(const std::string& x) const { return fmt::format("the text \"{}\"", x); }
+    std::string operator()(const List& x) const { return fmt::format("a list of {}", x.size()); }
+    std::string operator()(const Object&) const { return "an object"; }
+  } words;
+  return std::visit(words, value);
+}
+
+std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixed_place,
+                                   Diagnostics& diagnostics) {
+  const std::size_t before = diagnostics.findings().size();
+  Progress progress;
+  TreeBuilder builder(text, progress, start, fixed_place, diagnostics);
+  const bool whole =
+      nlohmann::json::sax_parse(CountingIterator(text.data(), &progress),
+                                CountingIterator(text.data() + text.size(), &progress), &builder);
+  if (!whole || diagnostics.findings().size() > before) return std::nullopt;
+  return builder.take();
+}
+
+void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
+                    Diagnostics& diagnostics) {
+  const Where where{diagnostics.files()->add("--set " + pointer), 0};
+  const auto tokens = pointer_tokens(pointer);
+  if (!tokens) {
+    diagnostics.error(where, "not a JSON pointer: write it as in --set /populations/0/count=500");
+    return;
+  }
+
+  JsonNode node;
+  Diagnostics unread;  // a text need not be JSON
+  if (std::optional<JsonNode> parsed = parse_json(value, where, true, unread)) {
+    node = std::move(*parsed);
+  } else {
+    node.value = value;
+    node.where = where;
+  }
+
+  JsonNode* at = &document;
+  std::string path;
+  for (std::size_t i = 0; i < tokens->size(); ++i) {
+    const std::string& token = (*tokens)[i];
+    const bool last = i + 1 == tokens->size();
+    const std::string parent = path.empty() ? "the world" : path;
+    path += '/';
+    path += escape_pointer_token(token);
+    if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
+      const auto index = list_index(token, list->size());
+      if (!index) {
+        diagnostics.error(where, fmt::format("{} is a list: \"{}\" is no position in it", parent, token));
+        return;
+      }
+      if (*index > list->size() || (*index == list->size() && !last)) {
+        diagnostics.error(where,
+                          fmt::format("{} has {} entries, there is no {}", parent, list->size(), path));
+        return;
+      }
+      if (*index == list->size()) list->emplace_back();
+      at = &(*list)[*index];
+    } else if (auto* members = std::get_if<JsonNode::Object>(&at->value)) {
+      JsonNode* member = at->find(token);
+      if (!member && !last) {
+        std::vector<std::string_view> known;
+        for (const JsonMember& m : *members) known.push_back(m.key);
+        diagnostics.error(where,
+                          fmt::format("{} has no \"{}\"{}", parent, token, did_you_mean(token, known)));
+        return;
+      }
+      at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
+    } else {
+      diagnostics.error(where, fmt::format("{} is {}: nothing stands below it", parent, at->describe()));
+      return;
+    }
+  }
+  *at = std::move(node);
+}
+
+std::string escape_pointer_token(std::string_view token) {
+  std::string escaped;
+  for (const char c : token) {
+    if (c == '~')
+      escaped += "~0";
+    else if (c == '/')
+      escaped += "~1";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,64 @@
+#include "worldio/json/json_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::worldio {
+
+std::string JsonCursor::pointer() const {
+  if (!parent_) return {};
+  return parent_->pointer() + "/" + (key_.data() ? escape_pointer_token(key_) : std::to_string(index_));
+}
+
+void JsonCursor::error_at(Where where, const std::string& message) const {
+  const std::string path = pointer();
+  diagnostics_->error(where, path.empty() ? message : path + ": " + message);
+}
+
+void JsonCursor::expected(std::string_view what) const {
+  error(fmt::format("expected {}, found {}", what, node_->describe()));
+}
+
+JsonObject::JsonObject(const JsonCursor& at) : at_(at), members_(at.node().object()) {
+  if (!members_) at.expected("an object");
+}
+
+const JsonNode* JsonObject::find(std::string_view key) {
+  if (!members_) return nullptr;
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
+  return at_.node().find(key);
+}
+
+const JsonNode* JsonObject::require(std::string_view key, std::string_view hint) {
+  const JsonNode* node = find(key);
+  if (!node) missing(key, hint);
+  return node;
+}
+
+void JsonObject::missing(std::string_view key, std::string_view hint) const {
+  if (members_) at_.error(fmt::format("missing \"{}\": {}", key, hint));
+}
+
+void JsonObject::finish() const {
+  if (!members_) return;
+  for (const JsonMember& member : *members_)
+    if (std::ranges::find(known_, member.key) == known_.end())
+      at_.error_at(member.where, unknown_name("key", member.key,
+                                              std::vector<std::string_view>(known_.begin(), known_.end())));
+}
+
+const JsonNode::List* read_list(const JsonCursor& at) {
+  const JsonNode::List* list = at.node().list();
+  if (!list) at.expected("a list");
+  return list;
+}
+
+const std::string* read_text(const JsonCursor& at, std::string_view what) {
+  const std::string* text = at.node().text();
+  if (text && !text->empty()) return text;
+  at.expected(what);
+  return nullptr;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,168 @@
+#include "worldio/json/json_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_width = 110;  // of a line, characters
+constexpr std::size_t k_step = 2;     // by which what stands inside is moved to the right
+
+/// Bytes of the UTF-8 character that begins here; 0 where none does (RFC 3629).
+std::size_t character_bytes(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t bytes = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  if (bytes == 0 || text.size() < bytes) return 0;
+  for (std::size_t i = 1; i < bytes; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  const unsigned char second = byte(1);
+  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+  return is_wrong ? 0 : bytes;
+}
+
+std::string text_of(const std::string& text) {
+  std::string out = "\"";
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t bytes = character_bytes(rest);
+    if (bytes == 0)
+      throw std::runtime_error(
+          fmt::format("a text of the world is no UTF-8, in which JSON is written: \"{}\"",
+                      text.substr(0, text.size() - rest.size())));
+    const char c = rest.front();
+    if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else if (bytes == 1 && static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += rest.substr(0, bytes);
+    rest.remove_prefix(bytes);
+  }
+  return out + '"';
+}
+
+std::string number_of(double x) {
+  if (!std::isfinite(x)) throw std::runtime_error("a number of the world is not finite");
+  if (x == 0)
+    return std::signbit(x) ? "-0.0" : "0";  // -0 would come back as a whole number, without its sign
+  std::array<char, 32> digits{};
+  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
+  return {digits.data(), end};
+}
+
+class Printer {
+ public:
+  std::string print(const JsonNode& document) {
+    add(document, 0);
+    return std::move(out_) + '\n';
+  }
+
+ private:
+  /// On one line, as long as it is no longer than `most`; false where it is.
+  static bool compact(const JsonNode& node, std::size_t most, std::string& out) {
+    if (const JsonNode::List* list = node.list()) {
+      out += '[';
+      for (const JsonNode& item : *list) {
+        if (&item != &list->front()) out += ", ";
+        if (!compact(item, most, out)) return false;
+      }
+      out += ']';
+    } else if (const JsonNode::Object* object = node.object()) {
+      out += '{';
+      for (const JsonMember& member : *object) {
+        if (&member != &object->front()) out += ", ";
+        out += text_of(member.key) + ": ";
+        if (!compact(member.node, most, out)) return false;
+      }
+      out += '}';
+    } else {
+      out += scalar(node);
+    }
+    return out.size() <= most;
+  }
+
+  static std::string scalar(const JsonNode& node) {
+    if (const bool* x = std::get_if<bool>(&node.value)) return *x ? "true" : "false";
+    if (const auto* x = std::get_if<std::int64_t>(&node.value)) return std::to_string(*x);
+    if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return std::to_string(*x);
+    if (const auto* x = std::get_if<double>(&node.value)) return number_of(*x);
+    if (const std::string* x = node.text()) return text_of(*x);
+    return "null";
+  }
+
+  void add(const JsonNode& node, std::size_t indent) {
+    const std::size_t used = out_.size() - (out_.rfind('\n') + 1);  // npos + 1 is 0
+    std::string line;
+    const bool fits = compact(node, k_width > used ? k_width - used : 0, line);
+    const JsonNode::List* list = node.list();
+    const JsonNode::Object* object = node.object();
+    const bool has_parts = (list && !list->empty()) || (object && !object->empty());
+    if (fits || !has_parts) {
+      out_ += line;
+    } else if (list) {
+      add_list(*list, indent + k_step);
+      end_line(indent);
+      out_ += ']';
+    } else {
+      out_ += '{';
+      for (const JsonMember& member : *object) {
+        if (&member != &object->front()) out_ += ',';
+        end_line(indent + k_step);
+        out_ += text_of(member.key) + ": ";
+        add(member.node, indent + k_step);
+      }
+      end_line(indent);
+      out_ += '}';
+    }
+  }
+
+  /// Numbers and points stand many on a line, other things each on one.
+  void add_list(const JsonNode::List& list, std::size_t indent) {
+    const auto is_short = [](const JsonNode& node) {
+      const JsonNode::List* numbers = node.list();
+      return numbers
+                 ? std::ranges::all_of(*numbers, [](const JsonNode& x) { return !x.list() && !x.object(); })
+                 : !node.object();
+    };
+    const bool fills = std::ranges::all_of(list, is_short);
+    out_ += '[';
+    for (const JsonNode& item : list) {
+      const bool is_first = &item == &list.front();
+      if (!is_first) out_ += ',';
+      std::string next;
+      const std::size_t used = out_.size() - (out_.rfind('\n') + 1);
+      if (fills && !is_first && used < k_width && compact(item, k_width - used, next))
+        out_ += ' ';
+      else
+        end_line(indent);
+      add(item, indent);
+    }
+  }
+
+  void end_line(std::size_t indent) {
+    out_ += '\n';
+    out_.append(indent, ' ');
+  }
+
+  std::string out_;
+};
+
+}  // namespace
+
+JsonNode json_numbers(std::span<const double> numbers) {
+  JsonNode::List list;
+  for (const double x : numbers) list.push_back(json_node(x));
+  return json_node(std::move(list));
+}
+
+std::string json_text(const JsonNode& document) { return Printer().print(document); }
+
+}  // namespace troupe::worldio

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "worldio/json/json_document.hpp"
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace troupe::worldio {
+
+/// Documents in the making. Values are of the types that a JsonNode holds; `where` is what later findings
+/// about them point at.
+template <class T>
+JsonNode json_node(T value, Where where = {}) {
+  JsonNode node;
+  node.value = std::move(value);
+  node.where = where;
+  return node;
+}
+
+template <class T>
+void add_member(JsonNode::Object& object, std::string_view key, T value, Where where = {}) {
+  object.push_back({std::string(key), where, json_node(std::move(value), where)});
+}
+inline void add_node(JsonNode::Object& object, std::string_view key, JsonNode node) {
+  const Where where = node.where;
+  object.push_back({std::string(key), where, std::move(node)});
+}
+
+/// [x, y, ...].
+JsonNode json_numbers(std::span<const double> numbers);
+
+/// The document as text, for people: what fits on a line stands on one, numbers have the fewest digits that
+/// read back as the same double. Throws std::runtime_error for what JSON cannot say: a number that is not
+/// finite, a text that is no UTF-8.
+std::string json_text(const JsonNode& document);
+
+}  // namespace troupe::worldio

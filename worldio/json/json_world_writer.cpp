@@ -1,0 +1,259 @@
+#include "worldio/images/floor_image.hpp"
+#include "worldio/json/experiment_json.hpp"
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_parts.hpp"
+#include "worldio/json/json_settings.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/json_types.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/measures_json.hpp"
+#include "worldio/json/spec_difference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::BodySpec;
+using engine::PartSpec;
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
+constexpr Color k_body_color{1, 0, 0, 1};
+
+enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
+
+class WorldWriter {
+ public:
+  WorldWriter(WorldSpec spec, const std::filesystem::path& file, const engine::Registry& registry)
+      : spec_(std::move(spec)),
+        registry_(registry),
+        file_(file),
+        folder_(file.parent_path()),
+        images_(image_findings_) {}
+
+  JsonNode document(const JsonChecks& checks, FloorPlans floor_plans);
+
+ private:
+  std::size_t count_floor_plans();
+  bool is_floor_plan(std::size_t body);
+  /// Whether the image of a part makes its solids again.
+  bool makes(const PartSpec& part, bool as_floor_plan);
+  void drop_images();
+  JsonNode floor_plan_node(const BodySpec& body) const;
+  JsonNode types_node(std::size_t first);
+  JsonNode model_node(std::size_t body) const;
+
+  WorldSpec spec_;
+  const engine::Registry& registry_;
+  std::filesystem::path file_;
+  std::filesystem::path folder_;
+  Diagnostics image_findings_;  // of images that cannot be read any more, which are outlines then
+  FloorImages images_;
+  std::vector<std::string> keys_;             // of the types
+  std::vector<std::optional<Color>> colors_;  // of the types: that of their first body
+  std::unordered_map<std::uint32_t, engine::Name> aliases_;
+  std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
+};
+
+bool WorldWriter::makes(const PartSpec& part, bool as_floor_plan) {
+  const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
+  if (!image || image->contours.empty()) return false;
+  PartSpec made = part;
+  made.solids = as_floor_plan ? floor_plan_body(*image, *made.image, made.size) : image_solids(*image, made);
+  return made.size == part.size && made.solids == part.solids;
+}
+
+/// Images that do not make their part's solids are not named: the part's frame is another, or they changed.
+void WorldWriter::drop_images() {
+  for (TypeSpec& type : spec_.types)
+    for (PartSpec& part : type.parts)
+      if (part.image && !makes(part, false)) part.image.reset();
+}
+
+/// What `floorplans` can say: a model that is an image and nothing else, of a type of its own.
+bool WorldWriter::is_floor_plan(std::size_t body) {
+  const BodySpec& spec = spec_.bodies[body];
+  if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
+  const TypeSpec& type = spec_.types[body];
+  const PartSpec& part = type.parts.front();
+  const bool is_bare =
+      type.parts.size() == 1 && !type.drive && type.devices.empty() && type.controllers.empty();
+  if (!is_bare || !part.image || !part.floor_plan || part.kind != "model" || part.color ||
+      !part.alias.empty())
+    return false;
+  return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
+}
+
+/// They come first, behind the ground.
+std::size_t WorldWriter::count_floor_plans() {
+  std::size_t count = 0;
+  while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
+  for (std::size_t b = count + 1; b < spec_.bodies.size(); ++b)  // others of such a type are models
+    if (const std::size_t type = spec_.bodies[b].type.index(); type >= 1 && type <= count) count = type - 1;
+  return count;
+}
+
+JsonNode WorldWriter::document(const JsonChecks& checks, FloorPlans floor_plans) {
+  const std::size_t plans = floor_plans == FloorPlans::none ? 0 : count_floor_plans();
+  for (const engine::NamedBody& alias : spec_.aliases) aliases_.emplace(alias.body.value, alias.name);
+  for (const auto& [name, place] : spec_.part_aliases) global_parts_[place.body.value].insert(name);
+
+  JsonNode::Object object;
+  write_settings(spec_, checks, file_.stem().string(), floor_plans != FloorPlans::with_their_bounds, object);
+  JsonNode::List list;
+  for (std::size_t b = 1; b <= plans; ++b) list.push_back(floor_plan_node(spec_.bodies[b]));
+  if (!list.empty()) add_member(object, "floorplans", std::move(list));
+  drop_images();
+  add_node(object, "types", types_node(plans + 1));
+  JsonNode::List models;
+  for (std::size_t b = plans + 1; b < spec_.bodies.size(); ++b) models.push_back(model_node(b));
+  add_member(object, "models", std::move(models));
+  JsonNode::List measures;
+  for (const engine::MeasureSpec& measure : spec_.measures)
+    measures.push_back(measure_node(measure, registry_));
+  if (!measures.empty()) add_member(object, "measures", std::move(measures));
+  write_experiment(spec_, keys_, registry_, object);
+  return json_node(std::move(object), {spec_.resolution_where.file, 0});
+}
+
+JsonNode WorldWriter::floor_plan_node(const BodySpec& body) const {
+  const PartSpec& part = spec_.types[body.type.index()].parts.front();
+  JsonNode::Object object;
+  add_member(object, "name", spec_.names.text(body.name));
+  write_image(*part.image, part.size, folder_, object);
+  write_pose(body.pose_world_body, object);
+  if (body.color != k_floorplan_color) add_node(object, "color", color_node(body.color));
+  write_returns(part.returns, object);
+  return json_node(std::move(object), body.where);
+}
+
+/// Types are told apart by their keys, so that of two with one name the second has another key.
+JsonNode WorldWriter::types_node(std::size_t first) {
+  keys_.assign(spec_.types.size(), {});
+  colors_.assign(spec_.types.size(), {});
+  for (std::size_t b = spec_.bodies.size(); b-- > 1;)
+    colors_[spec_.bodies[b].type.index()] = spec_.bodies[b].color;
+  std::set<std::string> taken;
+  JsonNode::Object types;
+  for (std::size_t t = first; t < spec_.types.size(); ++t) {
+    const TypeSpec& type = spec_.types[t];
+    std::string& key = keys_[t];
+    key = type.name;
+    for (int n = 2; !taken.insert(key).second; ++n) key = fmt::format("{}#{}", type.name, n);
+    std::optional<Color> color = colors_[t];
+    if (color == k_body_color) color.reset();
+    add_node(types, key, type_node(type, key, color, registry_, &folder_));
+  }
+  return json_node(std::move(types));
+}
+
+JsonNode WorldWriter::model_node(std::size_t b) const {
+  const BodySpec& body = spec_.bodies[b];
+  const std::size_t type = body.type.index();
+  JsonNode::Object object;
+  add_member(object, "name", spec_.names.text(body.name));
+  if (const auto alias = aliases_.find(static_cast<std::uint32_t>(b)); alias != aliases_.end())
+    add_member(object, "alias", spec_.names.text(alias->second));
+  add_member(object, "type", keys_[type]);
+  for (const engine::ReserveSpec& reserve : spec_.reserves)
+    if (b - reserve.first.index() < reserve.count) add_member(object, "reserve_of", reserve.population);
+  write_place(body.pose_world_body, object);
+  if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
+  if (body.fiducial != 0) add_member(object, "fiducial_return", std::int64_t{body.fiducial});
+  if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {
+    JsonNode::List names;
+    for (const std::string& name : parts->second) names.push_back(json_node(name));
+    add_member(object, "global_parts", std::move(names));
+  }
+  return json_node(std::move(object), body.where);
+}
+
+/// Places of the world that was read, for what is wrong with what was made of it.
+void place_nodes(JsonNode& node, const Where& around) {
+  if (node.where.file == Where::k_no_file) node.where = around;
+  if (auto* list = std::get_if<JsonNode::List>(&node.value))
+    for (JsonNode& item : *list) place_nodes(item, node.where);
+  if (auto* object = std::get_if<JsonNode::Object>(&node.value))
+    for (JsonMember& member : *object) {
+      place_nodes(member.node, node.where);
+      member.where = member.node.where;
+    }
+}
+
+bool has_repeated_names(const WorldSpec& spec) {
+  engine::NameMap taken;
+  taken.reserve(spec.bodies.size());
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b)
+    if (taken.add(spec.bodies[b].name, BodyId(b)) != BodyId(b)) return true;
+  return false;
+}
+
+/// What came of one way to write a world.
+struct Attempt {
+  std::optional<JsonNode> document;  ///< one that reads back as the world
+  std::vector<Finding> findings;     ///< else what its reader found
+  std::string difference;            ///< else in what it is another world
+};
+
+Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const JsonChecks& checks,
+                FloorPlans floor_plans, const engine::Registry& registry,
+                const std::shared_ptr<SourceFiles>& files) {
+  Attempt result;
+  const Where whole{files->add(file.string()), 0};
+  try {
+    JsonNode document = WorldWriter(spec, file, registry).document(checks, floor_plans);
+    place_nodes(document, whole);
+    Diagnostics found(files);
+    const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
+    const WorldSpec back = read ? read_json_world(file, *read, registry, {}, found) : WorldSpec();
+    if (found.has_errors()) {
+      Diagnostics placed(files);  // the same where it stands in what was read
+      if (read) read_json_world(file, document, registry, {}, placed);
+      const auto findings = placed.has_errors() ? placed.findings() : found.findings();
+      result.findings.assign(findings.begin(), findings.end());
+      std::erase_if(result.findings, [](const Finding& f) { return f.severity != Severity::error; });
+    } else {
+      result.difference = spec_difference(spec, back);
+      if (result.difference.empty()) result.document = std::move(document);
+    }
+  } catch (const std::runtime_error& fault) {
+    result.difference = fault.what();
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<JsonNode> write_json_world(const WorldSpec& spec, const std::filesystem::path& file,
+                                         const engine::Registry& registry, Diagnostics& diagnostics) {
+  std::vector<FloorPlans> ways{FloorPlans::none};
+  if (spec.bounds) ways = {FloorPlans::with_their_bounds, FloorPlans::with_other_bounds, FloorPlans::none};
+  JsonChecks checks;
+  checks.same_names = !has_repeated_names(spec);
+  Attempt last;
+  for (const bool overlaps_are_errors : {true, false})
+    for (const FloorPlans way : ways) {
+      checks.overlaps = overlaps_are_errors;
+      last = attempt(spec, file, checks, way, registry, diagnostics.files());
+      if (last.document) return std::move(last.document);
+    }
+  constexpr std::string_view k_what = "a JSON world cannot say this: ";
+  for (const Finding& finding : last.findings)
+    diagnostics.error(finding.where, fmt::format("{}{}", k_what, finding.message));
+  if (last.findings.empty())
+    diagnostics.error({diagnostics.files()->add(file.string()), 0},
+                      fmt::format("{}{}", k_what, last.difference));
+  return std::nullopt;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,355 @@
+#include "worldio/json/study.hpp"
+
+#include "base/math.hpp"
+#include "base/random.hpp"
+#include "engine/fields.hpp"
+#include "worldio/files.hpp"
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_reader.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/measures_json.hpp"
+#include "worldio/stage/stage_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldType;
+using engine::Unit;
+using engine::Value;
+
+constexpr std::int64_t k_version = 1;
+constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "max"};
+
+const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = 1e12};
+const Field k_measure_every{
+    .name = "measure_every", .unit = Unit::seconds, .fallback = 1.0, .min = 0, .max = 1e9};
+const Field k_random_seed{.name = "random_seed",
+                          .type = FieldType::integer,
+                          .fallback = 1,
+                          .min = 0,
+                          .max = static_cast<double>(std::numeric_limits<std::int32_t>::max())};
+
+Field whole(std::string_view name, double min, double max, std::string_view about) {
+  return {.name = name, .type = FieldType::integer, .min = min, .max = max, .text = about};
+}
+
+/// The text of a value as --set reads it back.
+std::string text_of(const JsonNode& node) {
+  std::string text = json_text(node);
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
+std::string text_of(double value) { return text_of(json_node(value)); }
+
+using Choice = Study::Choice;
+using Kind = Choice::Kind;
+
+/// Value `i` of a list or of steps.
+std::string value_of(const Choice& choice, std::size_t i) {
+  if (choice.kind == Kind::listed) return choice.values[i];
+  if (i + 1 == choice.steps) return text_of(choice.high);
+  const double share = static_cast<double>(i) / static_cast<double>(choice.steps - 1);
+  return text_of(choice.low + share * (choice.high - choice.low));
+}
+
+std::string drawn(const Choice& choice, Random& random) {
+  switch (choice.kind) {
+    case Kind::listed:
+    case Kind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
+    case Kind::uniform: return text_of(random.uniform(choice.low, choice.high));
+    case Kind::log_uniform:
+      return text_of(
+          std::clamp(exp(random.uniform(log(choice.low), log(choice.high))), choice.low, choice.high));
+    case Kind::integers: break;
+  }
+  const auto first = static_cast<std::int64_t>(choice.low);
+  const auto count = static_cast<std::uint32_t>(static_cast<std::int64_t>(choice.high) - first + 1);
+  return text_of(json_node(first + std::int64_t{random.below(count)}));
+}
+
+class StudyReader {
+ public:
+  StudyReader(const std::filesystem::path& file, const engine::Registry& registry)
+      : file_(file), registry_(registry) {}
+
+  Study read(const JsonNode& document, Diagnostics& diagnostics) {
+    const JsonCursor root(document, diagnostics);
+    JsonObject object(root);
+    read_version(object);
+    if (const JsonNode* node = object.find("$schema"))
+      read_text(JsonCursor(root, "$schema", *node), "where the schema of this file is");
+    if (const JsonNode* node = object.require("world", "the world's file, relative to this one"))
+      if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the world's file"))
+        study_.world = file_.parent_path() / *world;
+    if (const Value end = read_field(object, k_for); end.given()) study_.for_s = end.number();
+    each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
+    read_seeds(object);
+    read_measures(object);
+    const engine::FieldTable table{{k_random_seed}};
+    study_.random_seed = static_cast<std::uint64_t>(read_fields(object, table)[0].integer());
+    if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
+      study_.samples = static_cast<std::size_t>(samples.integer());
+    object.finish();
+    if (!diagnostics.has_errors()) check_runs(root);
+    return std::move(study_);
+  }
+
+ private:
+  template <class Read>
+  void each(JsonObject& object, std::string_view key, Read read) {
+    const JsonNode* node = object.find(key);
+    if (!node) return;
+    const JsonCursor cursor(object.at(), key, *node);
+    const JsonNode::List* list = read_list(cursor);
+    for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
+  }
+
+  static void read_version(JsonObject& object) {
+    const JsonNode* node =
+        object.require("troupe_study", fmt::format("the version of the format, {}", k_version));
+    const auto* version = node ? std::get_if<std::int64_t>(&node->value) : nullptr;
+    if (node && (!version || *version != k_version))
+      JsonCursor(object.at(), "troupe_study", *node)
+          .expected(fmt::format("the version of the format, {}", k_version));
+  }
+
+  void read_parameter(const JsonCursor& at);
+  static Choice read_choice(JsonObject& object);
+  static Choice read_list_of_values(const JsonCursor& at);
+  static Choice read_steps(JsonObject& object);
+  static Choice read_interval(const JsonCursor& at, Kind kind);
+  void read_seeds(JsonObject& object);
+  void read_measures(JsonObject& object);
+  void check_runs(const JsonCursor& at);
+
+  const std::filesystem::path& file_;
+  const engine::Registry& registry_;
+  Study study_;
+};
+
+void StudyReader::read_parameter(const JsonCursor& at) {
+  JsonObject object(at);
+  Study::Parameter parameter;
+  const std::string_view k_what = "a JSON pointer into the world, as in \"/populations/0/count\"";
+  if (const JsonNode* node = object.require("set", k_what)) {
+    const JsonCursor cursor(at, "set", *node);
+    const std::string* pointer = read_text(cursor, k_what);
+    if (pointer && pointer->starts_with('/'))
+      parameter.pointer = *pointer;
+    else if (pointer)
+      cursor.expected(k_what);
+  }
+  parameter.name = parameter.pointer.empty() ? "" : parameter.pointer.substr(1);
+  std::ranges::replace(parameter.name, '/', '.');
+  if (const JsonNode* node = object.find("name"))
+    if (const std::string* name = read_text(JsonCursor(at, "name", *node), "the name of its column"))
+      parameter.name = *name;
+  constexpr std::array<std::string_view, 7> k_taken{"run",        "seed",       "ticks", "time_s",
+                                                    "stopped_by", "state_hash", "error"};
+  const auto& before = study_.parameters;
+  if (!parameter.name.empty() &&
+      (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
+       std::ranges::find(k_taken, parameter.name) != k_taken.end()))
+    at.error(fmt::format("another column is called \"{}\": give it a \"name\" of its own", parameter.name));
+  study_.choices.push_back(read_choice(object));
+  object.finish();
+  study_.parameters.push_back(std::move(parameter));
+}
+
+Choice StudyReader::read_choice(JsonObject& object) {
+  constexpr std::array<std::string_view, 5> k_ways{"values", "steps", "uniform", "log_uniform", "integers"};
+  std::string_view way;
+  for (const std::string_view one : k_ways) {
+    if (!object.find(one)) continue;
+    if (!way.empty()) object.at().error(fmt::format("give \"{}\" or \"{}\", not both", way, one));
+    way = one;
+  }
+  if (way.empty()) {
+    object.missing("values",
+                   "a list; or \"from\", \"to\" and \"steps\"; or, with samples, \"uniform\", "
+                   "\"log_uniform\" or \"integers\"");
+    return {};
+  }
+  const JsonCursor at(object.at(), way, *object.find(way));
+  if (way == "values") return read_list_of_values(at);
+  if (way == "steps") return read_steps(object);
+  return read_interval(at, way == "uniform"       ? Kind::uniform
+                           : way == "log_uniform" ? Kind::log_uniform
+                                                  : Kind::integers);
+}
+
+Choice StudyReader::read_list_of_values(const JsonCursor& at) {
+  Choice choice;
+  const JsonNode::List* list = read_list(at);
+  if (list && (list->empty() || list->size() > k_most_runs))
+    at.error(fmt::format("needs 1 to {} values", k_most_runs));
+  else if (list)
+    for (const JsonNode& value : *list) choice.values.push_back(text_of(value));
+  return choice;
+}
+
+Choice StudyReader::read_steps(JsonObject& object) {
+  Choice choice;
+  const engine::FieldTable table{{{.name = "from", .text = "the first value"},
+                                  {.name = "to", .text = "the last value"},
+                                  whole("steps", 2, k_most_runs, "how many values")}};
+  const engine::Record record = read_fields(object, table);
+  if (!record[0].given() || !record[1].given() || !record[2].given()) return choice;
+  choice.kind = Kind::steps;
+  choice.low = record[0].number();
+  choice.high = record[1].number();
+  choice.steps = static_cast<std::size_t>(record[2].integer());
+  if (!std::isfinite(choice.high - choice.low))
+    object.at().error("\"from\" and \"to\" are further apart than the largest number, 1.8e308");
+  return choice;
+}
+
+Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
+  constexpr double k_most = 2147483647;  // between two integers
+  Choice choice{.kind = kind};
+  const Value limits = read_value(at, {.name = "interval", .type = FieldType::numbers, .columns = 2});
+  if (!limits.given()) return choice;
+  choice.low = limits.numbers()[0];
+  choice.high = limits.numbers()[1];
+  const auto is_whole = [](double x) { return x == static_cast<double>(static_cast<std::int64_t>(x)); };
+  constexpr double k_exact = 9e15;
+  if (!(choice.low < choice.high))
+    at.error("the first number must be below the second");
+  else if (!std::isfinite(choice.high - choice.low))
+    at.error("the numbers are further apart than the largest number, 1.8e308");
+  else if (kind == Kind::log_uniform && choice.low <= 0)
+    at.error("both numbers must be above 0");
+  else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
+                                      !is_whole(choice.high) || choice.high - choice.low > k_most))
+    at.error("expected two whole numbers, at most 2^31 - 1 apart");
+  return choice;
+}
+
+void StudyReader::read_seeds(JsonObject& object) {
+  const JsonNode* node = object.find("seeds");
+  if (!node) return;
+  const JsonCursor at(object.at(), "seeds", *node);
+  constexpr double k_most = 9007199254740991;  // 2^53 - 1
+  if (node->list()) {
+    for (std::size_t i = 0; i < node->list()->size(); ++i) {
+      const Value seed = read_value(JsonCursor(at, i, (*node->list())[i]), whole("seed", 0, k_most, ""));
+      if (seed.given()) study_.seeds.push_back(static_cast<std::uint64_t>(seed.integer()));
+    }
+    if (node->list()->empty()) at.expected("at least one seed");
+    return;
+  }
+  if (!node->object()) return at.expected("a list of seeds, or {\"from\": 1, \"count\": 8}");
+  JsonObject range(at);
+  const engine::FieldTable table{
+      {whole("from", 0, k_most, "the first seed"), whole("count", 1, k_most_runs, "how many seeds")}};
+  const engine::Record record = read_fields(range, table);
+  range.finish();
+  if (!record[0].given() || !record[1].given()) return;
+  for (std::int64_t i = 0; i < record[1].integer(); ++i)
+    study_.seeds.push_back(static_cast<std::uint64_t>(record[0].integer() + i));
+}
+
+void StudyReader::read_measures(JsonObject& object) {
+  each(object, "measures", [&](const JsonCursor& at) {
+    if (!read_measure(at, registry_)) return;
+    study_.measures.push_back(at.node().text() ? *at.node().text() : text_of(at.node()));
+  });
+  each(object, "statistics", [&](const JsonCursor& at) {
+    const Value name = read_value(at, {.name = "statistic",
+                                       .type = FieldType::text,
+                                       .choices = {k_statistics.begin(), k_statistics.end()}});
+    if (!name.given()) return;
+    const auto statistic =
+        static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
+    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
+      at.error("stands there twice");
+    study_.statistics.push_back(statistic);
+  });
+  if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);
+  const engine::FieldTable table{{k_measure_every}};
+  study_.measure_every_s = read_fields(object, table)[0].number();
+}
+
+void StudyReader::check_runs(const JsonCursor& at) {
+  auto count = static_cast<double>(std::max<std::size_t>(study_.seeds.size(), 1));
+  if (study_.samples) count *= static_cast<double>(*study_.samples);
+  for (std::size_t p = 0; !study_.samples && p < study_.choices.size(); ++p) {
+    if (study_.choices[p].count() == 0)
+      return at.error(fmt::format("\"{}\" is drawn at random: say how often, \"samples\": 100",
+                                  study_.parameters[p].name));
+    count *= static_cast<double>(study_.choices[p].count());
+  }
+  if (count > static_cast<double>(k_most_runs))
+    at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
+}
+
+}  // namespace
+
+std::string_view statistic_name(Statistic statistic) {
+  return k_statistics[static_cast<std::size_t>(statistic)];
+}
+
+std::size_t Study::run_count() const {
+  std::size_t count = std::max<std::size_t>(seeds.size(), 1) * samples.value_or(1);
+  for (const Choice& choice : choices)
+    if (!samples) count *= choice.count();
+  return count;
+}
+
+Study::Run Study::run(std::size_t index) const {
+  Run run;
+  if (!seeds.empty()) {
+    run.seed = seeds[index % seeds.size()];
+    index /= seeds.size();
+  }
+  run.values.resize(choices.size());
+  for (std::size_t p = choices.size(); p-- > 0;) {
+    if (samples) {
+      // Each parameter has draws of its own, so that another one beside it changes none of them.
+      Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
+                    0);
+      run.values[p] = drawn(choices[p], random);
+    } else {
+      run.values[p] = value_of(choices[p], index % choices[p].count());
+      index /= choices[p].count();
+    }
+  }
+  return run;
+}
+
+std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run) const {
+  std::vector<std::pair<std::string, std::string>> set;
+  for (std::size_t p = 0; p < parameters.size(); ++p) set.emplace_back(parameters[p].pointer, run.values[p]);
+  return set;
+}
+
+Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
+                 Diagnostics& diagnostics) {
+  const Where start{diagnostics.files()->add(file.string()), 0};
+  const auto text = read_file(file);
+  if (!text) {
+    const std::string reason = unreadable(file, k_most_input_bytes);
+    diagnostics.error(start, reason.empty() ? "cannot be read" : reason);
+    return {};
+  }
+  return load_study_text(file, *text, registry, diagnostics);
+}
+
+Study load_study_text(const std::filesystem::path& file, std::string_view text,
+                      const engine::Registry& registry, Diagnostics& diagnostics) {
+  const Where start{diagnostics.files()->add(file.string()), 0};
+  const std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
+  return document ? StudyReader(file, registry).read(*document, diagnostics) : Study{};
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,309 @@
+#include "worldio/results/checkpoint.hpp"
+
+#include "base/hash.hpp"
+#include "worldio/json/spec_json.hpp"
+#include "worldio/results/sealed_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <numeric>
+#include <optional>
+#include <set>
+
+namespace troupe::worldio {
+namespace fs = std::filesystem;
+namespace {
+
+using engine::Element;
+using engine::StateField;
+using engine::StateTable;
+
+constexpr std::string_view k_id =
+    "bodies";  // whose rows they are; beside the fields, none of which has this name
+
+/// Rows of a table by id. Where they lie in memory is nobody's business.
+std::vector<std::size_t> rows_by_id(const StateTable& table) {
+  std::vector<std::size_t> rows(table.rows());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  std::ranges::sort(rows, {}, [&table](std::size_t row) { return table.ids()[row]; });
+  return rows;
+}
+
+std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::size_t> rows) {
+  std::vector<std::uint32_t> ids;
+  ids.reserve(rows.size());
+  for (const std::size_t row : rows) ids.push_back(table.ids()[row].value);
+  return ids;
+}
+
+std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
+
+/// Groups of the tables, as steps below /tables: "ranger/eye" is eye in ranger. Two types may have a
+/// component of one name each.
+std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
+  std::vector<std::vector<std::string>> places;
+  std::set<std::string> taken;
+  for (const StateTable& table : tables) {
+    std::string component = table.component();
+    for (int n = 2; !taken.insert(component).second; ++n)
+      component = fmt::format("{}#{}", table.component(), n);
+    const std::size_t slash = component.find('/');
+    places.push_back({hdf5_name(component.substr(0, slash))});
+    if (slash != component.npos) places.back().push_back(hdf5_name(component.substr(slash + 1)));
+  }
+  return places;
+}
+
+Hdf5Group group_for(const Hdf5Group& tables, const std::vector<std::string>& place) {
+  Hdf5Group group = tables.group(place.front());
+  return place.size() == 1 ? std::move(group) : group.group(place.back());
+}
+
+Hdf5Group make_group_for(Hdf5Group& tables, const std::vector<std::string>& place) {
+  if (place.size() == 1) return tables.create_group(place.front());
+  return (tables.has(place.front()) ? tables.group(place.front()) : tables.create_group(place.front()))
+      .create_group(place.back());
+}
+
+void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) {
+  Hdf5Group meta = file.create_group("meta");
+  // Of a key that was said twice the last counts.
+  const std::map<std::string, std::string> last = [&header] {
+    std::map<std::string, std::string> by_key;
+    for (const auto& [key, value] : header) by_key[key] = value;
+    return by_key;
+  }();
+  for (const auto& [key, value] : last) meta.set_text(key, value);
+  const engine::World::Counters counters = world.counters();
+  meta.set_integer("layout", k_checkpoint_layout);
+  meta.set_integer("tick", static_cast<std::int64_t>(world.tick()));
+  meta.set_number("time_s", world.time_s());
+  meta.set_text("state_hash", hex(world.hashes().state));
+  meta.set_integer("beams", static_cast<std::int64_t>(counters.beams));
+  meta.set_integer("conflict_rounds", static_cast<std::int64_t>(counters.conflict_rounds));
+  meta.set_integer("stalled", static_cast<std::int64_t>(world.stalled_count()));
+  meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.held_count()));
+  meta.set_number("mean_displacement_m", world.mean_displacement());
+}
+
+void write_spec(Hdf5File& file, const StoredSpec& spec) {
+  file.write_text("world", spec.json);
+  const auto write = [](Hdf5Group& group, const std::string& name, const std::vector<std::uint32_t>& column) {
+    group.write(name, std::span(column));
+  };
+  const BodyColumns& c = spec.bodies;
+  Hdf5Group bodies = file.create_group("bodies");
+  write(bodies, "word", c.word);
+  write(bodies, "number", c.number);
+  write(bodies, "type", c.type);
+  write(bodies, "file", c.file);
+  write(bodies, "line", c.line);
+  bodies.create_dataset("pose", Element::f64, {c.type.size(), 4}).write(std::span(c.pose));
+  bodies.create_dataset("color", Element::f32, {c.type.size(), 4}).write(std::span(c.color));
+  if (!c.fiducial.empty())
+    bodies.create_dataset("fiducial", Element::i32, {c.type.size()}).write(std::span(c.fiducial));
+  Hdf5Group aliases = file.create_group("aliases");
+  write(aliases, "word", c.alias_word);
+  write(aliases, "number", c.alias_number);
+  write(aliases, "body", c.alias_body);
+}
+
+BodyColumns read_columns(const Hdf5File& file) {
+  BodyColumns c;
+  const Hdf5Group bodies = file.group("bodies");
+  c.word = bodies.dataset("word").read<std::uint32_t>();
+  c.number = bodies.dataset("number").read<std::uint32_t>();
+  c.type = bodies.dataset("type").read<std::uint32_t>();
+  c.file = bodies.dataset("file").read<std::uint32_t>();
+  c.line = bodies.dataset("line").read<std::uint32_t>();
+  c.pose = bodies.dataset("pose").read<double>();
+  c.color = bodies.dataset("color").read<float>();
+  if (bodies.has("fiducial")) c.fiducial = bodies.dataset("fiducial").read<std::int32_t>();
+  const Hdf5Group aliases = file.group("aliases");
+  c.alias_word = aliases.dataset("word").read<std::uint32_t>();
+  c.alias_number = aliases.dataset("number").read<std::uint32_t>();
+  c.alias_body = aliases.dataset("body").read<std::uint32_t>();
+  return c;
+}
+
+void write_table(Hdf5Group group, const StateTable& table) {
+  group.set_text("component", table.component());
+  const std::vector<std::size_t> rows = rows_by_id(table);
+  const std::vector<std::uint32_t> ids = ids_of(table, rows);
+  group.write(std::string(k_id), std::span(ids));
+  for (std::size_t f = 0; f < table.fields().size(); ++f) {
+    const StateField& field = table.fields()[f];
+    const std::size_t width = bytes_of(field);
+    std::vector<std::byte> values(rows.size() * width);
+    for (std::size_t i = 0; i < rows.size() && width > 0; ++i)
+      std::memcpy(values.data() + i * width, table.cell<std::byte>(rows[i], f).data(), width);
+    Hdf5Dataset dataset =
+        group.create_dataset(hdf5_name(field.name), field.element, {rows.size(), field.columns});
+    dataset.set_text("unit", field.unit);
+    dataset.set_text("text", field.text);
+    dataset.write_bytes(values);
+  }
+}
+
+void read_table(const Hdf5Group& group, StateTable& table) {
+  const std::vector<std::size_t> rows = rows_by_id(table);
+  if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
+    group.fail("is of other robots than the world has");
+  const std::vector<std::string> names = group.names();
+  std::size_t known = 1;  // the ids
+  for (std::size_t f = 0; f < table.fields().size(); ++f) {
+    const StateField& field = table.fields()[f];
+    // A state from before there was such a field has it at zero.
+    const bool is_there = std::ranges::find(names, hdf5_name(field.name)) != names.end();
+    if (!is_there && field.sparse) continue;
+    ++known;
+    const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
+    if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
+        dataset.element() != field.element)
+      dataset.fail(fmt::format(
+          "holds {} {} a robot, the world {} {}: what is changed must keep the shape of the state",
+          dataset.row_values(), engine::element_name(dataset.element()), field.columns,
+          engine::element_name(field.element)));
+    const std::size_t width = bytes_of(field);
+    if (width == 0) continue;
+    std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
+    dataset.read_bytes(0, values);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
+  }
+  if (names.size() != known) group.fail("has other fields than the world's");
+}
+
+std::uint64_t hash_of(const std::string& text) {
+  std::uint64_t hash = 0;
+  std::from_chars(text.data(), text.data() + text.size(), hash, 16);
+  return hash;
+}
+
+/// What HDF5 finds wrong with a file that is read is bad input.
+template <class Work>
+auto reading(Work&& work) {
+  try {
+    return work();
+  } catch (const Hdf5Error& fault) {
+    throw InputError(fault.what());
+  }
+}
+
+std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, const StoredSpec& spec,
+                                const FileHeader& header, const Memories& memories) {
+  Hdf5File file = Hdf5File::create_in_memory(name, k_seal_bytes);
+  write_meta(file, world, header);
+  write_spec(file, spec);
+  Hdf5Group tables = file.create_group("tables");
+  const auto places = places_of(world.tables());
+  for (std::size_t t = 0; t < places.size(); ++t)
+    write_table(make_group_for(tables, places[t]), world.tables()[t]);
+  std::vector<std::uint32_t> subscribed;
+  for (const BodyId body : world.subscribed()) subscribed.push_back(body.value);
+  file.group("bodies").write("subscribed", std::span<const std::uint32_t>(subscribed));
+  Hdf5Group group = file.create_group("memories");
+  for (const auto& [key, memory] : memories) {
+    if (memory.empty()) continue;
+    Hdf5Dataset dataset = group.create_dataset(hdf5_name(key), Element::u8, {memory.size()});
+    dataset.set_text("name", key);
+    dataset.write_bytes(memory);
+  }
+  return file.image();
+}
+
+}  // namespace
+
+void write_checkpoint(const fs::path& file, engine::World& world, const engine::Registry& registry,
+                      const FileHeader& header, const Memories& memories) {
+  const StoredSpec spec = [&] {
+    try {
+      return store_spec(world.spec(), registry);
+    } catch (const std::runtime_error& fault) {
+      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), fault.what()));
+    }
+  }();
+  // Made in memory: HDF5 does not always survive a disk that is full, and the state must.
+  write_sealed(file, k_checkpoint_kind, k_checkpoint_layout, bytes_of(file, world, spec, header, memories));
+}
+
+Checkpoint::Checkpoint(const fs::path& file)
+    : file_(file), hdf5_(reading([&file] {
+        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 sees a byte of it
+        return Hdf5File::open(file);
+      })) {
+  reading([this] {
+    const Hdf5Group meta = hdf5_.group("meta");
+    constexpr std::array<std::string_view, 8> k_numbers{
+        "layout",          "tick",    "time_s",         "beams",
+        "conflict_rounds", "stalled", "held_at_bounds", "mean_displacement_m"};
+    for (const std::string& key : meta.attributes())
+      if (std::ranges::find(k_numbers, key) == k_numbers.end()) header_[key] = meta.text(key);
+    tick_ = static_cast<std::uint64_t>(meta.integer("tick"));
+    time_s_ = meta.number("time_s");
+    counters_.beams = static_cast<std::uint64_t>(meta.integer("beams"));
+    counters_.conflict_rounds = static_cast<std::uint64_t>(meta.integer("conflict_rounds"));
+    state_hash_ = hash_of(meta.text("state_hash"));
+  });
+}
+
+std::string Checkpoint::header(const std::string& key) const {
+  const auto found = header_.find(key);
+  return found == header_.end() ? "" : found->second;
+}
+
+engine::WorldSpec Checkpoint::spec(const engine::Registry& registry,
+                                   std::span<const std::pair<std::string, std::string>> changes,
+                                   Diagnostics& diagnostics) const {
+  const StoredSpec stored = reading([this] {
+    return StoredSpec{hdf5_.read_text("world"), read_columns(hdf5_)};
+  });
+  return restore_spec(stored, registry, changes, {diagnostics.files()->add(file_.string()), 0}, diagnostics);
+}
+
+Memories Checkpoint::memories() const {
+  return reading([this] {
+    Memories memories;
+    if (!hdf5_.has_group("memories")) return memories;
+    const Hdf5Group group = hdf5_.group("memories");
+    for (const std::string& name : group.names()) {
+      const Hdf5Dataset dataset = group.dataset(name);
+      if (dataset.element() != Element::u8) dataset.fail("is no memory: these are bytes");
+      std::vector<std::byte>& memory = memories[dataset.text("name")];
+      memory.resize(dataset.values());
+      dataset.read_bytes(0, memory);
+    }
+    return memories;
+  });
+}
+
+void Checkpoint::restore(engine::World& world) const {
+  reading([&] {
+    for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
+      if (id >= world.spec().bodies.size() || !world.row(BodyId(id)).valid())
+        throw InputError(
+            fmt::format("{}: error: /bodies/subscribed names a body without a sensor", file_.string()));
+      world.subscribe(BodyId(id));
+    }
+    const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };
+    if (!world.restore(tick_, counters_, state_hash_, fill))
+      throw InputError(
+          fmt::format("{}: error: the state has not the hash that it had when it was saved, {}: the file is "
+                      "damaged, or this program reads another state from it than the one that wrote it",
+                      file_.string(), hex(state_hash_)));
+  });
+}
+
+void Checkpoint::restore_tables(std::span<StateTable> tables) const {
+  const Hdf5Group groups = hdf5_.group("tables");
+  const auto places = places_of(tables);
+  for (std::size_t t = 0; t < tables.size(); ++t) read_table(group_for(groups, places[t]), tables[t]);
+}
+
+bool is_checkpoint(const fs::path& file) { return has_seal(file, k_checkpoint_kind); }
+
+}  // namespace troupe::worldio

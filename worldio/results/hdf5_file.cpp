@@ -1,0 +1,754 @@
+#include "worldio/results/hdf5_file.hpp"
+
+#include "worldio/files.hpp"
+#include "worldio/results/hdf5_heap.hpp"
+
+#include <fmt/format.h>
+#define H5_USE_110_API  // as newer libraries name what Debian 12's has
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace troupe::worldio {
+namespace fs = std::filesystem;
+namespace {
+
+static_assert(std::is_same_v<hid_t, std::int64_t>);
+
+/// For HDF5's iterations over attributes and links: collects their names.
+template <class Info>
+herr_t add_name(hid_t, const char* name, const Info*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+/// HDF5 prints its stack of errors by default; while one of these lives it does not.
+class Quiet {
+ public:
+  Quiet() {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+Hdf5Id text_type(std::size_t size) {
+  Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  return type;
+}
+
+/// Texts of variable length as the references that the file holds, so that HDF5 does not follow them
+/// (worldio/results/hdf5_heap.hpp). HDF5 asks each registered conversion, by H5T_CONV_INIT, whether it is
+/// this one.
+herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t,
+                            std::size_t, void*, void*, hid_t) {
+  if (conversion->command != H5T_CONV_INIT) return 0;  // the bytes are those of the file already
+  conversion->need_bkg = H5T_BKG_NO;
+  const bool is_this = H5Tis_variable_str(from) > 0 && H5Tget_size(from) == k_heap_reference_bytes &&
+                       H5Tget_class(to) == H5T_OPAQUE && H5Tget_size(to) == k_heap_reference_bytes;
+  return is_this ? 0 : -1;
+}
+
+Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes), H5Tclose}; }
+
+/// At its end HDF5 flushes what is open. A file that was abandoned on a full disk is still open then, and the
+/// library would try for ever: what is to be written is closed by its owner.
+void start_library() {
+  static const bool started = [] {
+    H5dont_atexit();
+    return H5open() >= 0 &&
+           H5Tregister(H5T_PERS_SOFT, "troupe: text to reference", text_type(H5T_VARIABLE).get(),
+                       reference_type().get(), convert_to_reference) >= 0;
+  }();
+  if (!started) throw Hdf5Error("HDF5 cannot be started");
+}
+
+/// What names are looked up with: a link into another file is an error. A file of unknown origin could
+/// otherwise name any file of the user, and a recording that goes on would write there.
+hid_t within_file(hid_t access_class) {
+  const hid_t properties = H5Pcreate(access_class);
+  H5Pset_elink_cb(
+      properties,
+      [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return herr_t{-1}; },
+      nullptr);
+  return properties;
+}
+
+/// Property lists of the library's lifetime.
+///@{
+hid_t links() {
+  static const hid_t properties = within_file(H5P_LINK_ACCESS);
+  return properties;
+}
+hid_t groups() {
+  static const hid_t properties = within_file(H5P_GROUP_ACCESS);
+  return properties;
+}
+hid_t datasets() {
+  static const hid_t properties = within_file(H5P_DATASET_ACCESS);
+  return properties;
+}
+///@}
+
+/// Why a dataset is not to be used, though HDF5 can: it lies in other files, or is read by a plug-in of HDF5,
+/// which is code. Empty where nothing is wrong.
+std::string why_foreign(hid_t dataset) {
+  const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
+    return "keeps its values in other files, which no file of Troupe does";
+  const int filters = H5Pget_nfilters(creation.get());
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values,
+                                               nullptr, 0, nullptr, nullptr);
+    if (filter >= H5Z_FILTER_RESERVED)
+      return fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs",
+                         filter);
+  }
+  return {};
+}
+
+/// The deepest entry of the library's stack of errors: what really happened.
+std::string reason() {
+  std::string deepest;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned depth, const H5E_error2_t* error, void* text) {
+        if (depth == 0 && error->desc) *static_cast<std::string*>(text) = error->desc;
+        return herr_t{0};
+      },
+      &deepest);
+  // Of the system's errors it says a good deal more: time, address, file descriptor, ...
+  constexpr std::string_view k_mark = "error message = '";
+  if (const auto start = deepest.find(k_mark); start != deepest.npos) {
+    const auto end = deepest.find('\'', start + k_mark.size());
+    return deepest.substr(start + k_mark.size(), end - start - k_mark.size());
+  }
+  return deepest.empty() ? "HDF5 gives no reason" : deepest;
+}
+
+[[noreturn]] void fail_with(const fs::path& file, std::string_view message) {
+  throw Hdf5Error(fmt::format("{}: error: {}", file.string(), message));
+}
+
+hid_t memory_type(engine::Element element) {
+  switch (element) {
+    case engine::Element::f64: return H5T_NATIVE_DOUBLE;
+    case engine::Element::f32: return H5T_NATIVE_FLOAT;
+    case engine::Element::i64: return H5T_NATIVE_INT64;
+    case engine::Element::i32: return H5T_NATIVE_INT32;
+    case engine::Element::u64: return H5T_NATIVE_UINT64;
+    case engine::Element::u32: return H5T_NATIVE_UINT32;
+    case engine::Element::u8: break;
+  }
+  return H5T_NATIVE_UINT8;
+}
+
+/// Little-endian on every machine, so that files do not depend on it.
+hid_t file_type(engine::Element element) {
+  switch (element) {
+    case engine::Element::f64: return H5T_IEEE_F64LE;
+    case engine::Element::f32: return H5T_IEEE_F32LE;
+    case engine::Element::i64: return H5T_STD_I64LE;
+    case engine::Element::i32: return H5T_STD_I32LE;
+    case engine::Element::u64: return H5T_STD_U64LE;
+    case engine::Element::u32: return H5T_STD_U32LE;
+    case engine::Element::u8: break;
+  }
+  return H5T_STD_U8LE;
+}
+
+constexpr std::array k_elements = {engine::Element::f64, engine::Element::f32, engine::Element::i64,
+                                   engine::Element::i32, engine::Element::u64, engine::Element::u32,
+                                   engine::Element::u8};
+
+std::optional<engine::Element> element_of_type(hid_t type) {
+  for (const engine::Element element : k_elements)
+    if (H5Tequal(type, file_type(element)) > 0) return element;
+  return std::nullopt;
+}
+
+/// The bytes of a text of fixed length, without what pads it.
+std::string unpadded(std::string text) {
+  text.resize(text.find_last_not_of('\0') + 1);
+  return text;
+}
+
+Hdf5Id space_of(const std::vector<std::size_t>& extent) {
+  if (extent.empty()) return {H5Screate(H5S_SCALAR), H5Sclose};
+  const std::vector<hsize_t> dimensions(extent.begin(), extent.end());
+  return {H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose};
+}
+
+/// Nothing in a file says when it was made: equal contents are equal bytes.
+Hdf5Id creation_properties(hid_t kind) {
+  Hdf5Id properties(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  return properties;
+}
+
+/// HDF5's cache of a file's metadata grows to 32 MiB by default: what a long recording has written, and never
+/// needs again. With a bound of 2 MiB a run's memory stays what it is after some seconds.
+void bound_metadata_cache(hid_t access) {
+  constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  if (H5Pget_mdc_config(access, &config) < 0) return;
+  config.set_initial_size = true;
+  config.initial_size = config.min_size = k_most_bytes / 2;
+  config.max_size = k_most_bytes;
+  H5Pset_mdc_config(access, &config);
+}
+
+/// Without the newest features of the library at hand: what HDF5 1.10 reads, and what SWMR needs.
+Hdf5Id access_properties() {
+  Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing early is an error, not a surprise
+  bound_metadata_cache(access.get());
+  return access;
+}
+
+/// Of files that are written: without a cache of chunks. Batches are appended once and whole; HDF5 would keep
+/// up to 1 MiB of each dataset for good, and a recording of all state has hundreds. Readers have the caches:
+/// of a file that was compressed later they would unpack a chunk for every frame of it.
+Hdf5Id writing_access_properties() {
+  Hdf5Id access = access_properties();
+  H5Pset_cache(access.get(), 0, 0, 0, 0);
+  return access;
+}
+
+void set_fill(hid_t properties, engine::Element element, std::optional<std::uint64_t> fill) {
+  if (fill) {
+    H5Pset_fill_value(properties, H5T_NATIVE_UINT64, &*fill);
+  } else if (element == engine::Element::f64 || element == engine::Element::f32) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &nan);
+  }
+}
+
+template <class T>
+T product(std::span<const T> factors) {
+  T product = 1;
+  for (const T factor : factors) {
+    if (factor != 0 && product > std::numeric_limits<T>::max() / factor) return std::numeric_limits<T>::max();
+    product *= factor;
+  }
+  return product;
+}
+
+}  // namespace
+
+// ---- ids
+
+Hdf5Id::Hdf5Id(Hdf5Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+
+Hdf5Id& Hdf5Id::operator=(Hdf5Id&& other) noexcept {
+  if (this != &other) {
+    reset();
+    id_ = std::exchange(other.id_, -1);
+    close_ = other.close_;
+  }
+  return *this;
+}
+
+bool Hdf5Id::reset() noexcept {
+  if (!valid()) return true;
+  const Quiet quiet;
+  return close_(std::exchange(id_, -1)) >= 0;
+}
+
+// ---- attributes
+
+Hdf5Object::Hdf5Object(Hdf5Id id, fs::path file, std::string path)
+    : id_(std::move(id)), file_(std::move(file)), path_(std::move(path)) {}
+
+void Hdf5Object::fail(std::string_view message) const {
+  fail_with(file_, fmt::format("{} {}", path_, message));
+}
+
+std::int64_t Hdf5Object::check(std::int64_t result, std::string_view action) const {
+  if (result < 0) fail(fmt::format("cannot be {}: {}", action, reason()));
+  return result;
+}
+
+void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std::int64_t in_file,
+                                 const void* value) {
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Id attribute(H5Acreate2(id_.get(), name.c_str(), in_file, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  check(attribute.get(), "written");
+  check(H5Awrite(attribute.get(), type, value), "written");
+}
+
+void Hdf5Object::set_text(const std::string& name, std::string_view value) {
+  // The header of an object has room for 64 KiB, in files of the format that checkpoints need. Longer texts
+  // lie in the global heap, which no checksum protects.
+  constexpr std::size_t k_most_fixed = 60000;
+  const Quiet quiet;
+  const std::string text = value.empty() ? std::string(1, '\0') : std::string(value);
+  if (text.size() <= k_most_fixed) {
+    const Hdf5Id type = text_type(text.size());
+    write_attribute(name, type.get(), type.get(), text.data());
+    return;
+  }
+  const Hdf5Id type = text_type(H5T_VARIABLE);
+  const char* const pointer = text.c_str();
+  write_attribute(name, type.get(), type.get(), &pointer);
+}
+
+void Hdf5Object::set_integer(const std::string& name, std::int64_t value) {
+  const Quiet quiet;
+  write_attribute(name, H5T_NATIVE_INT64, H5T_STD_I64LE, &value);
+}
+
+void Hdf5Object::set_number(const std::string& name, double value) {
+  const Quiet quiet;
+  write_attribute(name, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, &value);
+}
+
+std::vector<std::string> Hdf5Object::attributes() const {
+  const Quiet quiet;
+  std::vector<std::string> names;
+  hsize_t from = 0;
+  check(H5Aiterate2(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5A_info_t>, &names), "read");
+  std::ranges::sort(names);
+  return names;
+}
+
+bool Hdf5Object::has_attribute(const std::string& name) const {
+  const Quiet quiet;
+  return H5Aexists(id_.get(), name.c_str()) > 0;
+}
+
+Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
+  if (!has_attribute(name)) fail(fmt::format("has no attribute \"{}\"", name));
+  Hdf5Id attribute(H5Aopen(id_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  check(attribute.get(), "read");
+  const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
+  if (H5Sget_simple_extent_npoints(space.get()) != 1)
+    fail(fmt::format("has an attribute \"{}\" that is no single value", name));
+  return attribute;
+}
+
+std::string Hdf5Object::text(const std::string& name) const {
+  const Quiet quiet;
+  const Hdf5Id attribute = open_attribute(name);
+  const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
+  if (H5Tget_class(type.get()) != H5T_STRING)
+    fail(fmt::format("has an attribute \"{}\" that is no text", name));
+  if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
+  const std::size_t size = H5Tget_size(type.get());
+  if (size > H5Aget_storage_size(attribute.get()))
+    fail(fmt::format("has an attribute \"{}\" that is larger than the file says: the file is damaged", name));
+  std::string value(size, '\0');
+  check(H5Aread(attribute.get(), type.get(), value.data()), "read");
+  return unpadded(std::move(value));
+}
+
+/// A text of an older recording.
+std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string& name) const {
+  std::array<std::uint8_t, k_heap_reference_bytes> reference{};
+  check(H5Aread(attribute, reference_type().get(), reference.data()), "read");
+  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
+  const Hdf5Id creation(H5Fget_create_plist(open_file.get()), H5Pclose);
+  hsize_t user_block = 0;
+  check(H5Pget_userblock(creation.get(), &user_block), "read");
+  std::optional<std::string> text = read_heap_text(file_, user_block, reference);
+  if (!text) fail(fmt::format("has an attribute \"{}\" whose text is not there: the file is damaged", name));
+  return std::move(*text);
+}
+
+std::int64_t Hdf5Object::integer(const std::string& name) const {
+  const Quiet quiet;
+  const Hdf5Id attribute = open_attribute(name);
+  const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
+  std::int64_t value = 0;
+  if (H5Tget_class(type.get()) != H5T_INTEGER)
+    fail(fmt::format("has an attribute \"{}\" that is no integer", name));
+  check(H5Aread(attribute.get(), H5T_NATIVE_INT64, &value), "read");
+  return value;
+}
+
+double Hdf5Object::number(const std::string& name) const {
+  const Quiet quiet;
+  const Hdf5Id attribute = open_attribute(name);
+  const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
+  double value = 0;
+  if (H5Tget_class(type.get()) != H5T_FLOAT)
+    fail(fmt::format("has an attribute \"{}\" that is no number", name));
+  check(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), "read");
+  return value;
+}
+
+// ---- datasets
+
+Hdf5Dataset::Hdf5Dataset(Hdf5Id id, fs::path file, std::string path)
+    : Hdf5Object(std::move(id), std::move(file), std::move(path)) {
+  const Hdf5Id type(H5Dget_type(id_.get()), H5Tclose);
+  const std::optional<engine::Element> element = element_of_type(type.get());
+  if (!element) fail("holds neither numbers of 32 or 64 bits nor bytes");
+  element_ = *element;
+  const Hdf5Id space(H5Dget_space(id_.get()), H5Sclose);
+  std::vector<hsize_t> dimensions(
+      static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space.get()), "read")));
+  check(H5Sget_simple_extent_dims(space.get(), dimensions.data(), nullptr), "read");
+  extent_.assign(dimensions.begin(), dimensions.end());
+}
+
+std::size_t Hdf5Dataset::row_values() const {
+  return extent_.empty() ? 1 : product(std::span<const std::size_t>(extent_).subspan(1));
+}
+
+std::size_t Hdf5Dataset::values() const {
+  const std::size_t values = product(std::span<const std::size_t>(extent_));
+  // Rows that were never written take no room, but nobody makes a file of nothing else.
+  const Quiet quiet;
+  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(open_file.get(), &bytes), "read");
+  if (values > bytes / engine::element_size(element_)) fail("is larger than the file: the file is damaged");
+  return values;
+}
+
+void Hdf5Dataset::check_element(engine::Element element) const {
+  if (element != element_)
+    fail(fmt::format("holds {}, not {}", engine::element_name(element_), engine::element_name(element)));
+}
+
+void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* from, std::size_t values,
+                             engine::Element element) {
+  check_element(element);
+  if (values != rows * row_values())
+    fail(fmt::format("takes {} values, not {}", rows * row_values(), values));
+  if (values == 0) return;
+  const Quiet quiet;
+  const hid_t type = memory_type(element);
+  if (first == 0 && rows == this->rows()) {
+    check(H5Dwrite(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, from), "written");
+    return;
+  }
+  std::vector<hsize_t> start(extent_.size(), 0);
+  std::vector<hsize_t> count(extent_.begin(), extent_.end());
+  start[0] = first;
+  count[0] = rows;
+  const Hdf5Id in_file(H5Dget_space(id_.get()), H5Sclose);
+  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+        "written");
+  const Hdf5Id in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+  check(H5Dwrite(id_.get(), type, in_memory.get(), in_file.get(), H5P_DEFAULT, from), "written");
+}
+
+void Hdf5Dataset::write_bytes(std::span<const std::byte> from) {
+  write_rows(0, rows(), from.data(), from.size() / engine::element_size(element_), element_);
+}
+
+void Hdf5Dataset::append(const void* from, std::size_t values, engine::Element element) {
+  check_element(element);
+  const std::size_t row = std::max<std::size_t>(row_values(), 1);
+  if (values % row != 0) fail(fmt::format("has rows of {} values, not {}", row, values));
+  const std::size_t first = rows();
+  resize(first + values / row);
+  write_rows(first, values / row, from, values, element);
+}
+
+void Hdf5Dataset::append_bytes(std::span<const std::byte> from) {
+  append(from.data(), from.size() / engine::element_size(element_), element_);
+}
+
+void Hdf5Dataset::resize(std::size_t rows) {
+  if (extent_.empty()) fail("is a single value: it has no rows");
+  const Quiet quiet;
+  std::vector<hsize_t> extent(extent_.begin(), extent_.end());
+  extent[0] = rows;
+  check(H5Dset_extent(id_.get(), extent.data()), "written");
+  extent_[0] = rows;
+}
+
+void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
+                            engine::Element element) const {
+  check_element(element);
+  if (values == 0) return;
+  const std::size_t row = std::max<std::size_t>(row_values(), 1);
+  const std::size_t count = values / row;
+  if (values % row != 0 || first > rows() || count > rows() - first)
+    fail(fmt::format("has {} rows of {} values: it has no {} values from row {} on", rows(), row, values,
+                     first));
+  const Quiet quiet;
+  const hid_t type = memory_type(element);
+  if (count == rows()) {
+    check(H5Dread(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into), "read");
+    return;
+  }
+  std::vector<hsize_t> start(extent_.size(), 0);
+  std::vector<hsize_t> size(extent_.begin(), extent_.end());
+  start[0] = first;
+  size[0] = count;
+  const Hdf5Id in_file(H5Dget_space(id_.get()), H5Sclose);
+  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
+        "read");
+  const Hdf5Id in_memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+  check(H5Dread(id_.get(), type, in_memory.get(), in_file.get(), H5P_DEFAULT, into), "read");
+}
+
+void Hdf5Dataset::read_bytes(std::size_t first, std::span<std::byte> into) const {
+  read_rows(first, into.data(), into.size() / engine::element_size(element_), element_);
+}
+
+void Hdf5Dataset::flush() {
+  const Quiet quiet;
+  check(H5Dflush(id_.get()), "written");
+}
+
+// ---- groups
+
+Hdf5Group::Hdf5Group(Hdf5Id id, fs::path file, std::string path)
+    : Hdf5Object(std::move(id), std::move(file), std::move(path)) {}
+
+std::string Hdf5Group::path_of(const std::string& name) const {
+  return path_ == "/" ? path_ + name : fmt::format("{}/{}", path_, name);
+}
+
+Hdf5Group Hdf5Group::create_group(const std::string& name) {
+  const Quiet quiet;
+  const Hdf5Id properties = creation_properties(H5P_GROUP_CREATE);
+  Hdf5Group made(
+      Hdf5Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose),
+      file_, path_of(name));
+  made.check(made.id_.get(), "written");
+  return made;
+}
+
+Hdf5Group Hdf5Group::group(const std::string& name) const {
+  const Quiet quiet;
+  if (!has_group(name)) fail_with(file_, fmt::format("there is no group {}", path_of(name)));
+  Hdf5Group found(Hdf5Id(H5Gopen2(id_.get(), name.c_str(), groups()), H5Gclose), file_, path_of(name));
+  found.check(found.id_.get(), "read");
+  return found;
+}
+
+bool Hdf5Group::has(const std::string& name) const {
+  const Quiet quiet;
+  return H5Lexists(id_.get(), name.c_str(), links()) > 0 &&
+         H5Oexists_by_name(id_.get(), name.c_str(), links()) > 0;
+}
+
+bool Hdf5Group::has_group(const std::string& name) const {
+  if (!has(name)) return false;
+  const Quiet quiet;
+  const Hdf5Id object(H5Oopen(id_.get(), name.c_str(), links()), H5Oclose);
+  return object.valid() && H5Iget_type(object.get()) == H5I_GROUP;
+}
+
+std::vector<std::string> Hdf5Group::names() const {
+  const Quiet quiet;
+  std::vector<std::string> names;
+  hsize_t from = 0;
+  check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5L_info_t>, &names), "read");
+  std::ranges::sort(names);
+  return names;
+}
+
+Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element element,
+                                      const std::vector<std::size_t>& extent) {
+  const Quiet quiet;
+  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
+  const Hdf5Id space = space_of(extent);
+  Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
+                         properties.get(), H5P_DEFAULT),
+              H5Dclose);
+  if (!made.valid()) fail(fmt::format("cannot be given {}: {}", name, reason()));
+  return {std::move(made), file_, path_of(name)};
+}
+
+Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Element element,
+                                         const std::vector<std::size_t>& row, const Hdf5Chunks& chunks) {
+  const Quiet quiet;
+  std::vector<hsize_t> extent{0};
+  std::vector<hsize_t> most{H5S_UNLIMITED};
+  for (const std::size_t size : row) {
+    extent.push_back(size);
+    most.push_back(size == 0 ? H5S_UNLIMITED : size);  // no chunk may be larger than what is fixed
+  }
+  const Hdf5Id space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data()), H5Sclose);
+  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
+  const std::vector<hsize_t> chunk(chunks.extent.begin(), chunks.extent.end());
+  H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data());
+  set_fill(properties.get(), element, chunks.fill);
+  Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
+                         properties.get(), H5P_DEFAULT),
+              H5Dclose);
+  if (!made.valid()) fail(fmt::format("cannot be given {}: {}", name, reason()));
+  return {std::move(made), file_, path_of(name)};
+}
+
+Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
+  const Quiet quiet;
+  if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
+  Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
+  if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
+  if (const std::string why = why_foreign(found.get()); !why.empty())
+    fail_with(file_, fmt::format("{} {}", path_of(name), why));
+  return {std::move(found), file_, path_of(name)};
+}
+
+void Hdf5Group::write_text(const std::string& name, std::string_view text) {
+  const Quiet quiet;
+  const Hdf5Id type = text_type(text.size());
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
+  const Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT,
+                               properties.get(), H5P_DEFAULT),
+                    H5Dclose);
+  const std::string padded = text.empty() ? std::string(1, '\0') : std::string(text);
+  if (!made.valid() || H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    fail(fmt::format("cannot be given {}: {}", name, reason()));
+}
+
+void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
+  const Quiet quiet;
+  std::size_t longest = 1;
+  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  std::string padded(longest * texts.size(), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(padded.data() + i * longest, longest);
+  const Hdf5Id type = text_type(longest);
+  const Hdf5Id space = space_of({texts.size()});
+  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
+  const Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT,
+                               properties.get(), H5P_DEFAULT),
+                    H5Dclose);
+  if (!made.valid() ||
+      (!texts.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0))
+    fail(fmt::format("cannot be given {}: {}", name, reason()));
+}
+
+std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
+  const Quiet quiet;
+  if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
+  const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
+  const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
+  const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
+  if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
+    fail_with(file_, fmt::format("{} is no text of fixed length", path_of(name)));
+  if (const std::string why = why_foreign(found.get()); !why.empty())
+    fail_with(file_, fmt::format("{} {}", path_of(name), why));
+  const std::size_t length = H5Tget_size(type.get());
+  const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
+  std::error_code unknown;
+  if (count > 0 && count > fs::file_size(file_, unknown) / length)
+    fail_with(file_, fmt::format("{} is larger than the file: the file is damaged", path_of(name)));
+  std::string padded(length * count, '\0');
+  if (count > 0 && H5Dread(found.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < count; ++i) texts.push_back(unpadded(padded.substr(i * length, length)));
+  return texts;
+}
+
+std::string Hdf5Group::read_text(const std::string& name) const {
+  std::vector<std::string> texts = read_texts(name);
+  if (texts.size() != 1) fail_with(file_, fmt::format("{} is not one text", path_of(name)));
+  return std::move(texts.front());
+}
+
+// ---- files
+
+namespace {
+
+Hdf5Id made(const fs::path& file, std::size_t user_block, hid_t access) {
+  const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
+  H5Pset_userblock(creation.get(), user_block);
+  Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
+  return made;
+}
+
+}  // namespace
+
+Hdf5File::Hdf5File(Hdf5Id id, fs::path file) : Hdf5Group(std::move(id), std::move(file), "/") {}
+
+Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
+  start_library();
+  const Quiet quiet;
+  const Hdf5Id access = writing_access_properties();
+  return {made(file, user_block, access.get()), file};
+}
+
+Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
+  constexpr std::size_t k_piece = 1 << 20;  // that memory grows by
+  start_library();
+  const Quiet quiet;
+  const Hdf5Id access = access_properties();
+  H5Pset_fapl_core(access.get(), k_piece, false);
+  // Newer heads say that the file is open to be written, and hold a sum of themselves; H5Fget_file_image
+  // takes out the one and leaves the other as it was.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
+  return {made(file, user_block, access.get()), file};
+}
+
+Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
+  start_library();
+  const Quiet quiet;
+  if (const std::string why = unreadable(file); !why.empty()) fail_with(file, why);
+  const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
+  Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
+  if (!found.valid()) fail_with(file, fmt::format("cannot be read: {}", reason()));
+  return {std::move(found), file};
+}
+
+Hdf5File Hdf5File::open(const fs::path& file) { return opened(file, H5F_ACC_RDONLY); }
+
+Hdf5File Hdf5File::open_swmr(const fs::path& file) {
+  return opened(file, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ);
+}
+
+Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F_ACC_RDWR); }
+
+void Hdf5File::start_swmr() {
+  const Quiet quiet;
+  if (H5Fstart_swmr_write(id_.get()) < 0) fail_with(file_, fmt::format("cannot be streamed: {}", reason()));
+}
+
+void Hdf5File::flush() {
+  const Quiet quiet;
+  if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0)
+    fail_with(file_, fmt::format("cannot be written: {}", reason()));
+}
+
+std::vector<std::byte> Hdf5File::image() {
+  flush();
+  const Quiet quiet;
+  const Hdf5Id creation(H5Fget_create_plist(id_.get()), H5Pclose);
+  hsize_t user_block = 0;
+  H5Pget_userblock(creation.get(), &user_block);
+  const auto size = static_cast<std::size_t>(check(H5Fget_file_image(id_.get(), nullptr, 0), "copied"));
+  // The library's image begins behind the user block.
+  std::vector<std::byte> bytes(user_block + size);
+  check(H5Fget_file_image(id_.get(), bytes.data() + user_block, size), "copied");
+  return bytes;
+}
+
+void Hdf5File::close() {
+  if (!id_.valid()) return;
+  const Quiet quiet;
+  if (!id_.reset()) fail_with(file_, fmt::format("cannot be closed: {}", reason()));
+}
+
+void Hdf5File::abandon() noexcept { id_.release(); }
+
+bool has_hdf5() { return true; }
+
+}  // namespace troupe::worldio

@@ -1,0 +1,135 @@
+#include "worldio/results/hdf5_superblock.hpp"
+
+#include "worldio/files.hpp"
+#include "worldio/results/little_endian.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+
+namespace troupe::worldio {
+namespace {
+
+// Where things lie, for addresses of 8 bytes: the only ones that anybody writes.
+constexpr std::size_t k_bytes = 48;
+constexpr std::size_t k_version = 8;
+constexpr std::size_t k_offset_size = 9;
+constexpr std::size_t k_flags = 11;
+constexpr std::size_t k_end = 28;
+constexpr std::size_t k_checksum = 44;
+
+using Head = std::array<std::uint8_t, k_bytes>;
+
+void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
+  for (std::uint8_t& byte : bytes) {
+    byte = static_cast<std::uint8_t>(value);
+    value >>= 8;
+  }
+}
+
+/// The checksum of HDF5's metadata: Bob Jenkins' lookup3 (2006, public domain), hashlittle() of the bytes
+/// before it.
+std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
+  const auto word = [&](std::size_t at) {
+    return at >= bytes.size() ? 0u
+                              : static_cast<std::uint32_t>(little_endian(
+                                    bytes.subspan(at, std::min<std::size_t>(4, bytes.size() - at))));
+  };
+  std::uint32_t a = 0xdeadbeef + static_cast<std::uint32_t>(bytes.size());
+  std::uint32_t b = a;
+  std::uint32_t c = a;
+  std::size_t at = 0;
+  const auto add = [&] { a += word(at), b += word(at + 4), c += word(at + 8); };
+  for (; bytes.size() - at > 12; at += 12) {
+    add();
+    a -= c, a ^= std::rotl(c, 4), c += b;
+    b -= a, b ^= std::rotl(a, 6), a += c;
+    c -= b, c ^= std::rotl(b, 8), b += a;
+    a -= c, a ^= std::rotl(c, 16), c += b;
+    b -= a, b ^= std::rotl(a, 19), a += c;
+    c -= b, c ^= std::rotl(b, 4), b += a;
+  }
+  add();
+  c ^= b, c -= std::rotl(b, 14);
+  a ^= c, a -= std::rotl(c, 11);
+  b ^= a, b -= std::rotl(a, 25);
+  c ^= b, c -= std::rotl(b, 16);
+  a ^= c, a -= std::rotl(c, 4);
+  b ^= a, b -= std::rotl(a, 14);
+  c ^= b, c -= std::rotl(b, 24);
+  return c;
+}
+
+bool is_whole(const Head& head) {
+  const std::uint8_t version = head[k_version];
+  return std::ranges::equal(k_hdf5_signature, std::span(head).first(k_hdf5_signature.size()), {},
+                            [](char c) { return static_cast<std::uint8_t>(c); }) &&
+         (version == 2 || version == 3) && head[k_offset_size] == 8 &&
+         little_endian(std::span(head).subspan(k_checksum)) == checksum(std::span(head).first(k_checksum));
+}
+
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& file, int flags) : fd_(open(file.c_str(), flags | O_CLOEXEC)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+std::optional<Head> read_head(int fd) {
+  Head head{};
+  if (fd < 0 || pread(fd, head.data(), head.size(), 0) != static_cast<ssize_t>(head.size()) ||
+      !is_whole(head))
+    return std::nullopt;
+  return head;
+}
+
+}  // namespace
+
+std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
+  if (!unreadable(file).empty()) return std::nullopt;
+  const std::optional<Head> head = read_head(Descriptor(file, O_RDONLY).get());
+  if (!head) return std::nullopt;
+  return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end, 8))};
+}
+
+void close_superblock(const std::filesystem::path& file) {
+  const auto fail = [&](const std::string& reason) {
+    throw std::runtime_error(fmt::format("{}: error: cannot be marked as closed: {}", file.string(), reason));
+  };
+  const auto system_reason = [] { return std::generic_category().message(errno); };
+  const Descriptor descriptor(file, O_RDWR);
+  if (descriptor.get() < 0) fail(system_reason());
+  std::optional<Head> head = read_head(descriptor.get());
+  if (!head) fail("its head is damaged");
+  struct stat status {};
+  if (fstat(descriptor.get(), &status) != 0) fail(system_reason());
+  // Where room was given out but never written, HDF5 takes the file for truncated; where room was written
+  // that the head does not know of, for damaged.
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  const std::uint64_t end = std::max(size, little_endian(std::span(*head).subspan(k_end, 8)));
+  if (end > size && ftruncate(descriptor.get(), static_cast<off_t>(end)) != 0) fail(system_reason());
+  (*head)[k_flags] = 0;
+  put_little_endian(end, std::span(*head).subspan(k_end, 8));
+  put_little_endian(checksum(std::span(*head).first(k_checksum)), std::span(*head).subspan(k_checksum));
+  if (pwrite(descriptor.get(), head->data(), head->size(), 0) != static_cast<ssize_t>(head->size()))
+    fail(system_reason());
+}
+
+}  // namespace troupe::worldio

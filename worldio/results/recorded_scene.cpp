@@ -1,0 +1,228 @@
+#include "worldio/results/recorded_scene.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/names.hpp"
+#include "engine/shown_color.hpp"
+#include "engine/watch_spec.hpp"
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_reader.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double k_reach = 1e6;                // m: ten times as far as worlds reach
+constexpr std::size_t k_most_beams = 1 << 20;  // of a fan: ten times what a world may say
+
+[[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
+  throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
+}
+
+/// Thrown for what no world says; as nlohmann's own exceptions it becomes an error that names the file.
+struct Damaged {};
+
+double number_of(const Json& json) {
+  const auto x = json.get<double>();
+  if (!(std::abs(x) <= k_reach)) throw Damaged();
+  return x;
+}
+
+/// Texts that are no UTF-8 are stored as {"latin1": ...}, whose characters are good for people.
+std::string text_of(const Json& json) {
+  return json.is_object() ? json.at("latin1").get<std::string>() : json.get<std::string>();
+}
+
+Pose pose_of(const Json& json) {
+  return {number_of(json.at(0)), number_of(json.at(1)), number_of(json.at(2)), number_of(json.at(3))};
+}
+
+Solid solid_of(const Json& json) {
+  Solid solid;
+  solid.z = {number_of(json.at("z_m").at(0)), number_of(json.at("z_m").at(1))};
+  for (const Json& contour : json.at("contours_m")) {
+    Ring ring;
+    for (const Json& point : contour) ring.emplace_back(number_of(point.at(0)), number_of(point.at(1)));
+    solid.contours.push_back(std::move(ring));
+  }
+  return solid;
+}
+
+/// The joint that something stands on; the first `known` ones may be named.
+std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
+  const auto found = json.find(key);
+  if (found == json.end()) return engine::k_rigid;
+  const auto joint = found->get<std::int64_t>();
+  if (joint < 0 || joint >= static_cast<std::int64_t>(known)) throw Damaged();
+  return static_cast<std::int32_t>(joint);
+}
+
+/// As a path of /state says it.
+std::string component_of(std::string_view joint) {
+  std::string component = "joint";
+  for (std::size_t start = 0; start <= joint.size();) {
+    const std::size_t end = std::min(joint.find('/', start), joint.size());
+    component += '/' + hdf5_name(joint.substr(start, end - start));
+    start = end + 1;
+  }
+  return component;
+}
+
+std::vector<RecordedScene::Joint> joints_of(const Json& type) {
+  std::vector<RecordedScene::Joint> joints;
+  for (const Json& joint : type.value("joints", Json::array()))
+    joints.push_back({.component = component_of(text_of(joint.at("name"))),
+                      .parent = joint_of(joint, "parent", joints.size()),
+                      .pose_body_joint = pose_of(joint.at("pose"))});
+  return joints;
+}
+
+void add_shapes(const Json& json, RecordedScene::Type& type) {
+  engine::FrameType& look = type.look;
+  look.mobile = json.contains("drive");
+  for (const Json& part : json.at("parts")) {
+    std::optional<Color> color;
+    if (const auto own = part.find("color"); own != part.end())
+      color = Color{own->at(0).get<float>(), own->at(1).get<float>(), own->at(2).get<float>(),
+                    own->at(3).get<float>()};
+    for (const Json& solid : part.at("solids")) {
+      look.shapes.push_back({solid_of(solid), color});
+      type.shape_joints.push_back(joint_of(part, "joint", type.joints.size()));
+    }
+  }
+  for (const engine::FrameShape& shape : look.shapes)
+    for (const Ring& ring : shape.solid.contours)
+      for (const Vec2& point : ring) look.radius = std::max(look.radius, point.norm());
+}
+
+/// A parameter of a stored block; a default where it was not worth writing.
+double param(const Json& params, const char* key, double fallback) {
+  const auto found = params.find(key);
+  return found == params.end() ? fallback : number_of(*found);
+}
+
+std::vector<RecordedScene::Fan> fans_of(const Json& ranger) {
+  const Pose pose_body_sensor = pose_of(ranger.at("pose"));
+  std::vector<RecordedScene::Fan> fans;
+  for (const Json& transducer : ranger.at("params").value("transducers", Json::array())) {
+    const Json place = transducer.value("pose", Json::object());
+    const Pose pose_sensor_fan{param(place, "x_m", 0), param(place, "y_m", 0), param(place, "z_m", 0),
+                               param(place, "heading_rad", 0)};
+    const double beams = param(transducer, "samples", 1);
+    if (!(beams >= 1 && beams <= k_most_beams)) throw Damaged();
+    fans.push_back({.pose_body_fan = compose(pose_body_sensor, pose_sensor_fan),
+                    .range_max_m = param(transducer, "range_max_m", 0),
+                    .fov_rad = param(transducer, "fov_rad", 0),
+                    .beams = static_cast<std::size_t>(beams)});
+  }
+  return fans;
+}
+
+RecordedScene::Type type_of(const Json& json) {
+  RecordedScene::Type type;
+  type.name = text_of(json.at("name"));
+  type.joints = joints_of(json);
+  add_shapes(json, type);
+  std::map<std::string, int> met;  // recordings tell sensors of one name apart by "~2"
+  for (const Json& sensor : json.at("sensors")) {
+    std::string name = hdf5_name(text_of(sensor.at("name")));
+    if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
+    if (sensor.value("part", 0) == 0) type.body_devices.push_back(name);
+    if (sensor.at("params").contains("transducers"))  // a ranger, of whatever kind
+      type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
+  }
+  return type;
+}
+
+RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) {
+  RecordedScene scene;
+  scene.title = text_of(json.at("title"));
+  std::vector<std::string> words;
+  for (const Json& word : json.at("words")) words.push_back(text_of(word));
+  for (const Json& type : json.at("types")) scene.types.push_back(type_of(type));
+
+  const std::size_t bodies = columns.type.size();
+  scene.bodies.reserve(bodies);
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const double* pose = &columns.pose[4 * b];
+    const float* color = &columns.color[4 * b];
+    if (columns.word[b] >= words.size() || columns.type[b] >= scene.types.size() ||
+        !std::all_of(pose, pose + 4, [](double x) { return std::abs(x) <= k_reach; }))
+      throw Damaged();
+    std::string name = words[columns.word[b]];
+    if (columns.number[b] != engine::Name::k_no_number) name += std::to_string(columns.number[b]);
+    scene.bodies.push_back({.name = std::move(name),
+                            .type = columns.type[b],
+                            .pose_world_body = {pose[0], pose[1], pose[2], pose[3]},
+                            .color = {color[0], color[1], color[2], color[3]}});
+  }
+  return scene;
+}
+
+/// Of several devices of a body that show a colour the first counts, as in the engine.
+void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
+  std::vector<std::size_t> best(scene.types.size(), std::numeric_limits<std::size_t>::max());
+  for (const RecordingReader::Array& array : recording.arrays()) {
+    if (array.field.name != engine::k_shown_color || array.field.columns != 3 || array.bodies.empty() ||
+        !array.component.starts_with("sensors/"))
+      continue;
+    const std::uint32_t t = scene.bodies[recording.ids()[array.bodies.front()]].type;
+    RecordedScene::Type& type = scene.types[t];
+    const auto device =
+        std::ranges::find(type.body_devices, array.component.substr(array.component.rfind('/') + 1));
+    const auto place = static_cast<std::size_t>(device - type.body_devices.begin());
+    if (device == type.body_devices.end() || place >= best[t]) continue;
+    best[t] = place;
+    type.shown_color = array.component;
+  }
+}
+
+}  // namespace
+
+Color shown_color(std::span<const double> parts, const Color& of_the_world) {
+  if (!std::ranges::all_of(parts, [](double part) { return std::isfinite(part); })) return of_the_world;
+  return {static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]), 1};
+}
+
+RecordedScene recorded_scene(const RecordingReader& recording) {
+  const std::optional<RecordingReader::Scene> columns = recording.scene();
+  if (!columns)
+    fail(recording,
+         "does not say where walls stand and what colours robots have (/scene): an older version of Troupe "
+         "recorded it; record it again");
+  try {
+    RecordedScene scene = scene_of(Json::parse(recording.world_json()), *columns);
+    find_shown_colors(recording, scene);
+    return scene;
+  } catch (const Json::exception&) {
+    fail(recording, "/world is not what a recording holds: the file is damaged");
+  } catch (const Damaged&) {
+    fail(recording, "/world or /scene says what no world does: the file is damaged");
+  }
+}
+
+std::optional<engine::Record> recorded_window(const RecordingReader& recording) {
+  Diagnostics diagnostics;
+  const Where where{diagnostics.files()->add(recording.file().string()), 0};
+  const std::optional<JsonNode> document = parse_json(recording.world_json(), where, true, diagnostics);
+  std::optional<engine::Record> window;
+  if (document) {
+    const JsonCursor root(*document, diagnostics);
+    JsonObject world(root);
+    window = read_block(world, "window", engine::window_fields());
+  }
+  if (diagnostics.has_errors()) fail(recording, "/world is not what a recording holds: the file is damaged");
+  return window;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,238 @@
+#include "worldio/results/recording_fields.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/shown_color.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::BodyType;
+using engine::HashGroup;
+using engine::StateTable;
+using engine::World;
+
+/// What bodies look like beside where they are: colours that devices show (LEDs, also those of zones that
+/// brushes paint), and whether lights are lit.
+bool is_look(const engine::StateField& field) {
+  return field.name == engine::k_shown_color || field.name == "lit";
+}
+
+/// Which names of --record-fields choose all of a table; those of single fields are looked at besides. "pose"
+/// chooses the poses of parts that move, too, and is_look(): a body cannot be drawn without them.
+bool chooses(const std::string& name, const StateTable& table) {
+  const std::string_view component = table.component();
+  return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
+         (name == "pose" && component.starts_with("joint/"));
+}
+
+std::string frame_of(const StateTable& table) {
+  if (table.component().starts_with("joint/")) return "joint";
+  if (table.component() == "carrier") return "carrier";
+  switch (table.group()) {
+    case HashGroup::pose: return "world";
+    case HashGroup::velocity: return "body";
+    case HashGroup::sensor: return "sensor";
+    case HashGroup::memory: break;
+  }
+  return "";
+}
+
+std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const std::string> names) {
+  std::vector<std::size_t> fields;
+  for (std::size_t f = 0; f < table.fields().size(); ++f) {
+    const bool chosen = std::ranges::any_of(names, [&](const std::string& name) {
+      const engine::StateField& field = table.fields()[f];
+      return chooses(name, table) || (table.group() == HashGroup::sensor &&
+                                      (name == field.name || (name == "pose" && is_look(field))));
+    });
+    if (chosen) fields.push_back(f);
+  }
+  return fields;
+}
+
+/// Names made unique: the second "robot" is "robot~2".
+class UniqueNames {
+ public:
+  std::string add(std::string_view name) {
+    std::string unique = hdf5_name(name);
+    for (int n = 2; !taken_.insert(unique).second; ++n) unique = fmt::format("{}~{}", hdf5_name(name), n);
+    return unique;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+std::vector<std::string> steps_of(std::string_view component) {
+  std::vector<std::string> steps{"state"};
+  for (std::size_t start = 0; start <= component.size();) {
+    const std::size_t end = std::min(component.find('/', start), component.size());
+    steps.push_back(hdf5_name(component.substr(start, end - start)));
+    start = end + 1;
+  }
+  return steps;
+}
+
+RecordedComponent component_of(const StateTable& table, std::vector<std::string> path,
+                               std::vector<std::size_t> columns, std::size_t rows) {
+  RecordedComponent component{.path = std::move(path),
+                              .name = table.component(),
+                              .frame = frame_of(table),
+                              .rows = rows,
+                              .columns = std::move(columns)};
+  for (const std::size_t column : component.columns) component.fields.push_back(table.fields()[column]);
+  return component;
+}
+
+/// Row of the table -> place of its body in `bodies`, which is sorted.
+std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyId> bodies) {
+  std::vector<std::uint32_t> places;
+  places.reserve(table.rows());
+  for (const BodyId id : table.ids())
+    places.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(bodies, id) - bodies.begin()));
+  return places;
+}
+
+/// Sensors, a type at a time: their readings differ in number from type to type.
+void add_sensors(const World& world, std::span<const std::string> names,
+                 std::vector<RecordedComponent>& components) {
+  const std::vector<std::string> type_names = recorded_type_names(world);
+  for (std::size_t t = 0; t < world.types().size(); ++t) {
+    UniqueNames sensor_names;
+    for (const BodyType::Device& sensor : world.types()[t].devices) {
+      const std::string name = sensor_names.add(sensor.name);
+      const StateTable& table = world.tables()[sensor.table];
+      if (sensor.table == 0) continue;  // a type without a body has no tables
+      std::vector<std::size_t> fields = chosen_fields(table, names);
+      if (fields.empty()) continue;
+      std::vector<BodyId> bodies(table.ids().begin(), table.ids().end());
+      std::ranges::sort(bodies);
+      components.push_back(
+          component_of(table, {"sensors", type_names[t], name}, std::move(fields), table.rows()));
+      components.back().sources.push_back({sensor.table, places(table, bodies)});
+    }
+  }
+}
+
+void leave_out_absent(const World& world, const RecordedComponent& component,
+                      const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
+  const StateTable& table = world.tables()[source.table];
+  for (std::size_t r = 0; r < table.rows(); ++r) {
+    if (world.is_there(world.row(table.ids()[r]))) continue;
+    for (std::size_t f = 0; f < component.fields.size(); ++f) {
+      const engine::StateField& field = component.fields[f];
+      const std::size_t width = engine::element_size(field.element) * field.columns;
+      std::ranges::fill(fields[f].subspan(width * source.recorded[r], width), absent(field));
+    }
+  }
+}
+
+}  // namespace
+
+std::size_t RecordedComponent::bytes(std::size_t field) const {
+  return rows * fields[field].columns * engine::element_size(fields[field].element);
+}
+
+std::vector<BodyId> recorded_bodies(const World& world) {
+  std::vector<BodyId> bodies;
+  bodies.reserve(world.rows());
+  for (std::size_t r = 0; r < world.rows(); ++r) bodies.push_back(world.body(Row(r)));
+  std::ranges::sort(bodies);
+  return bodies;
+}
+
+std::vector<std::string> recorded_type_names(const World& world) {
+  UniqueNames unique;
+  std::vector<std::string> names;
+  for (const BodyType& type : world.types()) names.push_back(unique.add(type.name));
+  return names;
+}
+
+std::vector<std::string> recordable_names(const World& world) {
+  std::vector<std::string> names{"all"};
+  const auto add = [&names](std::string_view name) {
+    if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
+  };
+  for (const StateTable& table : world.tables())
+    if (table.group() == HashGroup::sensor)
+      for (const engine::StateField& field : table.fields()) add(field.name);
+    else
+      add(std::string_view(table.component()).substr(0, table.component().find('/')));
+  for (const StateTable& table : world.tables()) {
+    add(std::string_view(table.component()).substr(0, table.component().find('/')));
+    add(table.component());
+  }
+  return names;
+}
+
+std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
+  const std::vector<std::string> known = recordable_names(world);
+  for (const std::string& name : names)
+    if (std::ranges::find(known, name) == known.end())
+      throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
+
+  const std::vector<BodyId> bodies = recorded_bodies(world);
+  std::vector<RecordedComponent> components;
+  for (std::size_t t = 0; t < world.tables().size(); ++t) {
+    const StateTable& table = world.tables()[t];
+    if (table.group() == HashGroup::sensor) continue;
+    std::vector<std::size_t> fields = chosen_fields(table, names);
+    if (fields.empty()) continue;
+    auto component = std::ranges::find(components, table.component(), &RecordedComponent::name);
+    if (component == components.end())
+      component = components.insert(components.end(), component_of(table, steps_of(table.component()),
+                                                                   std::move(fields), bodies.size()));
+    component->sources.push_back({t, places(table, bodies)});
+  }
+  for (RecordedComponent& component : components) {
+    std::size_t rows = 0;
+    for (const RecordedComponent::Source& source : component.sources) rows += source.recorded.size();
+    component.everywhere = rows == component.rows;
+  }
+  add_sensors(world, names, components);
+  return components;
+}
+
+std::byte absent(const engine::StateField& field) {
+  using engine::Element;
+  return field.element == Element::f64 || field.element == Element::f32 ? std::byte{0xff} : std::byte{0};
+}
+
+void gather(const World& world, const RecordedComponent& component,
+            std::span<const std::span<std::byte>> fields) {
+  for (const RecordedComponent::Source& source : component.sources) {
+    const StateTable& table = world.tables()[source.table];
+    for (std::size_t f = 0; f < component.fields.size(); ++f) {
+      const std::size_t width =
+          engine::element_size(component.fields[f].element) * component.fields[f].columns;
+      const std::size_t stride = table.stride(component.columns[f]);
+      if (table.rows() == 0 || width == 0) continue;
+      const std::byte* from = table.cell<std::byte>(0, component.columns[f]).data();
+      std::byte* const into = fields[f].data();
+      if (width == 8) {  // a number each row: worth a loop of its own, the others are rare or long
+        for (const std::uint32_t row : source.recorded) {
+          std::memcpy(into + std::size_t{8} * row, from, 8);
+          from += stride;
+        }
+      } else {
+        for (const std::uint32_t row : source.recorded) {
+          std::memcpy(into + width * row, from, width);
+          from += stride;
+        }
+      }
+    }
+    if (world.absent_count() > 0 && component.name != "life")  // which says who is not there
+      leave_out_absent(world, component, source, fields);
+  }
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,177 @@
+#include "worldio/results/recording_reader.hpp"
+
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recording_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr int k_most_steps = 8;  // of a component's name; ours have three
+
+/// Places in the order of the phases: what went wrong first stands first.
+int phase_order(const RecordingReader::Array& array) {
+  const std::string& component = array.component;
+  if (component.starts_with("sensors/")) return 0;
+  if (component == "pose") return 3;
+  return component == "velocity" || component == "command" || component == "stall" ? 2 : 1;
+}
+
+bool is_unfinished(const std::filesystem::path& file) {
+  const std::optional<Hdf5Superblock> head = read_superblock(file);
+  return head && head->writing();
+}
+
+Hdf5File opened(const std::filesystem::path& file, bool unfinished) {
+  return unfinished ? Hdf5File::open_swmr(file) : Hdf5File::open(file);
+}
+
+}  // namespace
+
+RecordingReader::RecordingReader(const std::filesystem::path& file)
+    : unfinished_(is_unfinished(file)), hdf5_(opened(file, unfinished_)) {
+  const Hdf5Group meta = checked_meta(hdf5_);
+  for (const std::string& name : meta.attributes())
+    meta_[name] = name == "layout" || name == "record_every_ticks" ? std::to_string(meta.integer(name))
+                                                                   : meta.text(name);
+  const std::int64_t every = meta.integer("record_every_ticks");
+  if (every < 1) meta.fail("has a record_every_ticks below 1: the file is damaged");
+  every_ticks_ = static_cast<std::uint64_t>(every);
+
+  const Hdf5Group bodies = hdf5_.group("bodies");
+  ids_ = bodies.dataset("id").read<std::uint32_t>();
+  types_ = bodies.read_texts("type");
+  names_ = bodies.read_texts("name");
+  if (types_.size() != ids_.size() || names_.size() != ids_.size())
+    bodies.fail("has lists of different lengths: the file is damaged");
+
+  std::vector<std::uint32_t> all(ids_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  find_arrays(hdf5_.group("state"), "", all);
+  if (hdf5_.has_group("sensors")) {
+    const Hdf5Group sensors = hdf5_.group("sensors");
+    for (const std::string& type : sensors.names()) {
+      std::vector<std::uint32_t> of_type;
+      for (const std::uint32_t body : all)
+        if (types_[body] == type) of_type.push_back(body);
+      find_arrays(sensors.group(type), "sensors/" + type, of_type);
+    }
+  }
+  std::ranges::stable_sort(arrays_, {}, phase_order);
+  read_frames();
+}
+
+Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
+  constexpr std::string_view k_kind = "troupe recording";
+  if (!file.has_group("meta") || !file.group("meta").has_attribute("kind") ||
+      file.group("meta").text("kind") != k_kind)
+    file.fail(fmt::format("has no /meta of kind \"{}\": the file is no recording", k_kind));
+  Hdf5Group meta = file.group("meta");
+  if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
+    meta.fail(fmt::format("says layout {}; this program reads {}", layout, k_recording_layout));
+  return meta;
+}
+
+void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& component,
+                                  const std::vector<std::uint32_t>& bodies) {
+  // A damaged file may hold a group that holds itself.
+  if (std::ranges::count(component, '/') > k_most_steps) group.fail("lies too deep: the file is damaged");
+  for (const std::string& name : group.names()) {
+    if (group.has_group(name)) {
+      find_arrays(group.group(name), component.empty() ? name : fmt::format("{}/{}", component, name),
+                  bodies);
+      continue;
+    }
+    Hdf5Dataset dataset = group.dataset(name);
+    dataset.values();  // throws where no file could hold them
+    const std::vector<std::size_t>& extent = dataset.extent();
+    if (component.empty()) {  // /state/alive is of no component
+      if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
+          dataset.element() == engine::Element::u8)
+        alive_ = std::move(dataset);
+      continue;
+    }
+    if (extent.size() != 3 || extent[1] != bodies.size())
+      dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
+    Array array;
+    array.component = component;
+    array.frame = dataset.text("frame");
+    array.bodies = bodies;
+    array.field.name = name;
+    array.field.element = dataset.element();
+    array.field.columns = static_cast<std::uint32_t>(extent[2]);
+    array.field.unit = dataset.text("unit");
+    array.field.text = dataset.text("text");
+    array.dataset = std::move(dataset);
+    arrays_.push_back(std::move(array));
+  }
+}
+
+void RecordingReader::read_frames() {
+  const Hdf5Group frames = hdf5_.group("frames");
+  ticks_ = frames.dataset("tick").read<std::uint64_t>();
+  times_s_ = frames.dataset("time_s").read<double>();
+  hashes_ = frames.dataset("hash").read<std::uint64_t>();
+  // Ticks are written last: of those that stand there, everything does.
+  std::size_t whole = std::min({ticks_.size(), times_s_.size(), hashes_.size()});
+  whole = static_cast<std::size_t>(
+      std::find(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(whole), k_no_tick) -
+      ticks_.begin());
+  for (const Array& array : arrays_) whole = std::min(whole, array.dataset.rows());
+  ticks_.resize(whole);
+  times_s_.resize(whole);
+  hashes_.resize(whole);
+  if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
+    frames.fail("has ticks that do not rise: the file is damaged");
+}
+
+std::optional<RecordingReader::Scene> RecordingReader::scene() const {
+  if (!hdf5_.has_group("scene")) return std::nullopt;
+  const Hdf5Group group = hdf5_.group("scene");
+  Scene scene{.word = group.dataset("word").read<std::uint32_t>(),
+              .number = group.dataset("number").read<std::uint32_t>(),
+              .type = group.dataset("type").read<std::uint32_t>(),
+              .pose = group.dataset("pose").read<double>(),
+              .color = group.dataset("color").read<float>()};
+  const std::size_t bodies = scene.type.size();
+  if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
+      scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))
+    group.fail("has not all of the bodies: the file is damaged");
+  return scene;
+}
+
+std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
+  std::vector<std::uint8_t> all(array.bodies.size(), 1);
+  if (array.component.starts_with("sensors/") || !hdf5_.group("bodies").has_group("has")) return all;
+  Hdf5Group group = hdf5_.group("bodies").group("has");
+  std::string_view path = array.component;
+  for (std::size_t slash = path.find('/'); slash != path.npos; slash = path.find('/')) {
+    const std::string step(path.substr(0, slash));
+    if (!group.has_group(step)) return all;
+    group = group.group(step);
+    path.remove_prefix(slash + 1);
+  }
+  const std::string name(path);
+  if (!group.has(name) || group.has_group(name)) return all;
+  std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
+  if (has.size() != all.size())
+    group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
+  return has;
+}
+
+std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame) const {
+  std::vector<std::uint8_t> alive(ids_.size(), 1);
+  if (alive_ && frame < alive_->rows()) alive_->read_rows(frame, std::span(alive));
+  return alive;
+}
+
+void RecordingReader::read(const Array& array, std::size_t frame, std::span<std::byte> into) const {
+  array.dataset.read_bytes(frame, into);
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,127 @@
+#include "worldio/results/recording_repair.hpp"
+
+#include "worldio/files.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recording_reader.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <system_error>
+
+namespace troupe::worldio {
+namespace fs = std::filesystem;
+namespace {
+
+/// Whether a file descriptor of a process was opened to write: Linux tells in /proc/PID/fdinfo/FD.
+bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
+  std::ifstream info(process / "fdinfo" / descriptor.filename());
+  for (std::string key, value; info >> key >> value;)
+    if (key == "flags:") return (std::stoul(value, nullptr, 8) & O_ACCMODE) != O_RDONLY;
+  return false;
+}
+
+/// A process of this machine that has the file open to write, as far as we may look.
+std::optional<std::string> writer_of(const fs::path& file) {
+  struct stat wanted {};
+  if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    const std::string id = process.path().filename().string();
+    if (id.find_first_not_of("0123456789") != id.npos) continue;
+    std::error_code hidden;
+    for (fs::directory_iterator descriptor(process.path() / "fd", hidden), end; !hidden && descriptor != end;
+         descriptor.increment(hidden)) {
+      struct stat open {};
+      if (stat(descriptor->path().c_str(), &open) == 0 && open.st_dev == wanted.st_dev &&
+          open.st_ino == wanted.st_ino && opened_to_write(process.path(), descriptor->path()))
+        return id;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Cuts every array of the group, and of the groups below, to the whole frames.
+void cut(const Hdf5Group& group, std::size_t frames) {
+  for (const std::string& name : group.names()) {
+    if (group.has_group(name)) {
+      cut(group.group(name), frames);
+    } else if (Hdf5Dataset dataset = group.dataset(name); dataset.rows() != frames) {
+      dataset.resize(frames);
+    }
+  }
+}
+
+bool has_only(const Hdf5Group& group, std::size_t frames) {
+  return std::ranges::all_of(group.names(), [&](const std::string& name) {
+    return group.has_group(name) ? has_only(group.group(name), frames) : group.dataset(name).rows() == frames;
+  });
+}
+
+constexpr std::array<const char*, 3> k_framed = {"frames", "state", "sensors"};
+
+bool is_even(const fs::path& file, std::size_t frames) {
+  const Hdf5File hdf5 = Hdf5File::open(file);
+  return std::ranges::all_of(k_framed, [&](const char* name) {
+    return !hdf5.has_group(name) || has_only(hdf5.group(name), frames);
+  });
+}
+
+std::uint64_t repair_copy(const fs::path& copy) {
+  close_superblock(copy);
+  const std::size_t frames = RecordingReader(copy).frames();
+  Hdf5File hdf5 = Hdf5File::open_to_write(copy);
+  for (const char* name : k_framed)
+    if (hdf5.has_group(name)) cut(hdf5.group(name), frames);
+  hdf5.flush();
+  hdf5.close();
+  if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
+    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: its arrays cannot be cut", copy.string()));
+  return frames;
+}
+
+}  // namespace
+
+Repair repair_recording(const fs::path& file) {
+  if (const std::string reason = unreadable(file); !reason.empty())
+    throw Hdf5Error(fmt::format("{}: error: {}", file.string(), reason));
+  const std::optional<Hdf5Superblock> head = read_superblock(file);
+  if (!head)
+    throw Hdf5Error(fmt::format(
+        "{}: error: has no whole head of HDF5: it is no recording, or was cut off before its first frame",
+        file.string()));
+  if (!head->writing()) {
+    const std::size_t frames = RecordingReader(file).frames();
+    if (is_even(file, frames)) return {false, frames};
+  }
+  if (const std::optional<std::string> writer = writer_of(file))
+    throw Hdf5Error(fmt::format("{}: error: process {} is writing it: there is nothing to repair yet",
+                                file.string(), *writer));
+
+  std::error_code ignored;
+  const fs::path copy = fs::path(file).concat(fmt::format(".{}.partial", getpid()));
+  try {
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    const std::uint64_t frames = repair_copy(copy);
+    fs::rename(copy, file);
+    return {true, frames};
+  } catch (const fs::filesystem_error& fault) {
+    fs::remove(copy, ignored);
+    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: {}", file.string(), fault.code().message()));
+  } catch (const Hdf5Error& fault) {  // who asked knows of no copy
+    fs::remove(copy, ignored);
+    throw Hdf5Error(file.string() + std::string(fault.what()).substr(copy.string().size()));
+  } catch (...) {
+    fs::remove(copy, ignored);
+    throw;
+  }
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,346 @@
+#include "worldio/results/recording_writer.hpp"
+
+#include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recording_reader.hpp"
+#include "worldio/results/recording_repair.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Element;
+using engine::World;
+
+// What is gathered before it is written: large enough that the calls cost nothing beside the bytes, small
+// enough to stay in the caches. A chunk is a batch of one array, and of many robots at most this many bytes.
+constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
+constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
+constexpr std::size_t k_most_batch_frames = 256;
+constexpr std::size_t k_frame_chunk = 1024;  // of /frames, whose rows are single numbers
+
+std::string joined(std::span<const std::string> words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  return words;
+}
+
+std::size_t bytes_of(const std::vector<RecordedComponent>& components, std::size_t rows) {
+  std::size_t bytes = rows;  // of /state/alive
+  for (const RecordedComponent& component : components)
+    for (std::size_t f = 0; f < component.fields.size(); ++f) bytes += component.bytes(f);
+  return bytes;
+}
+
+std::size_t batch_frames(std::size_t frame_bytes) {
+  return std::clamp(k_batch_bytes / std::max<std::size_t>(frame_bytes, 1), std::size_t{1},
+                    k_most_batch_frames);
+}
+
+/// Chunks of a batch of whole frames where those are small, of parts of one frame where they are not.
+Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::size_t element_bytes) {
+  Hdf5Chunks chunks{.extent = {frames}};
+  std::size_t inner = element_bytes;
+  for (std::size_t d = 1; d < row.size(); ++d) inner *= std::max<std::size_t>(row[d], 1);
+  for (std::size_t d = 0; d < row.size(); ++d) chunks.extent.push_back(std::max<std::size_t>(row[d], 1));
+  if (frames == 1 && !row.empty())
+    chunks.extent[1] = std::clamp<std::size_t>(k_chunk_bytes / inner, 1, chunks.extent[1]);
+  return chunks;
+}
+
+/// The group at the path, made where it is not there yet.
+Hdf5Group group_at(Hdf5Group& root, std::span<const std::string> path) {
+  Hdf5Group group = root.has_group(path[0]) ? root.group(path[0]) : root.create_group(path[0]);
+  return path.size() == 1 ? std::move(group) : group_at(group, path.subspan(1));
+}
+
+void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view frame, std::string_view text) {
+  dataset.set_text("unit", unit);
+  dataset.set_text("frame", frame);
+  dataset.set_text("text", text);
+}
+
+/// Every body as the world says it, walls too: what else it takes to draw a frame.
+void write_scene(Hdf5File& file, const engine::WorldSpec& spec) {
+  std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> numbers;
+  std::vector<std::uint32_t> types;
+  std::vector<double> poses;
+  std::vector<float> colors;
+  for (const engine::BodySpec& body : spec.bodies) {
+    words.push_back(body.name.word);
+    numbers.push_back(body.name.number);
+    types.push_back(body.type.value);
+    const Pose& pose = body.pose_world_body;
+    poses.insert(poses.end(), {pose.x, pose.y, pose.z, pose.heading});
+    colors.insert(colors.end(), {body.color.r, body.color.g, body.color.b, body.color.a});
+  }
+  Hdf5Group scene = file.create_group("scene");
+  scene.write("word", std::span<const std::uint32_t>(words));
+  scene.write("number", std::span<const std::uint32_t>(numbers));
+  scene.write("type", std::span<const std::uint32_t>(types));
+  scene.create_dataset("pose", Element::f64, {types.size(), 4}).write(std::span<const double>(poses));
+  scene.create_dataset("color", Element::f32, {types.size(), 4}).write(std::span<const float>(colors));
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world,
+                                 std::vector<RecordedComponent> components, const RecordingHead& head)
+    : file_(Hdf5File::create(file)),
+      bodies_(recorded_bodies(world)),
+      components_(std::move(components)),
+      every_ticks_(head.every_ticks),
+      batch_frames_(batch_frames(bytes_of(components_, bodies_.size()))) {
+  open_ = true;
+  guarded([&] {
+    write_head(world, head);
+    create_outputs();
+    start();
+  });
+}
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world)
+    : file_((repair_recording(file), Hdf5File::open_to_write(file))), bodies_(recorded_bodies(world)) {
+  const Hdf5Group meta = RecordingReader::checked_meta(file_);
+  every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
+  try {
+    components_ = recorded_components(world, split(meta.text("record_fields")));
+  } catch (const std::invalid_argument& fault) {
+    meta.fail(fmt::format("is of another world: {}", fault.what()));
+  }
+  batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
+  std::vector<std::uint32_t> ids;
+  for (const BodyId body : bodies_) ids.push_back(body.value);
+  if (file_.group("bodies").dataset("id").read<std::uint32_t>() != ids)
+    file_.group("bodies").fail("is of another world: it has other bodies");
+  open_outputs();
+  cut_after(world.tick());
+  open_ = true;
+  guarded([&] { start(); });
+}
+
+RecordingWriter::~RecordingWriter() {
+  try {
+    close();
+  } catch (const Hdf5Error&) {
+    // The owner who wants to know calls close().
+  }
+}
+
+template <class Work>
+void RecordingWriter::guarded(Work&& work) {
+  if (!open_) return;
+  try {
+    work();
+  } catch (...) {
+    give_up();
+    throw;
+  }
+}
+
+void RecordingWriter::give_up() noexcept {
+  open_ = false;
+  outputs_.clear();
+  frame_outputs_.clear();
+  file_.abandon();
+  try {
+    close_superblock(file_.file_name());
+  } catch (const std::exception&) {
+    // The error that led here is told; `troupe repair` does what could not be done now.
+  }
+}
+
+void RecordingWriter::write_head(const World& world, const RecordingHead& head) {
+  Hdf5Group meta = file_.create_group("meta");
+  meta.set_text("kind", "troupe recording");
+  meta.set_integer("layout", k_recording_layout);
+  meta.set_integer("record_every_ticks", static_cast<std::int64_t>(head.every_ticks));
+  meta.set_text("record_fields", joined(head.fields));
+  for (const auto& [key, value] : head.meta) meta.set_text(key, value);
+  file_.write_text("world", head.world_json);
+  write_scene(file_, world.spec());
+
+  Hdf5Group bodies = file_.create_group("bodies");
+  const std::vector<std::string> type_names = recorded_type_names(world);
+  std::vector<std::uint32_t> ids;
+  std::vector<std::string> types;
+  std::vector<std::string> names;
+  for (const BodyId body : bodies_) {
+    ids.push_back(body.value);
+    types.push_back(type_names[world.spec().bodies[body.index()].type.index()]);
+    names.push_back(world.spec().name(body));
+  }
+  bodies.write("id", std::span<const std::uint32_t>(ids));
+  bodies.write_texts("type", types);
+  bodies.write_texts("name", names);
+}
+
+void RecordingWriter::create_outputs() {
+  for (const RecordedComponent& component : components_) {
+    Hdf5Group group = group_at(file_, component.path);
+    for (std::size_t f = 0; f < component.fields.size(); ++f) {
+      const engine::StateField& field = component.fields[f];
+      const std::vector<std::size_t> row = {component.rows, field.columns};
+      Hdf5Dataset dataset =
+          group.create_extendible(hdf5_name(field.name), field.element, row,
+                                  chunks(batch_frames_, row, engine::element_size(field.element)));
+      describe(dataset, field.unit, component.frame, field.text);
+      add_output(std::move(dataset), component.bytes(f), absent(field));
+    }
+    if (component.everywhere || component.path.front() != "state") continue;
+    std::vector<std::uint8_t> has(component.rows, 0);
+    for (const RecordedComponent::Source& source : component.sources)
+      for (const std::uint32_t row : source.recorded) has[row] = 1;
+    std::vector<std::string> path = component.path;
+    path.front() = "has";
+    path.insert(path.begin(), "bodies");
+    group_at(file_, std::span(path).first(path.size() - 1))
+        .write(path.back(), std::span<const std::uint8_t>(has));
+  }
+  const std::vector<std::string> state{"state"};
+  Hdf5Dataset alive = group_at(file_, state)
+                          .create_extendible("alive", Element::u8, {bodies_.size()},
+                                             chunks(batch_frames_, {bodies_.size()}, 1));
+  describe(alive, "", "", "1: the body is there");
+  add_output(std::move(alive), bodies_.size(), std::byte{1});
+
+  Hdf5Group frames = file_.create_group("frames");
+  const auto add = [&](const char* name, Element element, const char* unit, const char* text) {
+    Hdf5Chunks chunks{.extent = {k_frame_chunk}};
+    if (element == Element::u64) chunks.fill = k_no_tick;
+    frame_outputs_.push_back(frames.create_extendible(name, element, {}, chunks));
+    describe(frame_outputs_.back(), unit, "", text);
+  };
+  add("tick", Element::u64, "", "of the world; a frame is whole where it is not 2^64 - 1");
+  add("time_s", Element::f64, "s", "on the world's clock");
+  add("hash", Element::u64, "", "of the whole state");
+}
+
+void RecordingWriter::open_outputs() {
+  const auto open = [&](const Hdf5Group& group, const std::string& name, Element element,
+                        std::vector<std::size_t> row) {
+    Hdf5Dataset dataset = group.dataset(name);
+    const std::vector<std::size_t>& extent = dataset.extent();
+    if (dataset.element() != element ||
+        !std::equal(extent.begin() + !extent.empty(), extent.end(), row.begin(), row.end()))
+      dataset.fail("is of another world: it has other rows");
+    return dataset;
+  };
+  for (const RecordedComponent& component : components_) {
+    Hdf5Group group = group_at(file_, component.path);
+    for (std::size_t f = 0; f < component.fields.size(); ++f) {
+      const engine::StateField& field = component.fields[f];
+      add_output(open(group, hdf5_name(field.name), field.element, {component.rows, field.columns}),
+                 component.bytes(f), absent(field));
+    }
+  }
+  add_output(open(file_.group("state"), "alive", Element::u8, {bodies_.size()}), bodies_.size(),
+             std::byte{1});
+  const Hdf5Group frames = file_.group("frames");
+  frame_outputs_.push_back(open(frames, "tick", Element::u64, {}));
+  frame_outputs_.push_back(open(frames, "time_s", Element::f64, {}));
+  frame_outputs_.push_back(open(frames, "hash", Element::u64, {}));
+}
+
+void RecordingWriter::add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent) {
+  outputs_.push_back({std::move(dataset), frame_bytes, std::vector(frame_bytes * batch_frames_, absent)});
+}
+
+void RecordingWriter::cut_after(std::uint64_t tick) {
+  const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
+  frames_ = static_cast<std::uint64_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
+  next_tick_ = frames_ == 0 ? 0 : ticks[frames_ - 1] + 1;
+  // The next frame that is due must not lie behind the world already.
+  const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
+  if (due < tick)
+    frame_outputs_[0].fail(fmt::format(
+        "ends before tick {}, where the run goes on at tick {}: there would be a gap", due, tick));
+  for (Hdf5Dataset& output : frame_outputs_) output.resize(frames_);
+  for (Output& output : outputs_) output.dataset.resize(frames_);
+}
+
+void RecordingWriter::start() {
+  ticks_.reserve(batch_frames_);
+  times_s_.reserve(batch_frames_);
+  hashes_.reserve(batch_frames_);
+  file_.flush();
+  file_.start_swmr();
+}
+
+bool RecordingWriter::due(std::uint64_t tick) const {
+  return open_ && tick >= next_tick_ && tick % every_ticks_ == 0;
+}
+
+void RecordingWriter::record(const World& world, std::uint64_t state_hash) {
+  next_tick_ = world.tick() + 1;
+  const std::size_t frame = ticks_.size();
+  auto output = outputs_.begin();
+  std::vector<std::span<std::byte>> fields;
+  for (const RecordedComponent& component : components_) {
+    fields.clear();
+    for (std::size_t f = 0; f < component.fields.size(); ++f, ++output)
+      fields.push_back(std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes));
+    gather(world, component, fields);
+  }
+  if (world.has_lives()) {
+    const std::span<std::byte> alive =
+        std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes);
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      alive[b] = std::byte{world.is_there(world.row(bodies_[b]))};
+  }
+  ticks_.push_back(world.tick());
+  times_s_.push_back(world.time_s());
+  hashes_.push_back(state_hash);
+  if (ticks_.size() == batch_frames_) flush();
+}
+
+void RecordingWriter::flush() {
+  guarded([&] { write_batch(); });
+}
+
+void RecordingWriter::close() {
+  guarded([&] {
+    write_batch();
+    outputs_.clear();
+    frame_outputs_.clear();
+    file_.flush();
+    file_.close();
+    open_ = false;
+  });
+}
+
+void RecordingWriter::write_batch() {
+  const std::size_t frames = ticks_.size();
+  if (frames == 0) return;
+  for (Output& output : outputs_) {
+    if (output.frame_bytes == 0)
+      output.dataset.resize(output.dataset.rows() + frames);
+    else
+      output.dataset.append_bytes(std::span(output.batch).first(frames * output.frame_bytes));
+  }
+  for (Output& output : outputs_) output.dataset.flush();
+  frame_outputs_[1].append(std::span<const double>(times_s_));
+  frame_outputs_[1].flush();
+  frame_outputs_[2].append(std::span<const std::uint64_t>(hashes_));
+  frame_outputs_[2].flush();
+  frame_outputs_[0].append(std::span<const std::uint64_t>(ticks_));
+  frame_outputs_[0].flush();
+  frames_ += frames;
+  ticks_.clear();
+  times_s_.clear();
+  hashes_.clear();
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,154 @@
+#include "worldio/results/replay_header.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string color_text(const Color& color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.r), to_byte(color.g), to_byte(color.b));
+}
+
+/// Corners as x, y, x, y, ... in steps of k_replay_shape_m.
+Json corners_json(const Ring& ring) {
+  Json corners = Json::array();
+  for (const Vec2& point : ring)
+    for (const double x : {point.x(), point.y()}) corners.push_back(std::llround(x / k_replay_shape_m));
+  return corners;
+}
+
+Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
+
+/// Tops as convex polygons, walls as the closed chains below their edges.
+Json shape_json(const engine::FrameShape& shape, std::int32_t joint) {
+  Json json;
+  if (joint != engine::k_rigid) json["joint"] = joint;
+  json["z_m"] = {shape.solid.z.min, shape.solid.z.max};
+  if (shape.color) json["color"] = color_text(*shape.color);
+  json["walls"] = Json::array();
+  for (const Ring& ring : shape.solid.contours) json["walls"].push_back(corners_json(ring));
+  json["tops"] = Json::array();
+  try {
+    for (const ConvexPrism& piece : convex_pieces(shape.solid))
+      json["tops"].push_back(corners_json(piece.outline));
+  } catch (const std::length_error&) {
+    // Contours that cross too often to be cut up are drawn without tops.
+  }
+  return json;
+}
+
+Json type_json(const RecordedScene::Type& type) {
+  Json json;
+  json["name"] = type.name;
+  json["mobile"] = type.look.mobile;
+  json["radius_m"] = type.look.radius;
+  json["shapes"] = Json::array();
+  for (std::size_t s = 0; s < type.look.shapes.size(); ++s)
+    json["shapes"].push_back(shape_json(type.look.shapes[s], type.shape_joints[s]));
+  json["joints"] = Json::array();
+  for (const RecordedScene::Joint& joint : type.joints) {
+    Json& said = json["joints"].emplace_back();
+    said["component"] = joint.component;
+    if (joint.parent != engine::k_rigid) said["parent"] = joint.parent;
+    said["pose"] = pose_json(joint.pose_body_joint);
+  }
+  if (!type.shown_color.empty()) json["shown_color"] = type.shown_color;
+  json["eyes"] = Json::object();
+  for (const RecordedScene::Eye& eye : type.eyes) {
+    Json fans = Json::array();
+    for (const RecordedScene::Fan& fan : eye.fans)
+      fans.push_back({{"pose", pose_json(fan.pose_body_fan)},
+                      {"range_max_m", fan.range_max_m},
+                      {"fov_rad", fan.fov_rad},
+                      {"beams", fan.beams}});
+    json["eyes"][eye.name]["fans"] = std::move(fans);
+    if (eye.joint != engine::k_rigid) json["eyes"][eye.name]["joint"] = eye.joint;
+  }
+  return json;
+}
+
+/// Whatever never moves, and can be seen.
+Json fixed_json(const RecordingReader& recording, const RecordedScene& scene) {
+  std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
+  for (const std::uint32_t id : recording.ids()) moves[id] = 1;
+  Json fixed = Json::array();
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const RecordedScene::Body& body = scene.bodies[b];
+    if (moves[b] != 0 || scene.types[body.type].look.shapes.empty()) continue;
+    fixed.push_back(
+        {{"type", body.type}, {"pose", pose_json(body.pose_world_body)}, {"color", color_text(body.color)}});
+  }
+  return fixed;
+}
+
+/// Runs of rows of one type, and of each row id, name and colour.
+Json robots_json(const RecordingReader& recording, const ReplayPlan& plan) {
+  std::vector<std::array<std::uint32_t, 2>> types;
+  Json ids = Json::array();
+  Json names = Json::array();
+  Json colors = Json::array();
+  for (const std::uint32_t row : plan.order) {
+    const std::uint32_t id = recording.ids()[row];
+    const RecordedScene::Body& body = plan.scene.bodies[id];
+    if (types.empty() || types.back()[0] != body.type) types.push_back({body.type, 0});
+    ++types.back()[1];
+    ids.push_back(id);
+    names.push_back(body.name);
+    colors.push_back(color_text(body.color));
+  }
+  return {{"types", types}, {"id", std::move(ids)}, {"name", std::move(names)}, {"color", std::move(colors)}};
+}
+
+Json field_json(const ReplayField& field) {
+  Json runs = Json::array();
+  for (const ReplayRun& run : field.runs) runs.push_back({run.first, run.count});
+  const engine::StateField& what = field.array->field;
+  return {{"component", field.array->component},
+          {"name", what.name},
+          {"unit", what.unit},
+          {"text", what.text},
+          {"columns", what.columns},
+          {"rows", std::move(runs)},
+          {"min", field.min},
+          {"max", field.max},
+          {"step", field.step},
+          {"steps", field.steps}};
+}
+
+}  // namespace
+
+std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
+                          std::span<const std::size_t> frames, const ReplayBlocks& blocks) {
+  Json json;
+  json["format"] = k_replay_format;
+  json["title"] = plan.scene.title;
+  json["about"] = Json::object();
+  for (const auto& [key, value] : recording.meta()) json["about"][key] = value;
+  json["recorded_frames"] = recording.frames();
+  json["times_s"] = Json::array();
+  for (const std::size_t frame : frames) json["times_s"].push_back(recording.times_s()[frame]);
+  json["bounds_m"] = {plan.bounds.min.x(), plan.bounds.min.y(), plan.bounds.max.x(), plan.bounds.max.y()};
+  json["shape_step_m"] = k_replay_shape_m;
+  json["types"] = Json::array();
+  for (const RecordedScene::Type& type : plan.scene.types) json["types"].push_back(type_json(type));
+  json["fixed"] = fixed_json(recording, plan.scene);
+  json["robots"] = robots_json(recording, plan);
+  json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", plan.pose[3] != nullptr}};
+  if (!plan.pose[3]) json["pose"]["z_m"] = plan.heights;
+  json["fields"] = Json::array();
+  for (const ReplayField& field : plan.fields) json["fields"].push_back(field_json(field));
+  json["block_frames"] = blocks.frames;
+  json["block_bytes"] = blocks.bytes;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "worldio/results/replay_plan.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+
+inline constexpr int k_replay_format = 1;
+inline constexpr double k_replay_step_m = 0.001;    ///< of positions
+inline constexpr int k_replay_turn = 2048;          ///< steps of a whole turn: 0.18 degrees
+inline constexpr double k_replay_shape_m = 0.0001;  ///< of outlines
+
+/// Frames of a page that are compressed together, and the bytes of each of its streams: poses, then fields.
+struct ReplayBlocks {
+  std::size_t frames = 0;  ///< of each block but the last
+  std::vector<std::vector<std::size_t>> bytes;
+};
+
+/// Everything but the numbers that change, as JSON: shapes, names, colours, times, fields (docs/replay.md).
+std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
+                          std::span<const std::size_t> frames, const ReplayBlocks& blocks);
+
+}  // namespace troupe::worldio

@@ -1,0 +1,265 @@
+#include "worldio/results/replay_plan.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/shown_color.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string_view>
+
+namespace troupe::worldio {
+namespace {
+
+using Array = RecordingReader::Array;
+using engine::Element;
+
+constexpr double k_levels = 4095;           // that a colour or a reading needs
+constexpr double k_endless = 1e150;         // beyond it a number counts as none: differences stay finite
+constexpr double k_most_whole = 100000000;  // whole numbers that span more are rounded
+
+[[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
+  throw InputError(fmt::format("{}: error: {}", recording.file().string(), message));
+}
+
+template <class T>
+void convert(std::span<const std::byte> bytes, std::span<double> into) {
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    T value;
+    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
+    into[i] = static_cast<double>(value);
+  }
+}
+
+const Array* find_pose(const RecordingReader& recording, std::string_view field) {
+  for (const Array& array : recording.arrays())
+    if (array.component == "pose" && array.field.name == field && array.field.columns == 1) return &array;
+  return nullptr;
+}
+
+std::string name_of(const Array& array) { return fmt::format("{}/{}", array.component, array.field.name); }
+
+/// Where a part is that moves: as poses, a page needs it to draw the body.
+bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
+
+/// Without them a page cannot draw bodies as they looked.
+bool is_look(const Array& array) { return is_joint(array) || array.field.name == engine::k_shown_color; }
+
+/// Which arrays a name of --fields chooses.
+bool chooses(std::string_view name, const Array& array) {
+  const std::string_view component = array.component;
+  return name == "all" || name == component || name == array.field.name || name == name_of(array) ||
+         name == component.substr(0, component.find('/'));
+}
+
+std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
+                                        std::span<const std::string> names) {
+  for (const std::string& name : names) {
+    if (std::ranges::any_of(recording.arrays(), [&](const Array& array) { return chooses(name, array); }) ||
+        name == "all")
+      continue;
+    std::vector<std::string> known;
+    for (const Array& array : recording.arrays()) known.push_back(name_of(array));
+    refuse(recording, fmt::format("{}; troupe run --record-fields says what is recorded",
+                                  unknown_name("field", name, {known.begin(), known.end()})));
+  }
+  std::vector<const Array*> arrays;
+  for (const Array& array : recording.arrays())
+    if (array.component != "pose" && array.field.columns > 0 &&
+        (names.empty() || is_look(array) ||
+         std::ranges::any_of(names, [&](const std::string& name) { return chooses(name, array); })))
+      arrays.push_back(&array);
+  return arrays;
+}
+
+/// Of what was recorded of each body: the rows in the order of the page.
+ReplayField field_of(const RecordingReader& recording, const Array& array,
+                     std::span<const std::uint32_t> order) {
+  constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
+  const std::vector<std::uint8_t> has = recording.has(array);
+  std::vector<std::uint32_t> places(order.size(), k_none);  // row of the recording -> row of the array
+  for (std::size_t r = 0; r < array.bodies.size(); ++r)
+    if (has[r] != 0) places[array.bodies[r]] = static_cast<std::uint32_t>(r);
+  ReplayField field{.array = &array};
+  for (std::uint32_t row = 0; row < order.size(); ++row) {
+    if (places[order[row]] == k_none) continue;
+    if (field.runs.empty() || field.runs.back().first + field.runs.back().count != row)
+      field.runs.push_back({row, 0});
+    ++field.runs.back().count;
+    field.rows.push_back(places[order[row]]);
+  }
+  field.min = std::numeric_limits<double>::infinity();
+  field.max = -field.min;
+  return field;
+}
+
+/// The least of 1, 2 and 5 times a power of ten that is not below x, for x of any size above 0.
+double round_step(double x) {
+  double power = 1;
+  while (power < x && power < 1e300) power *= 10;
+  while (power >= x * 10 && power > 1e-300) power /= 10;  // now x <= power < 10 x, but for rounding
+  if (power / 5 >= x) return power / 5;
+  return power / 2 >= x ? power / 2 : power;
+}
+
+void choose_steps(ReplayField& field) {
+  if (field.min > field.max) {  // nothing but absent numbers
+    field.min = field.max = 0;
+    return;
+  }
+  const Element element = field.array->field.element;
+  const double span = field.max - field.min;
+  const bool is_whole = element != Element::f64 && element != Element::f32;
+  if (span == 0) return;
+  if (is_whole && span <= k_most_whole) {
+    field.steps = static_cast<std::uint32_t>(span);
+    return;
+  }
+  const std::string& unit = field.array->field.unit;
+  const double finest = unit == "m" || unit == "rad" ? 0.001 : 0.0;
+  field.step = is_joint(*field.array) && finest > 0 ? finest : std::max(round_step(span / k_levels), finest);
+  if (span / field.step > k_most_whole) field.step = round_step(span / k_most_whole);
+  field.min = std::floor(field.min / field.step) * field.step;  // so that values read as round numbers
+  field.steps = static_cast<std::uint32_t>(std::ceil((field.max - field.min) / field.step));
+}
+
+/// What the numbers of all frames span.
+void survey(const RecordingReader& recording, ReplayPlan& plan) {
+  FrameReader reader(recording);
+  std::vector<double> values;
+  const auto frames = recording.frames();
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{1}})
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      reader.read(*plan.pose[axis], frame, values);
+      for (const double x : values) {
+        if (!std::isfinite(x)) continue;
+        plan.bounds.min[static_cast<Eigen::Index>(axis)] =
+            std::min(plan.bounds.min[static_cast<Eigen::Index>(axis)], x);
+        plan.bounds.max[static_cast<Eigen::Index>(axis)] =
+            std::max(plan.bounds.max[static_cast<Eigen::Index>(axis)], x);
+      }
+    }
+  for (ReplayField& field : plan.fields) {
+    const std::size_t columns = field.array->field.columns;
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      reader.read(*field.array, frame, values);
+      for (const std::uint32_t row : field.rows)
+        for (std::size_t column = 0; column < columns; ++column) {
+          const double x = values[row * columns + column];
+          if (!std::isfinite(x)) continue;
+          field.min = std::min(field.min, x);
+          field.max = std::max(field.max, x);
+        }
+    }
+    choose_steps(field);
+  }
+}
+
+/// Whether robots have parts that move without a word of where they were.
+bool lacks_joints(const ReplayPlan& plan, const RecordingReader& recording) {
+  std::vector<std::uint8_t> seen(plan.scene.types.size(), 0);
+  for (const std::uint32_t row : plan.order) seen[plan.scene.bodies[recording.ids()[row]].type] = 1;
+  for (std::size_t t = 0; t < seen.size(); ++t)
+    for (const RecordedScene::Joint& joint : plan.scene.types[t].joints)
+      if (seen[t] != 0 && std::ranges::none_of(plan.fields, [&joint](const ReplayField& field) {
+            return field.array->component == joint.component;
+          }))
+        return true;
+  return false;
+}
+
+/// Heights that never change are said once.
+void survey_heights(const RecordingReader& recording, ReplayPlan& plan) {
+  plan.heights.assign(plan.order.size(), 0.0);
+  const Array* const z = plan.pose[3];
+  if (!z) return;
+  FrameReader reader(recording);
+  std::vector<double> first;
+  std::vector<double> now;
+  reader.read(*z, 0, first);
+  for (std::size_t frame = 1; frame < recording.frames(); ++frame) {
+    reader.read(*z, frame, now);
+    for (std::size_t row = 0; row < now.size(); ++row) {
+      if (!std::isfinite(first[row])) first[row] = now[row];
+      if (std::isfinite(now[row]) && now[row] != first[row]) return;
+    }
+  }
+  for (std::size_t row = 0; row < plan.order.size(); ++row)
+    if (std::isfinite(first[plan.order[row]])) plan.heights[row] = first[plan.order[row]];
+  plan.pose[3] = nullptr;
+}
+
+}  // namespace
+
+void FrameReader::read(const Array& array, std::size_t frame, std::vector<double>& into) {
+  bytes_.resize(array.bodies.size() * array.row_bytes());
+  into.resize(array.bodies.size() * array.field.columns);
+  recording_.read(array, frame, bytes_);
+  switch (array.field.element) {
+    case Element::f64:
+      convert<double>(bytes_, into);
+      for (double& x : into)
+        if (!(std::abs(x) <= k_endless)) x = std::numeric_limits<double>::quiet_NaN();
+      break;
+    case Element::f32: convert<float>(bytes_, into); break;
+    case Element::i64: convert<std::int64_t>(bytes_, into); break;
+    case Element::i32: convert<std::int32_t>(bytes_, into); break;
+    case Element::u64: convert<std::uint64_t>(bytes_, into); break;
+    case Element::u32: convert<std::uint32_t>(bytes_, into); break;
+    case Element::u8: convert<std::uint8_t>(bytes_, into); break;
+  }
+  if (alive_frame_ != frame) {
+    alive_ = recording_.alive(frame);
+    alive_frame_ = frame;
+  }
+  if (std::ranges::find(alive_, std::uint8_t{0}) == alive_.end()) return;
+  for (std::size_t row = 0; row < array.bodies.size(); ++row)
+    if (alive_[array.bodies[row]] == 0)
+      std::fill_n(into.begin() + static_cast<std::ptrdiff_t>(row * array.field.columns), array.field.columns,
+                  std::numeric_limits<double>::quiet_NaN());
+}
+
+ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields) {
+  ReplayPlan plan;
+  plan.pose = {find_pose(recording, "x"), find_pose(recording, "y"), find_pose(recording, "heading"),
+               find_pose(recording, "z")};
+  if (!plan.pose[0] || !plan.pose[1] || !plan.pose[2])
+    refuse(recording, "holds no poses, so there is nothing to show: record it with --record-fields pose,...");
+  if (recording.frames() == 0) refuse(recording, "holds no whole frame");
+  if (recording.ids().empty()) refuse(recording, "holds nothing that moves, senses or decides");
+  plan.scene = recorded_scene(recording);
+
+  plan.order.resize(recording.ids().size());
+  std::iota(plan.order.begin(), plan.order.end(), 0u);
+  const auto type_of = [&](std::uint32_t row) { return plan.scene.bodies[recording.ids()[row]].type; };
+  std::ranges::stable_sort(plan.order, {}, type_of);
+  for (const Array* array : chosen_arrays(recording, fields))
+    plan.fields.push_back(field_of(recording, *array, plan.order));
+
+  plan.at_rest = lacks_joints(plan, recording);
+  survey(recording, plan);
+  survey_heights(recording, plan);
+  if (plan.bounds.empty()) plan.bounds = Box::around(Vec2::Zero(), 1);  // of robots that are never there
+  std::vector<std::uint8_t> moves(plan.scene.bodies.size(), 0);
+  for (const std::uint32_t id : recording.ids()) moves[id] = 1;
+  double robot_radius = 0;
+  for (std::size_t b = 0; b < plan.scene.bodies.size(); ++b) {
+    const RecordedScene::Body& body = plan.scene.bodies[b];
+    const engine::FrameType& look = plan.scene.types[body.type].look;
+    if (moves[b] != 0) {
+      robot_radius = std::max(robot_radius, look.radius);
+      continue;
+    }
+    for (const engine::FrameShape& shape : look.shapes)
+      for (const Ring& ring : placed(shape.solid, body.pose_world_body).contours)
+        plan.bounds.extend(troupe::bounds(ring));
+  }
+  plan.bounds = plan.bounds.expanded(robot_radius);
+  return plan;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,150 @@
+#include "worldio/results/sealed_file.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "worldio/files.hpp"
+#include "worldio/partial_file.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+namespace fs = std::filesystem;
+namespace {
+
+std::string first_line(std::string_view kind) { return fmt::format("troupe {}\n", kind); }
+
+std::string head(std::string_view kind, unsigned layout, std::uint64_t bytes, std::uint64_t hash) {
+  std::string text =
+      fmt::format("{}layout {}\nbytes {}\nxxh3 {}\n", first_line(kind), layout, bytes, hex(hash));
+  text.resize(k_seal_bytes - 1, ' ');
+  return text + '\n';
+}
+
+/// The number behind `key` at the start of a line of the head.
+std::optional<std::uint64_t> number_after(std::string_view head, std::string_view key, int base = 10) {
+  const std::size_t line = head.find(fmt::format("\n{} ", key));
+  if (line == head.npos) return std::nullopt;
+  const char* const begin = head.data() + line + key.size() + 2;
+  std::uint64_t number = 0;
+  const auto [end, fault] = std::from_chars(begin, head.data() + head.size(), number, base);
+  return fault == std::errc() && *end == '\n' ? std::optional(number) : std::nullopt;
+}
+
+struct Content {
+  std::string head;  // of a file that is shorter, all of it
+  std::uint64_t bytes = 0;
+  std::uint64_t hash = 0;
+};
+
+/// Head and hash of a file. Throws std::system_error.
+Content content_of(const fs::path& file) {
+  constexpr std::size_t k_piece = 1 << 20;
+  const auto failed = [] { return std::system_error(errno, std::generic_category()); };
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw failed();
+  std::vector<char> piece(k_piece);
+  Content content;
+  HashStream hash;
+  stream.read(piece.data(), k_seal_bytes);
+  content.head.assign(piece.data(), static_cast<std::size_t>(stream.gcount()));
+  while (stream) {
+    stream.read(piece.data(), k_piece);
+    const auto bytes = static_cast<std::size_t>(stream.gcount());
+    hash.add(std::as_bytes(std::span(piece.data(), bytes)));
+    content.bytes += bytes;
+  }
+  if (stream.bad()) throw failed();
+  content.hash = hash.hash();
+  return content;
+}
+
+/// Where the file system can do that, the names in a folder are on the disk when this returns; the files in
+/// it are safe without.
+void sync_folder_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(fsync(descriptor));
+  close(descriptor);
+}
+
+}  // namespace
+
+void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
+                  std::span<const std::byte> bytes) {
+  std::error_code ignored;
+  const auto refuse = [&file](const std::string& reason) {
+    throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
+  };
+  // To be replaced by a file would not become a device.
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) refuse("it is no regular file");
+  const std::span<const std::byte> rest = bytes.subspan(k_seal_bytes);
+  const std::string text = head(kind, layout, rest.size(), hash_bytes(rest));
+  try {
+    PartialFile out(file);
+    out.write(std::as_bytes(std::span(text)));
+    out.write(rest);
+    out.sync();
+    out.commit();
+  } catch (const std::system_error& fault) {
+    refuse(fault.code().message());
+  }
+  sync_folder_of(file);
+}
+
+void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
+  const auto refuse = [&file](std::string_view reason) {
+    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
+  };
+  if (const std::string reason = unreadable(file); !reason.empty()) refuse(reason);
+  Content content;
+  try {
+    content = content_of(file);
+  } catch (const std::system_error& fault) {
+    refuse(fmt::format("cannot be read: {}", fault.code().message()));
+  }
+  const std::string& text = content.head;
+  const std::string mark = first_line(kind);
+  if (text.empty()) refuse(fmt::format("this is no {}: the file is empty", kind));
+  if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but no {}", kind));
+  if (!text.starts_with(mark) && !mark.starts_with(text)) {
+    if (text.starts_with("troupe ")) refuse(fmt::format("this is no {}, or a damaged one", kind));
+    refuse(fmt::format("this is no {}", kind));
+  }
+  // The first line and the second are those of every layout.
+  const auto number = number_after(text, "layout");
+  if (number && *number != layout)
+    refuse(fmt::format("its layout is {}, of {} version; this program reads {}", *number,
+                       *number > layout ? "a newer" : "an older", layout));
+  const auto bytes = number_after(text, "bytes");
+  if (text.size() < k_seal_bytes || (bytes && content.bytes < *bytes))
+    refuse(fmt::format("the file was cut off, after {} bytes{}", text.size() + content.bytes,
+                       bytes ? fmt::format(" of {}", k_seal_bytes + *bytes) : ""));
+  if (text != head(kind, layout, content.bytes, content.hash))
+    refuse("the file is damaged: its hash is not the one that was written into it");
+}
+
+bool has_seal(const fs::path& file, std::string_view kind) {
+  if (!unreadable(file).empty()) return false;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string mark = first_line(kind);
+  std::string text(mark.size(), ' ');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  return stream.gcount() == static_cast<std::streamsize>(mark.size()) && text == mark;
+}
+
+}  // namespace troupe::worldio

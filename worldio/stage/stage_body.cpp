@@ -1,0 +1,178 @@
+#include "worldio/stage/stage_body.hpp"
+
+#include "worldio/images/bitmap.hpp"
+#include "worldio/stage/stage_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, double z_max) {
+  return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
+}
+
+/// 12 of "point[12]".
+std::optional<std::int64_t> point_number(std::string_view key) {
+  constexpr std::string_view k_stem = "point[";
+  std::int64_t number = 0;
+  if (!key.starts_with(k_stem)) return {};
+  const auto [rest, fault] = std::from_chars(key.data() + k_stem.size(), key.data() + key.size(), number);
+  if (fault != std::errc() || rest == key.data() + key.size() || *rest != ']') return {};
+  return number;
+}
+
+}  // namespace
+
+bool StageBodies::flag(const StageModel& model, std::string_view key) {
+  const StageProperty* property = model.find(document_, key);
+  return property && values_.flag(*property).value_or(false);
+}
+
+StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
+                            const std::vector<StageModel>& blocks) {
+  std::vector<Solid> solids;
+  // As long as this is set, the first explicit block discards all there is.
+  bool is_default = kind.has_default_body;
+  if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
+  if (flag(model, "noblocks")) {
+    solids.clear();
+    is_default = false;
+  }
+  Box frame;  // of an image whose margins are kept
+  if (const StageProperty* bitmap = model.find(document_, "bitmap")) {
+    if (is_default) solids.clear();
+    is_default = false;
+    engine::ImageSpec spec{.keeps_margins = flag(model, "bitmap_margins"),
+                           .unknown_is_solid = flag(model, "bitmap_unknown"),
+                           .boundary = flag(model, "boundary")};
+    const FloorImage* image = read_image(*bitmap, spec);
+    if (image && image->place) check_map(model, *image, size, blocks);
+    if (image && (image->place || blocks.empty())) return {image_body(*image, spec, size), spec, {}};
+    if (image && spec.keeps_margins) {
+      solids.push_back(image->solid(size));
+      frame.max = size.head<2>() / 2;
+      frame.min = -frame.max;
+    } else if (image) {
+      solids.push_back({image->contours, {0, 1}});
+    }
+  }
+  StageBody body;
+  if (is_default && blocks.empty() && !flag(model, "boundary")) body.blocks = solids;
+  normalise(solids, size, frame);
+  if (flag(model, "boundary")) {
+    add_boundary(size, solids);
+    if (is_default && !blocks.empty())
+      values_.warning(values_.where(*model.find(document_, "boundary")),
+                      "as in Stage, the blocks of this model discard its boundary");
+  }
+  if (is_default && !blocks.empty()) solids.clear();
+  const bool is_all_blocks = solids.empty() && frame.empty();
+  for (const StageModel& block : blocks) add_block(block, solids);
+  if (is_all_blocks) body.blocks = solids;
+  normalise(solids, size, frame);
+  body.solids = std::move(solids);
+  return body;
+}
+
+void StageBodies::check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
+                            const std::vector<StageModel>& blocks) {
+  const Eigen::Vector2d& size_m = map.place->size_m;
+  if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
+    values_.warning(values_.where(*property),
+                    fmt::format("of \"size\" the height alone counts: the map is {:g} m x {:g} m", size_m.x(),
+                                size_m.y()));
+  if (!blocks.empty())
+    values_.error(blocks.front().where,
+                  "a model with a map of ROS takes no blocks: the map is not stretched");
+}
+
+const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
+  const auto name = values_.text(property);
+  if (!name) return nullptr;
+  std::filesystem::path path(*name);
+  if (!path.is_absolute()) {
+    const std::filesystem::path beside_include = tidied(document_.base_directory / path);
+    const std::filesystem::path beside_world = tidied(world_directory_ / path);
+    path = find_stage_file(beside_include, {}) ? beside_include : beside_world;
+  }
+  spec.file = path.string();
+  const FloorImage* image = images_.read(path, spec.unknown_is_solid, values_.where(property));
+  if (!image || !image->contours.empty()) return image;
+  values_.error(
+      values_.where(property),
+      image->place
+          ? fmt::format("the map {} has no occupied cell", path.string())
+          : fmt::format("the image {} has no solid pixel; solid is what is darker than half", path.string()));
+  return nullptr;
+}
+
+void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {
+  constexpr std::int64_t k_most_points = 100000;
+  constexpr std::int64_t k_most_missing = 1000;
+  const StageProperty* points = block.find(document_, "points");
+  if (!points) {
+    values_.error(block.where, "a block needs \"points\", the number of its vertices");
+    return;
+  }
+  const auto count = values_.integer(*points);
+  if (!count) return;
+  if (*count < 3 || *count > k_most_points) {
+    values_.error(values_.where(*points),
+                  fmt::format("\"points\" must be from 3 to {}; here is {}", k_most_points, *count));
+    return;
+  }
+  std::int64_t written = 0;
+  for (const StageEntity* layer : block.layers) written += layer->properties.count;
+  if (*count > written + k_most_missing) {
+    values_.error(values_.where(*points), fmt::format("\"points\" is {}, but far fewer are given", *count));
+    return;
+  }
+  std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
+  for (const StageEntity* layer : block.layers)
+    for (const StageProperty& property : document_.properties(*layer)) {
+      const auto number = point_number(document_.key(property));
+      if (!number) continue;
+      if (*number >= 0 && *number < *count)
+        given[static_cast<std::size_t>(*number)] = &property;
+      else
+        values_.warning(values_.where(property), fmt::format("\"{}\" is ignored: the block has {} points",
+                                                             document_.key(property), *count));
+    }
+  Ring ring;
+  ring.reserve(given.size());
+  for (const StageProperty* property : given) {
+    ring.push_back(Vec2::Zero());
+    if (!property) continue;
+    const auto v = values_.tuple(*property, 2, 2, "[x y]");
+    if (!v) return;
+    ring.back() = Vec2((*v)[0], (*v)[1]) * values_.length_unit();
+  }
+  if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
+    values_.warning(
+        values_.where(*points),
+        fmt::format("{} of the {} points are not given; as in Stage they lie at [0 0]", missing, *count));
+  const double area = signed_area(ring);
+  if (area == 0) values_.warning(block.where, "this block has no area");
+  if (area < 0) std::ranges::reverse(ring);
+
+  ZInterval z;
+  if (const StageProperty* property = block.find(document_, "z")) {
+    const auto v = values_.tuple(*property, 2, 2, "[min max]");
+    if (!v) return;
+    z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
+    if (z.min > z.max) {
+      values_.error(values_.where(*property), "\"z\" needs [min max] with min below max");
+      return;
+    }
+  }
+  if (z.min == z.max) values_.warning(block.where, "this block has no height; give it z [min max]");
+  solids.push_back({{std::move(ring)}, z});
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,648 @@
+#include "worldio/stage/stage_kinds.hpp"
+
+#include "worldio/stage/stage_devices.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Record;
+using engine::Value;
+
+template <class Kind>
+std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
+  std::vector<std::string_view> names;
+  for (const Kind& kind : kinds) names.push_back(kind.name);
+  return names;
+}
+
+/// "must be above 0 m": what a number of this field must be; empty when it is.
+std::string limit_broken(const Field& field, double value) {
+  const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
+  const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
+  if (field.above_min && !(value > field.min)) return fmt::format("must be above {}{}", field.min, unit);
+  if (!(value >= field.min)) return fmt::format("must be at least {}{}", field.min, unit);
+  if (!(value <= field.max)) return fmt::format("must be at most {}{}", field.max, unit);
+  return {};
+}
+
+/// A whole turn, in rad, is often written with few digits: 6.2832 is one.
+double within_a_turn(double angle) {
+  constexpr double k_turn = 2 * k_pi;
+  constexpr double k_rounding = 1e-5;
+  return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
+}
+
+/// Sets a field where the table has it: kinds need not know all that Stage's models say.
+void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
+  if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; (at = text.find_first_not_of(" \t", at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.size(), text.find_first_of(" \t", at));
+    words.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+std::optional<double> number_of(std::string_view text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc() || rest != end || !std::isfinite(value)) return {};
+  return value;
+}
+
+}  // namespace
+
+double StageKinds::period_s(const StageModel& model) {
+  constexpr double k_default_ms = 100;
+  double ms = k_default_ms;
+  if (const StageProperty* property = model.find(document_, "update_interval")) {
+    ms = values_.number(*property).value_or(k_default_ms);
+    if (ms < 0)
+      values_.error(values_.where(*property),
+                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms; "
+                                "here is {}",
+                                ms));
+  }
+  return ms / 1000;
+}
+
+std::optional<Record> StageKinds::transducer(const StageModel& sensor, const FieldTable& table) {
+  Record record = table.defaults();
+  bool is_right = true;  // all properties are read, so that all that is wrong is reported
+  // A value is checked against the field's limits, under the name it has in the file.
+  const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
+    const int at = table.find(field_name);
+    const std::string broken = at < 0 ? "" : limit_broken(table.fields[static_cast<std::size_t>(at)], value);
+    if (broken.empty()) return true;
+    values_.error(values_.where(property),
+                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, value));
+    return false;
+  };
+  // read(property) -> whether it is right
+  const auto read = [&](std::string_view key, auto&& read_property) {
+    const StageProperty* property = sensor.find(document_, key);
+    if (property && !read_property(*property)) is_right = false;
+  };
+
+  Pose pose_sensor_transducer;
+  Eigen::Vector3d size(0.02, 0.02, 0.02);
+  double range_min = 0;
+  double range_max = 5;
+  double fov = 0.1;
+  std::int64_t samples = 1;
+  const bool is_the_ranger = !sensor.alias.empty();  // whose pose and size are those of its body
+  if (sensor.alias == "laser") {                     // as the ones that older files mean
+    range_max = 8;
+    fov = radians(180);
+    samples = 180;
+  }
+  if (!is_the_ranger)
+    read("pose", [&](const StageProperty& property) {
+      const auto given = values_.pose_in_device(property);
+      pose_sensor_transducer = given.value_or(pose_sensor_transducer);
+      return given.has_value();
+    });
+  if (!is_the_ranger)
+    read("size", [&](const StageProperty& property) {
+      const auto given = values_.size(property, size.z());
+      size = given.value_or(size);
+      return given.has_value();
+    });
+  read("range", [&](const StageProperty& property) {
+    const auto given = values_.tuple(property, 2, 2, "[min max]");
+    if (!given) return false;
+    range_min = (*given)[0] * values_.length_unit();
+    range_max = (*given)[1] * values_.length_unit();
+    const bool min_is_right = check("range_min", range_min, property);
+    const bool max_is_right = check("range_max", range_max, property);
+    if (!min_is_right || !max_is_right || range_min <= range_max) return min_is_right && max_is_right;
+    values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
+    return false;
+  });
+  const auto read_limit = [&](std::string_view key, double& limit) {
+    read(key, [&](const StageProperty& property) {
+      const auto given = values_.number(property);
+      limit = given ? *given * values_.length_unit() : limit;
+      return given && check(key, limit, property);
+    });
+  };
+  if (is_the_ranger) {
+    read_limit("range_min", range_min);
+    read_limit("range_max", range_max);
+    if (is_right && range_min > range_max) {
+      values_.error(sensor.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
+                                              range_min, range_max));
+      return {};
+    }
+  }
+  read("fov", [&](const StageProperty& property) {
+    const auto given = values_.number(property);
+    fov = given ? within_a_turn(*given * values_.angle_unit()) : fov;
+    return given && check("fov", fov, property);
+  });
+  read("samples", [&](const StageProperty& property) {
+    const auto given = values_.integer(property);
+    samples = given.value_or(samples);
+    return given && check("samples", static_cast<double>(samples), property);
+  });
+  double stddev = 0;
+  double proportional = 0;
+  double angular = 0;
+  read("noise", [&](const StageProperty& property) {
+    const auto given = values_.tuple(property, 3, 3, "[variance share angle]");
+    if (!given) return false;
+    if (std::ranges::any_of(*given, [](double part) { return part < 0; })) {
+      values_.error(values_.where(property), "\"noise\" needs values of 0 or above: [variance share angle]");
+      return false;
+    }
+    // Stage takes its first number for a variance, and of its third no more than this share.
+    const double step = fov / static_cast<double>(std::max<std::int64_t>(samples - 1, 1));
+    stddev = sqrt((*given)[0] * values_.length_unit());
+    proportional = (*given)[1];
+    angular = 0.5 * step * (*given)[2] * values_.angle_unit();
+    return check("noise_proportional", proportional, property) && check("noise_angular", angular, property);
+  });
+  double beam_width = 0;
+  read("beam_width", [&](const StageProperty& property) {
+    const auto given = values_.number(property);
+    beam_width = given ? *given * values_.angle_unit() : beam_width;
+    return given && check("beam_width", beam_width, property);
+  });
+  bool apply_range_min = false;
+  read("apply_range_min", [&](const StageProperty& property) {
+    const auto given = values_.flag(property);
+    apply_range_min = given.value_or(false);
+    return given.has_value();
+  });
+  if (!is_right) return {};
+
+  pose_sensor_transducer.z += size.z() / 2;  // beams leave from the middle of the transducer's height
+  Record pose = engine::pose_fields().defaults();
+  set(engine::pose_fields(), pose, "x", pose_sensor_transducer.x);
+  set(engine::pose_fields(), pose, "y", pose_sensor_transducer.y);
+  set(engine::pose_fields(), pose, "z", pose_sensor_transducer.z);
+  set(engine::pose_fields(), pose, "heading", pose_sensor_transducer.heading);
+  set(table, record, "pose", std::vector<Record>{std::move(pose)});
+  set(table, record, "range_min", range_min);
+  set(table, record, "range_max", range_max);
+  set(table, record, "fov", fov);
+  set(table, record, "samples", samples);
+  set(table, record, "noise_stddev", stddev);
+  set(table, record, "noise_proportional", proportional);
+  set(table, record, "noise_angular", angular);
+  set(table, record, "beam_width", beam_width);
+  set(table, record, "apply_range_min", apply_range_min);
+  return record;
+}
+
+std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
+                                                     const std::vector<StageModel>& sensors) {
+  const engine::DeviceKind* kind = registry_.device("ranger");
+  const int transducers = kind ? kind->params.find("transducers") : -1;
+  if (transducers < 0) {
+    values_.error(model.where, "this build has no ranger");
+    return {};
+  }
+  const bool is_sensor = !model.alias.empty() && sensors.empty();
+  if (sensors.empty() && !is_sensor) {
+    values_.warning_once(model.where, "a ranger without a sensor( ... ) measures nothing");
+    return {};
+  }
+  const FieldTable& table = *kind->params.fields[static_cast<std::size_t>(transducers)].record;
+  std::vector<Record> records;
+  for (const StageModel& sensor : is_sensor ? std::vector{model} : sensors)
+    if (auto record = transducer(sensor, table)) records.push_back(std::move(*record));
+  if (records.size() < sensors.size() + is_sensor) return {};
+
+  engine::DeviceSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
+  set(kind->params, spec.params, "transducers", std::move(records));
+  if (const StageProperty* property = model.find(document_, "intensity"))
+    set(kind->params, spec.params, "intensity", values_.flag(*property).value_or(false));
+  spec.period_s = period_s(model);
+  spec.active = is_always_on(model);
+  return spec;
+}
+
+std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, const engine::DeviceKind& kind,
+                                                      const Eigen::Vector3d& size) {
+  auto spec = device(model, kind);
+  if (!spec) return {};
+  set(kind.params, spec->params, "size", std::vector<double>{size.x(), size.y(), size.z()});
+  if (const StageProperty* property = model.find(document_, "paddle_size")) {
+    const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");
+    if (!v) return {};
+    if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
+      values_.error(values_.where(*property),
+                    "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
+      return {};
+    }
+    set(kind.params, spec->params, "paddle_size", *v);
+  }
+  if (const StageProperty* property = model.find(document_, "paddle_state")) {
+    const auto given = values_.texts(*property);
+    const auto is_one_of = [](std::string_view text, std::string_view a, std::string_view b) {
+      return text == a || text == b;
+    };
+    if (given.size() != 2 || !is_one_of(given[0], "open", "closed") || !is_one_of(given[1], "up", "down")) {
+      values_.error(values_.where(*property),
+                    "\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]");
+      return {};
+    }
+    set(kind.params, spec->params, "paddles", std::string(given[0]));
+    set(kind.params, spec->params, "lift", std::string(given[1]));
+  }
+  return spec;
+}
+
+bool StageKinds::is_always_on(const StageModel& model) {
+  const StageProperty* property = model.find(document_, "alwayson");
+  return property != nullptr && values_.flag(*property).value_or(false);
+}
+
+std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
+                                                     const engine::DeviceKind& kind) {
+  engine::DeviceSpec spec{
+      .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
+  bool is_right = true;  // all properties are read, so that all that is wrong is reported
+  for (const StageParameter& parameter : stage_parameters()) {
+    if (parameter.model != model.type) continue;
+    const StageProperty* property = model.find(document_, parameter.property);
+    if (property == nullptr) continue;
+    const double to_si = parameter.unit == StageUnit::length         ? values_.length_unit()
+                         : parameter.unit == StageUnit::angle        ? values_.angle_unit()
+                         : parameter.unit == StageUnit::degrees      ? radians(1)
+                         : parameter.unit == StageUnit::milliseconds ? 1e-3
+                                                                     : 1.0;
+    const auto at = static_cast<std::size_t>(kind.params.find(parameter.field));
+    auto given = value(*property, kind.params.fields[at], to_si, parameter.column);
+    is_right = is_right && given.has_value();
+    if (given) spec.params[at] = std::move(*given);
+  }
+  if (kind.name == "blobfinder") is_right = add_blob_colors(model, kind, spec) && is_right;
+  if (kind.name == "bumper") is_right = add_bumpers(model, kind, spec) && is_right;
+  if (kind.name == "radio") is_right = add_radio_law(model, kind, spec) && is_right;
+  if (!is_right) return {};
+  spec.period_s = period_s(model);
+  spec.active = is_always_on(model);
+  return spec;
+}
+
+/// A property as a value of this field; empty, with an error, where it is none.
+std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
+                                       int column) {
+  const auto checked = [&](std::optional<double> given) -> std::optional<double> {
+    if (!given) return {};
+    const double si = field.unit == engine::Unit::radians ? within_a_turn(*given * to_si) : *given * to_si;
+    const std::string broken = limit_broken(field, si);
+    if (broken.empty()) return si;
+    values_.error(values_.where(property),
+                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, *given));
+    return {};
+  };
+  switch (field.type) {
+    case FieldType::boolean:
+      if (const auto flag = values_.flag(property)) return Value(*flag);
+      return {};
+    case FieldType::integer: {
+      if (column < 0) {
+        const auto given = values_.integer(property);
+        if (!given || !checked(static_cast<double>(*given))) return {};
+        return Value(*given);
+      }
+      const auto given = checked(values_.column(property, static_cast<std::size_t>(column)));
+      if (!given) return {};
+      if (*given == std::floor(*given)) return Value(static_cast<std::int64_t>(*given));
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" needs whole numbers; here is {}", values_.key(property), *given));
+      return {};
+    }
+    case FieldType::number: {
+      const auto si = checked(column < 0 ? values_.number(property)
+                                         : values_.column(property, static_cast<std::size_t>(column)));
+      if (!si) return {};
+      return Value(*si);
+    }
+    case FieldType::text: {
+      const auto given = values_.text(property);
+      if (!given) return {};
+      if (field.choices.empty() || std::ranges::find(field.choices, *given) != field.choices.end())
+        return Value(std::string(*given));
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" must be one of {}{}; here is \"{}\"", values_.key(property),
+                                comma_list(field.choices), did_you_mean(*given, field.choices), *given));
+      return {};
+    }
+    case FieldType::numbers: {
+      auto given = values_.tuple(property, field.columns, field.columns, "one number each");
+      if (!given) return {};
+      for (double& number : *given) {
+        const auto si = checked(number);
+        if (!si) return {};
+        number = *si;
+      }
+      return Value(std::move(*given));
+    }
+    default: break;
+  }
+  values_.error(values_.where(property),
+                fmt::format("\"{}\" cannot be given in a .world file, only in JSON", values_.key(property)));
+  return {};
+}
+
+std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
+  engine::DriveSpec spec{.kind = "diff", .where = model.where};
+  if (const StageProperty* property = model.find(document_, "drive")) {
+    const auto name = values_.text(*property);
+    if (!name) return {};
+    spec.kind = *name;
+    spec.where = values_.where(*property);
+  }
+  const engine::DriveKind* kind = registry_.drive(spec.kind);
+  if (!kind) {
+    values_.error(spec.where, unknown_name("drive", spec.kind, names_of(registry_.drives)));
+    return {};
+  }
+  const auto speeds = drive_bounds(model, "velocity_bounds");
+  const auto accelerations = drive_bounds(model, "acceleration_bounds");
+  if (!speeds || !accelerations) return {};
+  double wheelbase = 1;
+  if (const StageProperty* property = model.find(document_, "wheelbase")) {
+    const auto given = values_.number(*property);
+    if (!given) return {};
+    wheelbase = *given * values_.length_unit();
+    if (!(wheelbase > 0)) {
+      values_.error(values_.where(*property),
+                    fmt::format("\"wheelbase\" must be above 0; here is {}", *given));
+      return {};
+    }
+  }
+  spec.params = kind->params.defaults();
+  const auto set_param = [&](std::string_view name, Value value) {
+    set(kind->params, spec.params, name, std::move(value));
+  };
+  set_param("velocity_min_x", (*speeds)[0]);
+  set_param("velocity_max_x", (*speeds)[1]);
+  set_param("velocity_min_y", (*speeds)[2]);
+  set_param("velocity_max_y", (*speeds)[3]);
+  set_param("turn_min", (*speeds)[6]);
+  set_param("turn_max", (*speeds)[7]);
+  set_param("acceleration_min_x", (*accelerations)[0]);
+  set_param("acceleration_max_x", (*accelerations)[1]);
+  set_param("acceleration_min_y", (*accelerations)[2]);
+  set_param("acceleration_max_y", (*accelerations)[3]);
+  set_param("turn_acceleration_min", (*accelerations)[6]);
+  set_param("turn_acceleration_max", (*accelerations)[7]);
+  set_param("wheelbase", wheelbase);
+  if (const StageProperty* property = model.find(document_, "velocity")) {
+    const auto v = values_.tuple(*property, 4, 4, "[x y z a]");
+    if (!v) return {};
+    set_param("start_x", (*v)[0] * values_.length_unit());
+    set_param("start_y", (*v)[1] * values_.length_unit());
+    set_param("start_turn", (*v)[3] * values_.angle_unit());
+  }
+  if (!localize(model, kind->params, spec.params)) return {};
+  spec.period_s = period_s(model);
+  return spec;
+}
+
+std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
+                                                     const engine::DeviceKind& kind) {
+  const auto drive = this->drive(model);
+  if (!drive) return {};
+  const engine::FieldTable& given = registry_.drive(drive->kind)->params;
+  engine::DeviceSpec spec{
+      .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
+  set(kind.params, spec.params, "drive", drive->kind);
+  for (std::size_t f = 0; f < given.fields.size(); ++f)
+    if (const int at = kind.params.find(given.fields[f].name); at >= 0)
+      spec.params[static_cast<std::size_t>(at)] = drive->params[f];
+  for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
+    if (const StageProperty* property = model.find(document_, key))
+      values_.warning_once(
+          values_.where(*property),
+          fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
+                      "true pose",
+                      key));
+  if (const StageProperty* property = model.find(document_, "localization");
+      property && values_.text(*property).value_or("gps") != "gps")
+    values_.warning_once(values_.where(*property),
+                         "\"localization\" of a position inside another model has no effect: it knows its "
+                         "true pose");
+  return spec;
+}
+
+std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
+  const double quarter_turn = radians(90);
+  std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};  // Stage's, m and rad
+  const StageProperty* property = model.find(document_, key);
+  if (!property) return bounds;
+  const auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");
+  if (!v) return {};
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
+  for (std::size_t i = 0; i < bounds.size(); i += 2)
+    if (bounds[i] > bounds[i + 1]) {
+      values_.error(values_.where(*property),
+                    fmt::format("\"{}\" needs each minimum at most its maximum", key));
+      return {};
+    }
+  return bounds;
+}
+
+bool StageKinds::localize(const StageModel& model, const FieldTable& table, Record& params) {
+  bool is_right = true;
+  const auto choose = [&](std::string_view key, std::string fallback, std::vector<std::string_view> choices) {
+    const StageProperty* property = model.find(document_, key);
+    if (!property) return fallback;
+    const auto given = values_.text(*property);
+    if (given && std::ranges::find(choices, *given) != choices.end()) return std::string(*given);
+    if (given)
+      values_.error(values_.where(*property),
+                    fmt::format("\"{}\" must be {}; here is \"{}\"", key,
+                                fmt::format("\"{}\" or \"{}\"", choices[0], choices[1]), *given));
+    is_right = false;
+    return fallback;
+  };
+  const std::string kind = choose("localization", "gps", {"gps", "odom"});
+  set(table, params, "localization", kind);
+  set(table, params, "odom_heading", choose("odom_heading", "new", {"old", "new"}));
+
+  const StageProperty* honours = model.find(document_, "gps_origin");
+  const bool gps_has_origin = honours && values_.flag(*honours).value_or(false);
+  if (const StageProperty* property = model.find(document_, "localization_origin")) {
+    const auto origin = values_.pose(*property);
+    is_right = is_right && origin;
+    if (kind == "gps" && !gps_has_origin && origin && *origin != Pose())
+      values_.warning_once(values_.where(*property),
+                           "with localization \"gps\" poses are the world's, whatever the origin, as in "
+                           "Stage; \"gps_origin 1\" honours it");
+    else if (origin && (kind != "gps" || gps_has_origin)) {
+      set(table, params, "localization_origin", std::vector<double>{origin->x, origin->y});
+      set(table, params, "localization_origin_heading", origin->heading);
+    }
+  }
+  if (const StageProperty* property = model.find(document_, "odom_error")) {
+    const auto error = values_.tuple(*property, 4, 4, "[x y z a]");
+    is_right = is_right && error;
+    if (error)
+      set(table, params, "odom_error",
+          std::vector<double>{(*error)[0], (*error)[1], (*error)[3] * values_.angle_unit()});
+  }
+  return is_right;
+}
+
+std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& model) {
+  std::vector<engine::ControllerSpec> specs;
+  if (const StageProperty* property = model.find(document_, "ctrl"))
+    for (const std::string_view call : values_.texts(*property))
+      if (auto spec = controller(call, values_.where(*property))) {
+        spec->period_s = period_s(model);
+        specs.push_back(std::move(*spec));
+      }
+  return specs;
+}
+
+std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view call, Where where) {
+  const std::vector<std::string_view> words = words_of(call);
+  if (words.empty()) {
+    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}",
+                                     comma_list(registry_.controller_names())));
+    return {};
+  }
+  const std::string_view name = words[0];
+  const engine::Registry::Preset* preset = registry_.preset(name);
+  std::string fault;
+  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name, fault);
+  if (!kind) {
+    values_.error(where, fault);
+    return {};
+  }
+  const std::vector<Field>& fields = kind->params.fields;
+  engine::ControllerSpec spec{
+      .kind = std::string(kind->name), .params = kind->params.defaults(), .where = where};
+  if (preset)
+    for (const auto& [field, value] : preset->params) set(kind->params, spec.params, field, value);
+
+  std::size_t positional = 0;
+  for (const std::string_view word : std::span(words).subspan(1)) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos) {
+      if (positional == fields.size()) {
+        values_.error(where,
+                      fmt::format("controller \"{}\" takes no more than {} arguments", name, fields.size()));
+        return {};
+      }
+      const Field& field = fields[positional];
+      if (!set_argument(field, 1, word, name, where, spec.params[positional++])) return {};
+      continue;
+    }
+    // A parameter may carry its unit, as in JSON: turn_degps=30.
+    const std::string_view key = word.substr(0, equals);
+    std::size_t at = fields.size();
+    double to_si = 1;
+    std::vector<std::string_view> keys;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      keys.push_back(fields[i].name);
+      if (key == fields[i].name) at = i;
+      for (const engine::UnitSuffix& unit : engine::unit_suffixes(fields[i].unit))
+        if (key.starts_with(fields[i].name) && key.substr(fields[i].name.size()) == unit.suffix) {
+          at = i;
+          to_si = unit.to_si;
+        }
+    }
+    if (at == fields.size()) {
+      values_.error(where, fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", name, key,
+                                       comma_list(keys), did_you_mean(key, keys)));
+      return {};
+    }
+    if (!set_argument(fields[at], to_si, word.substr(equals + 1), name, where, spec.params[at])) return {};
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (!spec.params[i].given()) {
+      values_.error(
+          where, fmt::format("controller \"{0}\" needs \"{1}\": ctrl \"{0} {1}=...\"", name, fields[i].name));
+      return {};
+    }
+  return spec;
+}
+
+bool StageKinds::set_argument(const Field& field, double to_si, std::string_view text,
+                              std::string_view controller, Where where, Value& value) {
+  const auto refuse = [&](std::string_view what) {
+    values_.error(where, fmt::format("controller \"{}\": \"{}\" {}; here is \"{}\"", controller, field.name,
+                                     what, text));
+    return false;
+  };
+  const auto number = [&]() -> std::optional<double> {
+    const std::optional<double> given = number_of(text);
+    if (!given) {
+      refuse("needs a number");
+      return {};
+    }
+    const double si = *given * to_si;
+    if (const std::string broken = limit_broken(field, si); !broken.empty()) {
+      refuse(broken);
+      return {};
+    }
+    return si;
+  };
+  switch (field.type) {
+    case FieldType::boolean:
+      if (text != "0" && text != "1" && text != "true" && text != "false")
+        return refuse("needs true or false");
+      value = text == "1" || text == "true";
+      return true;
+    case FieldType::integer: {
+      const auto given = number();
+      if (!given) return false;
+      if (*given != std::floor(*given) || std::abs(*given) > 9e15) return refuse("needs a whole number");
+      value = static_cast<std::int64_t>(*given);
+      return true;
+    }
+    case FieldType::number: {
+      const auto given = number();
+      if (!given) return false;
+      value = *given;
+      return true;
+    }
+    case FieldType::text:
+      if (!field.choices.empty() && std::ranges::find(field.choices, text) == field.choices.end())
+        return refuse(
+            fmt::format("must be one of {}{}", comma_list(field.choices), did_you_mean(text, field.choices)));
+      value = std::string(text);
+      return true;
+    case FieldType::numbers: {
+      std::vector<double> list;
+      for (std::string_view rest = text; !rest.empty() || list.empty();) {
+        const std::size_t comma = std::min(rest.size(), rest.find(','));
+        const std::optional<double> given = number_of(rest.substr(0, comma));
+        if (!given) return refuse("needs numbers, separated by commas without blanks");
+        list.push_back(*given * to_si);
+        if (const std::string broken = limit_broken(field, list.back()); !broken.empty())
+          return refuse(broken);
+        rest.remove_prefix(std::min(rest.size(), comma + 1));
+      }
+      if (field.columns > 0 && list.size() != field.columns)
+        return refuse(fmt::format("needs {} numbers, separated by commas without blanks", field.columns));
+      value = std::move(list);
+      return true;
+    }
+    default: return refuse("cannot be given in a .world file, only in JSON");
+  }
+}
+
+}  // namespace troupe::worldio

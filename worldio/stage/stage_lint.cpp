@@ -1,0 +1,130 @@
+#include "worldio/stage/stage_lint.hpp"
+
+#include "worldio/stage/stage_properties.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_deepest = 200;  // as deep as the parser and the macros go
+
+std::string with_article(std::string_view type) {
+  if (type == "world") return "the world";
+  return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
+}
+
+/// How a property is called in messages: "mass", but "noise of a sensor".
+std::string called(const StageRow& row) {
+  if (row.type == "model" || row.type == "world") return std::string(row.name);
+  return fmt::format("{} of {}", row.name, with_article(row.type));
+}
+
+}  // namespace
+
+void StageLint::add(Summary& summary, Where where, std::string name) {
+  if (values_.thorough()) {
+    values_.warning(where, fmt::format("{}: {}", name, summary.each));
+    return;
+  }
+  if (summary.names.empty()) summary.first = where;
+  if (std::ranges::find(summary.names, name) == summary.names.end()) summary.names.push_back(std::move(name));
+}
+
+void StageLint::check_world() {
+  check_repeated(document_.world);
+  for (const StageProperty& property : document_.world) check_property(property, "world");
+}
+
+void StageLint::check(const StageEntity& entity, std::size_t depth) {
+  if (depth > k_deepest) return;
+  const auto model = macros_.resolve(entity);
+  if (!model) return;
+  if (model->type == "window") add(window_only_, model->where, "window");
+  if (macros_.is_only_a_body(model->type))
+    values_.warning_once(model->where,
+                         fmt::format("this program does not have what {} does; it is only a body here",
+                                     with_article(model->type)));
+  if (values_.thorough()) check_overruled(*model);
+  for (const StageEntity* layer : model->layers) {
+    if (layer != &entity && !macros_seen_.insert(layer).second) continue;
+    check_repeated(document_.properties(*layer));
+    for (const StageProperty& property : document_.properties(*layer))
+      check_property(property, model->alias.empty() ? model->type : model->alias);
+    for (const StageEntity& child : document_.children(*layer)) check(child, depth + 1);
+  }
+}
+
+void StageLint::check_property(const StageProperty& property, std::string_view type) {
+  const std::string_view key = values_.key(property);
+  const Where where = values_.where(property);
+  const StageRow* row = find_stage_row(type, key);
+  if (!row) {
+    const bool is_transducers = type == "ranger" && find_stage_row("sensor", key) != nullptr;
+    const std::vector<std::string_view> known = stage_property_names(type);
+    values_.warning_once(
+        where, fmt::format("{} has no property \"{}\"; it is ignored{}", with_article(type), key,
+                           is_transducers ? ", it belongs into a sensor( ... )" : did_you_mean(key, known)));
+    return;
+  }
+  switch (row->support) {
+    case StageSupport::honoured:
+    case StageSupport::fixed: break;
+    case StageSupport::no_effect: add(no_effect_, where, called(*row)); break;
+    case StageSupport::window_only:
+      if (type != "window") add(window_only_, where, called(*row));
+      break;
+    case StageSupport::obsolete: add(obsolete_, where, called(*row)); break;
+  }
+}
+
+/// Of a property that one entity sets twice the last holds.
+void StageLint::check_repeated(std::span<const StageProperty> properties) {
+  if (!values_.thorough()) return;
+  std::unordered_map<std::string_view, Where> later;
+  for (auto property = properties.rbegin(); property != properties.rend(); ++property) {
+    const auto [next, is_last] = later.try_emplace(values_.key(*property), values_.where(*property));
+    if (is_last) continue;
+    values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: line {} sets it again",
+                                                          values_.key(*property), next->second.line));
+  }
+}
+
+/// What has an effect in some models, but not beside what else is said of this one.
+void StageLint::check_overruled(const StageModel& model) {
+  const auto report = [&](std::string_view key, std::string_view why) {
+    if (const StageProperty* property = model.find(document_, key))
+      values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: {}", key, why));
+  };
+  const bool runs = macros_.is_device(model.type);
+  const bool is_position = model.type == "position";
+  const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
+  if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is given too");
+  const bool has_energy =
+      model.find(document_, "watts") || model.find(document_, "give_watts") ||
+      (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
+  if (is_model && !runs && !has_energy) report("alwayson", "this model senses nothing");
+  if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))
+    report("update_interval", "this model neither senses nor drives");
+  const std::vector<StageModel::Child> children = model.children(document_);
+  const bool has_sensors = std::ranges::any_of(
+      children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
+  if (!model.alias.empty() && has_sensors)
+    for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
+      report(key, "the sensors in it have their own");
+  if (!is_position) return;
+  const StageProperty* drive = model.find(document_, "drive");
+  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has one");
+}
+
+void StageLint::finish() {
+  for (const Summary* summary : {&no_effect_, &window_only_, &obsolete_})
+    if (!summary->names.empty())
+      values_.warning(summary->first, fmt::format("{}: {}", summary->all, fmt::join(summary->names, ", ")));
+}
+
+}  // namespace troupe::worldio

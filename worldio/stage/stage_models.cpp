@@ -1,0 +1,146 @@
+#include "worldio/stage/stage_models.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <unordered_set>
+
+namespace troupe::worldio {
+namespace {
+
+constexpr std::size_t k_most_steps = 20000000;
+constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
+constexpr std::string_view k_radio_alias = "wifi";
+/// Types of models that versions of Stage before 4.3 had.
+constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
+                                          "region",  "simple_laser", "speech"};
+constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
+
+}  // namespace
+
+const StageProperty* StageModel::find(const StageDocument& document, std::string_view key) const {
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    const std::span<const StageProperty> properties = document.properties(**layer);
+    for (auto property = properties.rbegin(); property != properties.rend(); ++property)
+      if (document.key(*property) == key) return &*property;
+  }
+  return nullptr;
+}
+
+std::vector<StageModel::Child> StageModel::children(const StageDocument& document) const {
+  std::vector<Child> out;
+  for (const StageEntity* layer : layers)
+    for (const StageEntity& child : document.children(*layer)) out.push_back({&child, layer});
+  return out;
+}
+
+StageMacros::StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values)
+    : document_(document), registry_(registry), values_(values) {}
+
+void StageMacros::define(const StageItem& item) {
+  const StageToken name = document_.token(item.entity.word);
+  const auto [first, is_new] =
+      macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
+  const Where before = document_.token(first->second.body->word).where();
+  const bool is_read_again =
+      before.file == name.file && before.line == name.line;  // of a file included twice
+  if (!is_new && !is_read_again)
+    values_.warning(name.where(), fmt::format("\"{}\" is defined already, at {}; the first definition holds",
+                                              name.text, values_.place(before, name.where())));
+}
+
+std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
+  StageModel model{.type = document_.word(entity), .where = document_.token(entity.word).where()};
+  model.layers.push_back(&entity);
+  model.names.push_back(model.type);
+  std::unordered_set<std::string_view> met;
+  for (auto macro = macros_.find(model.type); macro != macros_.end(); macro = macros_.find(model.type)) {
+    if (!met.insert(model.type).second) {
+      values_.error(document_.token(macro->second.body->word).where(),
+                    fmt::format("macro \"{}\" is built on itself", model.type));
+      return {};
+    }
+    if (++steps_ > k_most_steps) {
+      values_.error(model.where,
+                    fmt::format("too large: it takes more than {} steps to follow the macros of the world "
+                                "to what they are built on",
+                                k_most_steps));
+      return {};
+    }
+    macro->second.is_used = true;
+    model.layers.push_back(macro->second.body);
+    model.type = macro->second.base;
+    model.names.push_back(model.type);
+  }
+  std::ranges::reverse(model.layers);
+  if (std::ranges::find(k_ranger_aliases, model.type) != std::end(k_ranger_aliases)) {
+    model.alias = model.type;
+    model.type = "ranger";
+    model.names.push_back(model.type);
+  }
+  if (model.type == k_radio_alias) {
+    model.alias = model.type;
+    model.type = "radio";
+    model.names.push_back(model.type);
+  }
+
+  const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
+                        registry_.model(model.type) != nullptr;
+  if (is_known) return model;
+  std::vector<std::string_view> types;
+  for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
+  std::vector<std::string_view> near = types;
+  near.insert(near.end(), std::begin(k_ranger_aliases), std::end(k_ranger_aliases));
+  near.push_back(k_radio_alias);
+  if (macros_.size() <= k_names_compared)
+    for (const auto& [name, macro] : macros_) near.push_back(name);
+  // The order of the hash table must not choose between two names that are equally near.
+  std::ranges::sort(near);
+  const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
+  values_.error(model.where,
+                fmt::format("\"{}\" is no model type, nor a macro defined before{}; types: {}{}", model.type,
+                            is_dropped ? ": older versions of Stage had it, Stage 4.3 has not" : "",
+                            comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
+  return {};
+}
+
+bool StageMacros::is_device(std::string_view type) const {
+  const engine::ModelKind* kind = registry_.model(type);
+  return kind != nullptr && registry_.device(kind->device) != nullptr;
+}
+
+bool StageMacros::is_only_a_body(std::string_view type) const {
+  return registry_.model(type) != nullptr && type != "model" && type != "position" && !is_device(type);
+}
+
+void StageMacros::report_unused() {
+  struct File {
+    std::size_t macros = 0;
+    bool is_used = false;
+  };
+  const std::uint32_t own = document_.sources.front().file;
+  std::map<std::uint32_t, File> included;
+  for (const StageItem& item : document_.items) {
+    const StageToken name = document_.token(item.entity.word);
+    const auto macro = macros_.find(name.text);
+    const bool is_ours = item.is_define && macro != macros_.end() && macro->second.body == &item.entity;
+    const bool is_used = !item.is_define || (is_ours && macro->second.is_used);
+    if (name.file != own) {
+      File& file = included[name.file];
+      file.macros += item.is_define;
+      file.is_used = file.is_used || is_used;
+    } else if (is_ours && !is_used) {
+      values_.warning(name.where(), fmt::format("macro \"{}\" is never used", name.text));
+    }
+  }
+  for (const StageProperty& property : document_.world)
+    included[document_.token(property.key).file].is_used = true;
+  for (const auto& [file, holds] : included)
+    if (!holds.is_used)
+      values_.warning({file, 0}, fmt::format("nothing of this file is used; it defines {} macro{}",
+                                             holds.macros, holds.macros == 1 ? "" : "s"));
+}
+
+}  // namespace troupe::worldio

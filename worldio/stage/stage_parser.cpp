@@ -1,0 +1,467 @@
+#include "worldio/stage/stage_parser.hpp"
+
+#include "worldio/stage/stage_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <system_error>
+
+namespace troupe::worldio {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = StageToken::Kind;
+
+constexpr std::size_t k_most_errors = 50;
+constexpr std::size_t k_most_inclusions = 1000;
+constexpr std::size_t k_most_included_bytes = 256
+                                              << 20;  // of all inclusions, the same file counted each time
+constexpr std::size_t k_deepest_nesting = 200;
+
+/// Thrown, and caught in parse_stage, when reading on would only repeat itself.
+struct GiveUp {};
+
+class SyntaxErrors {
+ public:
+  explicit SyntaxErrors(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+  void add(Where where, std::string message) {
+    diagnostics_.error(where, std::move(message));
+    if (++count_ == k_most_errors) {
+      diagnostics_.error(where,
+                         fmt::format("that makes {} syntax errors; the rest is not read", k_most_errors));
+      throw GiveUp{};
+    }
+  }
+
+ private:
+  Diagnostics& diagnostics_;
+  std::size_t count_ = 0;
+};
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_word_part(char c) {
+  return is_letter(c) || is_digit(c) || c == '.' || c == '-' || c == '_' || c == '[' || c == ']';
+}
+bool is_number_part(char c) { return is_digit(c) || c == '+' || c == '-' || c == '.'; }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+/// Length of the part of a word before its first bracket without a partner: a tuple begins or ends there.
+std::size_t matched_length(std::string_view word) {
+  std::size_t open = std::string_view::npos;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (word[i] == '[') {
+      if (open != std::string_view::npos) return open;
+      open = i;
+    } else if (word[i] == ']') {
+      if (open == std::string_view::npos) return i;
+      open = std::string_view::npos;
+    }
+  }
+  return open == std::string_view::npos ? word.size() : open;
+}
+
+class Lexer {
+ public:
+  Lexer(StageDocument& document, std::span<const fs::path> search_path, Diagnostics& diagnostics,
+        SyntaxErrors& errors)
+      : document_(document), search_path_(search_path), diagnostics_(diagnostics), errors_(errors) {}
+
+  void read(const fs::path& file, std::string text) {
+    const std::uint32_t name = diagnostics_.files()->add(file.string());
+    if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
+      errors_.add({name, 0}, "the file is larger than 4 GB");
+      throw GiveUp{};
+    }
+    document_.sources.push_back({std::move(text), name});
+    open_files_.push_back(identity(file));
+    Source source{document_.sources.back().text, name,
+                  static_cast<std::uint16_t>(document_.sources.size() - 1)};
+    if (source.text.starts_with("\xef\xbb\xbf")) source.at = 3;  // the byte-order mark of some editors
+    while (source.at < source.text.size()) next(source);
+    open_files_.pop_back();
+  }
+
+ private:
+  struct Source {
+    std::string_view text;
+    std::uint32_t file;
+    std::uint16_t number;  // of the document's, of which there are some thousand at most
+    std::size_t at = 0;
+    std::uint32_t line = 1;
+
+    Where where() const { return {file, line}; }
+    char peek() const { return at < text.size() ? text[at] : '\0'; }
+    template <class Part>
+    std::string_view take_while(Part part) {
+      const std::size_t from = at;
+      while (at < text.size() && part(text[at])) ++at;
+      return text.substr(from, at - from);
+    }
+    /// LF, CR, CRLF and LFCR each end one line.
+    void take_line_end() {
+      const char c = text[at++];
+      if (at < text.size() && is_line_end(text[at]) && text[at] != c) ++at;
+      ++line;
+    }
+  };
+
+  static fs::path identity(const fs::path& file) {
+    std::error_code fault;
+    fs::path whole = fs::weakly_canonical(file, fault);
+    return fault ? file : whole;
+  }
+
+  void add(const Source& source, Kind kind, std::string_view text) {
+    document_.tokens.push_back({source.number, kind, source.line,
+                                static_cast<std::uint32_t>(text.data() - source.text.data()),
+                                static_cast<std::uint32_t>(text.size())});
+  }
+
+  void next(Source& source) {
+    const char c = source.peek();
+    if (is_blank(c)) {
+      ++source.at;
+    } else if (is_line_end(c)) {
+      source.take_line_end();
+    } else if (c == '#') {
+      source.take_while([](char x) { return !is_line_end(x); });
+    } else if (is_letter(c)) {
+      word(source);
+    } else if (is_number_part(c)) {
+      number(source);
+    } else if (c == '"') {
+      string(source);
+    } else if (c == '(' || c == ')' || c == '[' || c == ']') {
+      constexpr std::string_view brackets = "()[]";
+      constexpr Kind kinds[] = {Kind::open, Kind::close, Kind::tuple_open, Kind::tuple_close};
+      add(source, kinds[brackets.find(c)], source.text.substr(source.at, 1));
+      ++source.at;
+    } else {
+      ++source.at;
+      errors_.add(source.where(), stray(c));
+    }
+  }
+
+  static std::string stray(char c) {
+    if (c == ',') return "unexpected ','; the values of a tuple are separated by blanks: [1 2 3]";
+    if (c == '=') return "unexpected '='; a property is written: name value";
+    if (c == ';') return "unexpected ';'; a line end or a blank separates properties";
+    if (c == '{' || c == '}') return fmt::format("unexpected '{}'; a body stands in ( )", c);
+    if (c == '\'') return "unexpected \"'\"; strings stand in double quotes";
+    if (c > ' ' && c < 127) return fmt::format("unexpected '{}'", c);
+    return fmt::format("unexpected byte 0x{:02x}", static_cast<unsigned char>(c));
+  }
+
+  void word(Source& source) {
+    std::string_view text = source.take_while(is_word_part);
+    if (const std::size_t length = matched_length(text); length < text.size()) {
+      if (text[length] == '[')
+        errors_.add(source.where(), fmt::format("\"{}\": a blank must stand before the [", text));
+      source.at -= text.size() - length;
+      text = text.substr(0, length);
+    }
+    if (text == "include")
+      include(source);
+    else
+      add(source, Kind::word, text);
+  }
+
+  void number(Source& source) {
+    const std::string_view text = source.take_while(is_number_part);
+    if (is_letter(source.peek()) || source.peek() == '_') {
+      const std::string_view rest = source.take_while(is_word_part);
+      errors_.add(
+          source.where(),
+          fmt::format("\"{}{}\" is no number; numbers have neither exponent nor unit: 0.02", text, rest));
+    }
+    add(source, Kind::number, text);
+  }
+
+  void string(Source& source) {
+    ++source.at;
+    const std::string_view text = source.take_while([](char x) { return x != '"' && !is_line_end(x); });
+    if (source.peek() == '"')
+      ++source.at;
+    else
+      errors_.add(source.where(), "a string must end with \" on the line on which it begins");
+    add(source, Kind::string, text);
+  }
+
+  void include(Source& source) {
+    const Where where = source.where();
+    source.take_while(is_blank);
+    if (source.peek() != '"') {
+      errors_.add(where, "include needs a file name in double quotes: include \"map.inc\"");
+      return;
+    }
+    ++source.at;
+    const std::string_view name = source.take_while([](char x) { return x != '"' && !is_line_end(x); });
+    if (source.peek() != '"') {
+      errors_.add(where, "a string must end with \" on the line on which it begins");
+      return;
+    }
+    ++source.at;
+    // Stage drops what else stands on the line; so do we, but not silently.
+    std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
+    rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
+    if (!rest.empty() && rest[0] != '#')
+      diagnostics_.warning(where, fmt::format("ignored, as in Stage, behind an include: {}", rest));
+    splice(where, name);
+  }
+
+  void splice(Where where, std::string_view name) {
+    fs::path path(name);
+    if (!path.is_absolute() && !name.starts_with('~')) path = document_.base_directory / path;
+    const std::optional<fs::path> found = find_stage_file(path, search_path_);
+    std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
+    if (!text) {
+      errors_.add(where,
+                  fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
+                              search_path_.empty() ? "" : ", nor one of that name on the search path"));
+      return;
+    }
+    if (*found != path) document_.base_directory = found->parent_path();
+    const fs::path self = identity(*found);
+    if (const auto it = std::ranges::find(open_files_, self); it != open_files_.end()) {
+      std::string cycle;
+      for (auto open = it; open != open_files_.end(); ++open) cycle += open->filename().string() + " -> ";
+      errors_.add(where, fmt::format("include cycle: {}{}", cycle, self.filename().string()));
+      return;
+    }
+    if (++inclusions_ > k_most_inclusions) {
+      errors_.add(where, fmt::format("files are included more than {} times", k_most_inclusions));
+      throw GiveUp{};
+    }
+    included_bytes_ += text->size();
+    if (included_bytes_ > k_most_included_bytes) {
+      errors_.add(where, fmt::format("too large: the included files add up to more than {} MiB",
+                                     k_most_included_bytes >> 20));
+      throw GiveUp{};
+    }
+    read(tidied(*found), std::move(*text));
+  }
+
+  StageDocument& document_;
+  std::span<const fs::path> search_path_;
+  Diagnostics& diagnostics_;
+  SyntaxErrors& errors_;
+  std::vector<fs::path> open_files_;
+  std::size_t inclusions_ = 0;
+  std::size_t included_bytes_ = 0;
+};
+
+class Parser {
+ public:
+  Parser(StageDocument& document, SyntaxErrors& errors) : document_(document), errors_(errors) {}
+
+  void read() {
+    while (peek().kind != Kind::end) {
+      const StageToken token = peek();
+      if (token.kind == Kind::close) {
+        document_.well_nested = false;
+        errors_.add(token.where(), "this ) closes nothing");
+        ++at_;
+      } else if (token.kind == Kind::word && token.text == "define") {
+        define(true);
+      } else if (StageEntity entity; item(document_.world, entity, 1)) {
+        document_.items.push_back({.entity = entity});
+      }
+    }
+  }
+
+ private:
+  StageToken peek(std::size_t ahead = 0) const {
+    return document_.token(static_cast<std::uint32_t>(std::min(at_ + ahead, document_.tokens.size() - 1)));
+  }
+  std::uint32_t position() const { return static_cast<std::uint32_t>(at_); }
+  static bool same_line(const StageToken& a, const StageToken& b) {
+    return a.file == b.file && a.line == b.line;
+  }
+
+  /// What came since the list had this size leaves it and becomes a run of `all`.
+  template <class T>
+  static StageEntity::Run close(std::vector<T>& open, std::size_t since, std::vector<T>& all) {
+    const StageEntity::Run run{static_cast<std::uint32_t>(all.size()),
+                               static_cast<std::uint32_t>(open.size() - since)};
+    const auto begin = open.begin() + static_cast<std::ptrdiff_t>(since);
+    all.insert(all.end(), begin, open.end());
+    open.erase(begin, open.end());
+    return run;
+  }
+
+  /// Everything up to the ) that closes `entity`; its ( has been taken.
+  void body(StageEntity& entity, std::size_t depth) {
+    const std::size_t properties = open_properties_.size();
+    const std::size_t children = open_children_.size();
+    if (depth > k_deepest_nesting) {
+      document_.well_nested = false;
+      errors_.add(document_.token(entity.word).where(),
+                  fmt::format("nested deeper than {}", k_deepest_nesting));
+      throw GiveUp{};
+    }
+    while (peek().kind != Kind::close) {
+      if (peek().kind == Kind::end) {
+        document_.well_nested = false;
+        errors_.add(document_.token(entity.word).where(),
+                    fmt::format("the ( of \"{}\" is never closed", document_.word(entity)));
+        return;
+      }
+      if (peek().kind == Kind::word && peek().text == "define") {
+        errors_.add(peek().where(), "define belongs at the top level of a file, not into a model");
+        define(false);
+        continue;
+      }
+      if (StageEntity child; item(open_properties_, child, depth + 1)) open_children_.push_back(child);
+    }
+    ++at_;
+    entity.properties = close(open_properties_, properties, document_.all_properties);
+    entity.children = close(open_children_, children, document_.all_children);
+  }
+
+  /// One property, which joins `properties`, or one entity: then true.
+  bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
+    const StageToken token = peek();
+    switch (token.kind) {
+      case Kind::word: break;
+      case Kind::open: {
+        errors_.add(token.where(), "a ( must follow a model's type or a macro's name");
+        entity.word = position();
+        ++at_;
+        StageEntity dropped{.word = entity.word};
+        body(dropped, depth);
+        return false;
+      }
+      case Kind::tuple_open:
+        errors_.add(token.where(), "this tuple belongs to no property");
+        static_cast<void>(tuple());
+        return false;
+      case Kind::tuple_close:
+        errors_.add(token.where(), "this ] closes nothing");
+        ++at_;
+        return false;
+      default:
+        errors_.add(token.where(), fmt::format("the value {} belongs to no property", shown(token)));
+        ++at_;
+        return false;
+    }
+
+    const StageToken next = peek(1);
+    if (next.kind == Kind::open) {
+      entity.word = position();
+      at_ += 2;
+      body(entity, depth);
+      return true;
+    }
+    const bool has_value = next.kind != Kind::end && same_line(token, next);
+    if (has_value && (next.kind == Kind::number || next.kind == Kind::string)) {
+      properties.push_back({position(), 1, false});
+      at_ += 2;
+    } else if (has_value && next.kind == Kind::tuple_open) {
+      const std::uint32_t key = position();
+      ++at_;
+      properties.push_back({key, tuple(), true});
+    } else if (has_value && next.kind == Kind::word && peek(2).kind != Kind::open) {
+      errors_.add(
+          token.where(),
+          fmt::format("the value of \"{0}\" must be a number, a string or a tuple; a string needs quotes: "
+                      "{0} \"{1}\"",
+                      token.text, next.text));
+      at_ += 2;
+    } else {
+      errors_.add(token.where(),
+                  fmt::format("\"{}\" needs a value on the same line, or a body in ( )", token.text));
+      ++at_;
+    }
+    return false;
+  }
+
+  /// From [ to ], which must lie on one line: how many values stand behind the [.
+  std::uint32_t tuple() {
+    const StageToken open = peek();
+    ++at_;
+    std::uint32_t count = 0;
+    bool clean = true;
+    for (;; ++at_) {
+      const StageToken token = peek();
+      if (token.kind == Kind::tuple_close && same_line(open, token)) break;
+      if (token.kind == Kind::end || !same_line(open, token) || token.kind == Kind::open ||
+          token.kind == Kind::close) {
+        errors_.add(open.where(), "a tuple must end with ] on the line on which it begins");
+        return count;
+      }
+      if (token.kind == Kind::number || token.kind == Kind::string) {
+        count += clean;
+        continue;
+      }
+      clean = false;
+      errors_.add(token.where(), token.kind == Kind::word
+                                     ? fmt::format("\"{0}\" in a tuple needs quotes: [\"{0}\"]", token.text)
+                                     : std::string("a tuple cannot hold a tuple"));
+    }
+    ++at_;
+    return count;
+  }
+
+  /// `define NAME BASE body`; not kept where it must not stand.
+  void define(bool keep) {
+    const StageToken word = peek();
+    ++at_;
+    if (peek().kind != Kind::word) {
+      errors_.add(word.where(), "define needs a name and a base: define robot position( ... )");
+      return;
+    }
+    StageItem item{.is_define = true, .entity = {.word = position()}};
+    const std::string_view name = peek().text;
+    ++at_;
+    bool usable = true;
+    if (peek().kind == Kind::word) {
+      item.base = position();
+      ++at_;
+    } else {
+      errors_.add(word.where(), fmt::format("define {0} needs a base: define {0} position( ... )", name));
+      usable = false;
+    }
+    if (peek().kind != Kind::open) {
+      if (usable) errors_.add(word.where(), fmt::format("define {} needs a body in ( )", name));
+      return;
+    }
+    ++at_;
+    body(item.entity, 1);
+    if (usable && keep) document_.items.push_back(item);
+  }
+
+  static std::string shown(const StageToken& token) {
+    return token.kind == Kind::string ? fmt::format("\"{}\"", token.text) : std::string(token.text);
+  }
+
+  StageDocument& document_;
+  SyntaxErrors& errors_;
+  std::vector<StageProperty> open_properties_;  // of the entities around the present place
+  std::vector<StageEntity> open_children_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+StageDocument parse_stage(const fs::path& file, std::string text, std::span<const fs::path> search_path,
+                          Diagnostics& diagnostics) {
+  StageDocument document;
+  document.base_directory = file.parent_path();
+  SyntaxErrors errors(diagnostics);
+  try {
+    Lexer(document, search_path, diagnostics, errors).read(file, std::move(text));
+    document.tokens.push_back({.kind = Kind::end});
+    Parser(document, errors).read();
+  } catch (const GiveUp&) {
+    document.well_nested = false;
+  }
+  return document;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,191 @@
+#include "worldio/stage/stage_power.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::DeviceSpec;
+using engine::FieldTable;
+using engine::Record;
+using engine::TypeSpec;
+using engine::Value;
+
+/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W
+/// stand in Stage's manual, but not in its code.)
+constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
+                                                     "camera",   "position",   "ranger"};
+
+void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
+  record[static_cast<std::size_t>(table.find(name))] = std::move(value);
+}
+
+std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_view last) {
+  const std::string& below = type.parts[part].name;
+  return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
+}
+
+/// The pack that a part runs on; null where it runs on none.
+DeviceSpec* pack_of(TypeSpec& type, std::uint32_t part) {
+  for (;; part = type.parts[part].parent) {
+    for (DeviceSpec& device : type.devices)
+      if (device.kind == "power_pack" && device.part == part) return &device;
+    if (part == 0) return nullptr;
+  }
+}
+
+}  // namespace
+
+bool StagePower::is_on(const StageModel& model) {
+  const StageProperty* always = model.find(document_, "alwayson");
+  return model.find(document_, "ctrl") != nullptr ||
+         (always != nullptr && values_.flag(*always).value_or(false));
+}
+
+double StagePower::watts(const StageModel& model, std::string_view key) {
+  const StageProperty* property = model.find(document_, key);
+  const double watts = property ? values_.number(*property).value_or(0) : 0;
+  if (watts >= 0 && watts <= 1e9) return watts;
+  values_.error(values_.where(*property),
+                fmt::format("\"{}\" must be 0 or above, in W, and at most 1e9; here is {}", key, watts));
+  return 0;
+}
+
+void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& type) {
+  if (part == 0) {
+    draws_.clear();
+    mass_ = 0;
+    drives_ = is_on(model);
+  }
+  const double constant = watts(model, "watts");
+  if (constant > 0 && std::ranges::find(k_own_draw, model.type) == k_own_draw.end())
+    draws_.push_back({part, constant, is_on(model)});
+  else if (constant > 0)
+    values_.warning_once(
+        values_.where(*model.find(document_, "watts")),
+        fmt::format("\"watts\" of a {} has no effect: what it draws follows from what it does", model.type));
+  if (const StageProperty* property = model.find(document_, "mass")) {
+    const double kg = values_.number(*property).value_or(0);
+    if (!(kg >= 0 && kg <= 1e6))
+      values_.error(values_.where(*property),
+                    fmt::format("\"mass\" must be from 0 to 1e6, in kg; here is {}", kg));
+    else if (part == 0)
+      mass_ = kg;
+  }
+  read_pack(model, part, type);
+  read_contact(model, part, type);
+}
+
+/// In the order in which Stage reads them: what is stored is what the last one left.
+void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
+  bool has_pack = false;
+  bool infinite = false;
+  double stored = 0;
+  double capacity = 0;
+  struct Amount {
+    std::string_view key;
+    double joules;  ///< in one of its units
+    bool capacity_only;
+  };
+  constexpr std::array<Amount, 4> amounts{{{"joules", 1, false},
+                                           {"joules_capacity", 1, true},
+                                           {"kjoules", 1000, false},
+                                           {"kjoules_capacity", 1000, true}}};
+  for (const Amount& amount : amounts) {
+    const StageProperty* property = model.find(document_, amount.key);
+    if (!property) continue;
+    const std::optional<double> given = values_.number(*property);
+    if (!given) continue;
+    const double joules = *given * amount.joules;
+    if (joules > 1e12 || (amount.capacity_only && joules < 0)) {
+      values_.error(values_.where(*property),
+                    fmt::format("\"{}\" must be {}at most 1e12 J; here is {}", amount.key,
+                                amount.capacity_only ? "0 or above, and " : "", *given));
+      continue;
+    }
+    has_pack = true;
+    if (amount.capacity_only) {
+      capacity = joules;
+      stored = std::min(stored, capacity);
+    } else {
+      infinite = joules < 0;
+      stored = capacity = std::max(joules, 0.0);
+    }
+  }
+  const engine::DeviceKind* kind = registry_.device("power_pack");
+  const StageProperty* empty = model.find(document_, "when_empty");
+  if (empty && !has_pack)
+    values_.warning(values_.where(*empty), "\"when_empty\" has no effect without \"joules\"");
+  if (!has_pack || !kind) return;
+  DeviceSpec pack{.name = device_name(type, part, "power"),
+                  .kind = "power_pack",
+                  .part = part,
+                  .joint = type.parts[part].joint,
+                  .params = kind->params.defaults(),
+                  .where = model.where};
+  set(kind->params, pack.params, "capacity", capacity);
+  set(kind->params, pack.params, "stored", stored);
+  set(kind->params, pack.params, "infinite", infinite);
+  set(kind->params, pack.params, "idle", 0.0);
+  if (const auto text = empty ? values_.text(*empty) : std::nullopt) {
+    if (*text == "stop" || *text == "nothing")
+      set(kind->params, pack.params, "when_empty", std::string(*text));
+    else
+      values_.error(values_.where(*empty),
+                    fmt::format("\"when_empty\" must be \"stop\" or \"nothing\"; here is \"{}\"", *text));
+  }
+  type.devices.push_back(std::move(pack));
+}
+
+void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeSpec& type) {
+  const double give = watts(model, "give_watts");
+  const double take = watts(model, "take_watts");
+  const engine::DeviceKind* kind = registry_.device("power_contact");
+  if (!kind || (give == 0 && take == 0)) return;
+  DeviceSpec contact{.name = device_name(type, part, "contact"),
+                     .kind = "power_contact",
+                     .part = part,
+                     .joint = type.parts[part].joint,
+                     .params = kind->params.defaults(),
+                     .active = is_on(model),
+                     .where = model.where};
+  set(kind->params, contact.params, "give", give);
+  set(kind->params, contact.params, "take", take);
+  if (give > 0 && !contact.active)
+    values_.warning_once(values_.where(*model.find(document_, "give_watts")),
+                         "a model gives energy only while it runs: it needs \"alwayson 1\" or a \"ctrl\"");
+  type.devices.push_back(std::move(contact));
+}
+
+void StagePower::finish(TypeSpec& type) {
+  std::erase_if(type.devices, [&](const DeviceSpec& device) {
+    if (device.kind != "power_contact" || pack_of(type, device.part)) return false;
+    values_.warning_once(device.where,
+                         "\"give_watts\" and \"take_watts\" have no effect without \"joules\" or "
+                         "\"joules_capacity\" on the model or on one that carries it");
+    return true;
+  });
+  const bool is_controlled = !type.controllers.empty();
+  const FieldTable* table =
+      registry_.device("power_pack") ? &registry_.device("power_pack")->params : nullptr;
+  if (!table) return;
+  for (const Draw& draw : draws_) {
+    DeviceSpec* pack = pack_of(type, draw.part);
+    const bool is_device = std::ranges::any_of(type.devices, [&](const DeviceSpec& device) {
+      return device.part == draw.part && device.kind != "power_pack" && device.kind != "power_contact";
+    });
+    if (!pack || !(draw.runs || (is_device && is_controlled))) continue;
+    const auto at = static_cast<std::size_t>(table->find("draw"));
+    pack->params[at] = pack->params[at].number() + draw.watts;
+  }
+  DeviceSpec* own = type.drive ? pack_of(type, 0) : nullptr;
+  if (!own) return;
+  set(*table, own->params, "mass", mass_);
+  set(*table, own->params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
+}
+
+}  // namespace troupe::worldio

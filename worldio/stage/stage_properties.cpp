@@ -1,0 +1,528 @@
+#include "worldio/stage/stage_properties.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+using enum StageSupport;
+
+// One line a property; the documentation, the warnings and the spelling hints are all made from it.
+constexpr auto k_rows = std::to_array<StageRow>({
+    {"world", "name", honoured, "title of the world; the file's path unless given",
+     "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "interval_sim", honoured, "the tick, ms; at least 0.001",
+     "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "quit_time", honoured, "s; where a run ends unless it is told otherwise",
+     "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error",
+     "StageWorld.PosesTakeTheFilesUnits"},
+    {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error",
+     "StageWorld.PosesTakeTheFilesUnits"},
+    {"world", "wrap_headings", honoured,
+     "an addition: 0 keeps headings of transducers and bumpers beyond half a turn as they are, which Stage "
+     "wraps",
+     "StageWorld.HeadingsInDevicesAreWrappedUnlessTheWorldSaysNo"},
+    {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given",
+     "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "resolution", honoured,
+     "m, from 0.0001 to 100: edge of the grid ray engine's cells; the exact one, and collisions, have no "
+     "cells",
+     "StageWorld.TheResolutionIsOfTheGridEngine"},
+    {"world", "threads", no_effect,
+     "the number of threads is an option of the run and never changes a result"},
+    {"world", "test", no_effect, "a debugging aid of Stage's parser"},
+    {"world", "show_clock", fixed, "lines on standard error, as with `--clock`; Stage's program overrides it",
+     "Watch.ShowClockTellsTheTimeAsOftenAsTheWorldSays"},
+    {"world", "show_clock_interval", honoured, "ticks from one line to the next",
+     "Watch.ShowClockTellsTheTimeAsOftenAsTheWorldSays"},
+    {"world", "speedup", fixed,
+     "the pace of `troupe run --rate world`, where Stage keeps to it in its window only; without that a run "
+     "is "
+     "as fast as it can be, as in Stage; 0: with it, too",
+     "Watch.TheWorldsOwnRateHoldsBackWhoAsksForIt"},
+    {"world", "paused", window_only, "without a window nobody could let it go on: a run begins at once"},
+    {"world", "confirm_on_quit", window_only, ""},
+    {"world", "size", obsolete, ""},
+    {"world", "interval_real", obsolete, ""},
+    {"world", "gui_interval", obsolete, ""},
+    {"world", "gui_disable", obsolete, ""},
+    {"world", "gui_menu_interval", obsolete, ""},
+    {"world", "threadpool", obsolete, ""},
+
+    {"model", "name", honoured, "`/name` is a name of its own instead of one below the parent's",
+     "Conformance07.Names"},
+    {"model", "pose", honoured,
+     "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning",
+     "StageWorld.ChildrenStackOnTheirParent"},
+    {"model", "size", honoured,
+     "[x y z], above 0 where there is a body; of the older [x y] the height is the type's default, with a "
+     "warning",
+     "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
+    {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it",
+     "StageWorld.OriginMovesTheBodyButNotItsChildren"},
+    {"model", "update_interval", fixed, "ms; 0 is every tick, where Stage hangs",
+     "StageWorld.RangersBecomeSensors"},
+    {"model", "color", fixed,
+     "X11 name; \"random\" follows from the seed and the body, a child's from its name",
+     "StageWorld.ReturnsAndColours"},
+    {"model", "color_rgba", honoured, "where `color` is not given", "StageWorld.ReturnsAndColours"},
+    {"model", "bitmap", fixed,
+     "the outline of the solid pixels, stretched to `size`; also blocks what is inside; or a map of ROS",
+     "StageWorld.ABitmapIsOneSolidStretchedToItsSize"},
+    {"model", "bitmap_margins", honoured,
+     "an addition: the whole image fills `size`, not only its solid pixels; 0 unless given",
+     "StageWorld.BitmapMarginsAreKeptForWhoAsks"},
+    {"model", "bitmap_unknown", honoured,
+     "an addition: of a map of ROS, what nobody has seen is solid too; 0 unless given",
+     "StageWorld.AMapOfRosLiesWhereItSays"},
+    {"model", "noblocks", honoured, "", "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
+    {"model", "boundary", honoured,
+     "four walls of 0.01 m; explicit blocks without a bitmap discard them, with a warning",
+     "StageWorld.BoundaryIsFourWallsWithin"},
+    {"model", "stack_children", honoured, "", "StageWorld.ChildrenStackOnTheirParent"},
+    {"model", "obstacle_return", fixed, "whole regions block, not only their outlines",
+     "StageWorld.ReturnsAndColours"},
+    {"model", "ranger_return", fixed, "bodies of any size are seen, however small",
+     "StageWorld.ReturnsAndColours"},
+    {"model", "fiducial_return", honoured, "what fiducial finders read; 0: they do not find it",
+     "StageWorld.ReturnsAndColours"},
+    {"model", "fiducial_key", honoured, "of the finders that may find it", "StageWorld.ReturnsAndColours"},
+    {"model", "gripper_return", fixed, "grippers feel it, and take the whole body; held bodies do not jump",
+     "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
+    {"model", "blob_return", fixed, "0: blob finders do not see its colour; Stage never reads it",
+     "StageWorld.ReturnsAndColours"},
+    {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`",
+     "StageWorld.ControllersTakeArgumentsByPlaceAndByName"},
+    {"model", "alwayson", honoured, "its sensor runs without a controller that reads it",
+     "StageWorld.RangersBecomeSensors"},
+    {"model", "event_queue", no_effect, "Stage overwrites it"},
+    {"model", "friction", no_effect, "Stage stores it and no more"},
+    {"model", "map_resolution", no_effect, "Stage stores it and no more"},
+    {"model", "debug", no_effect, "Stage prints a line"},
+    {"model", "mass", honoured,
+     "kg, of a top-level position model: its drive draws 1 W and 10 W a kg and m/s",
+     "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
+    {"model", "watts", fixed,
+     "W, drawn while the model runs, each second whatever the tick is; not of models that draw by "
+     "themselves: "
+     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2), camera (100)",
+     "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
+    {"model", "joules", fixed,
+     "a power pack, full; below 0 it never runs out. An empty one stops what runs on it: see `when_empty`",
+     "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "kjoules", fixed, "the same in kJ",
+     "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "joules_capacity", honoured,
+     "what the pack can hold; without `joules` it is empty at the start",
+     "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "kjoules_capacity", honoured, "the same in kJ",
+     "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "when_empty", honoured,
+     "an addition: \"stop\" (sensors keep their readings, drives stand still) or, as in Stage, \"nothing\"",
+     "StagePowerTest.AnEmptyPackMayBeWithoutEffect"},
+    {"model", "give_watts", fixed,
+     "W, to each body that touches (0.02 m) and takes, while the model runs; whole regions touch",
+     "StagePowerTest.GiversAndTakersHaveContacts"},
+    {"model", "take_watts", honoured, "W, at most, from each body that touches and gives",
+     "StagePowerTest.GiversAndTakersHaveContacts"},
+    {"model", "say", window_only, ""},
+    {"model", "gui_nose", window_only, ""},
+    {"model", "gui_outline", window_only, ""},
+    {"model", "gui_grid", window_only, ""},
+    {"model", "gui_move", window_only, ""},
+    {"model", "trail_length", window_only, ""},
+    {"model", "trail_interval", window_only, ""},
+    {"model", "laser_return", obsolete, "`ranger_return` took its place"},
+    {"model", "blobfinder_return", obsolete, "`blob_return` took its place"},
+    {"model", "shape", obsolete, ""},
+    {"model", "polygons", obsolete, "`block` entities took its place"},
+    {"model", "polygon[k]", obsolete, ""},
+    {"model", "polygon[k].points", obsolete, ""},
+    {"model", "polygon[k].point[k]", obsolete, ""},
+    {"model", "polygon[k].filled", obsolete, ""},
+    {"model", "blocks", obsolete, "`block` entities took its place"},
+    {"model", "block[k]", obsolete, ""},
+    {"model", "block[k].points", obsolete, ""},
+    {"model", "block[k].point[k]", obsolete, ""},
+    {"model", "block[k].z", obsolete, ""},
+    {"model", "block[k].z_range", obsolete, ""},
+    {"model", "block[k].color", obsolete, ""},
+    {"model", "size3", obsolete, ""},
+    {"model", "offset", obsolete, ""},
+    {"model", "gui_movemask", obsolete, ""},
+    {"model", "view", obsolete, ""},
+    {"model", "scount", obsolete, "`sensor` entities took its place"},
+    {"model", "spose[k]", obsolete, ""},
+    {"model", "ssize", obsolete, ""},
+    {"model", "sview", obsolete, ""},
+    {"model", "fill_polygons", obsolete, ""},
+    {"model", "show_waypoints", obsolete, ""},
+    {"model", "rangerdata", obsolete, ""},
+    {"model", "ip", obsolete, ""},
+    {"model", "mac", obsolete, ""},
+    {"model", "essid", obsolete, ""},
+    {"model", "model", obsolete, ""},
+    {"model", "range", obsolete, ""},
+    {"model", "power", obsolete, ""},
+    {"model", "sensitivity", obsolete, ""},
+    {"model", "plc", obsolete, ""},
+    {"model", "ple", obsolete, ""},
+    {"model", "wall_factor", obsolete, ""},
+    {"model", "range_db", obsolete, ""},
+    {"model", "range3", obsolete, ""},
+
+    {"block", "points", honoured, "at least 3", "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+    {"block", "point[k]", honoured,
+     "[x y] in any scale: all blocks of a model together are stretched to its `size`",
+     "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+    {"block", "z", honoured, "[min max], in the same scale; a block without it has no height, with a warning",
+     "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+
+    {"position", "drive", fixed, "\"diff\", \"omni\" or \"car\"; anything else is an error",
+     "StageWorld.PositionsDrive"},
+    {"position", "velocity_bounds", fixed,
+     "[xmin xmax ymin ymax zmin zmax amin amax]; turn rates do not wrap at 180 degrees",
+     "StageWorld.PositionsDrive"},
+    {"position", "wheelbase", honoured, "of a car; above 0", "StageWorld.PositionsDrive"},
+    {"position", "velocity", fixed,
+     "[x y z a]: with which it moves until its first update, which with the default `update_interval` comes "
+     "before the first motion; turn rates do not wrap at 180 degrees",
+     "Driving.StartingVelocitiesActUntilTheFirstUpdate"},
+    {"position", "acceleration_bounds", fixed,
+     "[xmin xmax ymin ymax zmin zmax amin amax]: bounds commanded accelerations, not speeds, as in Stage; "
+     "also "
+     "those of a `car`, and for the time since the last update",
+     "StageWorld.DrivesHaveAccelerationsAndAStart"},
+    {"position", "localization", fixed,
+     "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
+     "robot that is stalled, misses no tick between updates, and a way to the left counts as one",
+     "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "localization_origin", honoured,
+     "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1",
+     "Driving.WhatStageWorldsSayOfOriginsHolds"},
+    {"position", "gps_origin", honoured, "an addition: 1 gives \"gps\" poses in the frame of the origin",
+     "Driving.WhatStageWorldsSayOfOriginsHolds"},
+    {"position", "odom_error", fixed,
+     "[x y z a], the last in `unit_angle`, as in Stage; unless given, drawn for each robot from the world's "
+     "seed, not from the clock",
+     "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "odom_heading", honoured,
+     "an addition: \"new\", as in Stage, lays a tick's way along the heading after its turn; \"old\" along "
+     "the one before, as robots move, so that without error the estimate is the truth",
+     "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "odom", obsolete, ""},
+
+    {"ranger", "intensity", honoured,
+     "an addition: 1: the `ranger_return` of what each beam meets is read too; Stage always has it",
+     "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+
+    {"sensor", "pose", honoured, "[x y z heading] in the ranger's frame, its origin included",
+     "StageWorld.RangersBecomeSensors"},
+    {"sensor", "size", honoured, "half of its height is added to the height of the beams",
+     "StageWorld.RangersBecomeSensors"},
+    {"sensor", "range", honoured,
+     "[min max]; as in Stage the minimum is kept but not applied, unless `apply_range_min`",
+     "StageWorld.RangersBecomeSensors"},
+    {"sensor", "fov", honoured, "angle from the first sample to the last", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "samples", honoured, "one sample looks straight ahead; for cones see `beam_width`",
+     "StageWorld.RangersBecomeSensors"},
+    {"sensor", "noise", fixed,
+     "[variance share angle], each 0 or above; a reading stays within 0 and the maximum, and the numbers "
+     "follow from the seed",
+     "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "beam_width", honoured,
+     "an addition: opening angle of each beam, in which the nearest surface is read; 0 unless given",
+     "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "apply_range_min", honoured, "an addition: 1: readings below the minimum are the minimum",
+     "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "color", window_only, ""},
+    {"sensor", "color_rgba", window_only, ""},
+    {"sensor", "view", obsolete, ""},
+
+    {"laser", "samples", honoured,
+     "an alias of older files: a ranger that is its own sensor; 180 unless given",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "fov", honoured, "180 degrees unless given", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range", honoured, "[min max]; as `range_min` and `range_max`",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range_min", honoured, "0 unless given; kept but not applied",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range_max", honoured, "8 m unless given", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "samples", honoured, "an alias of older files: a ranger that is its own sensor; 1 unless given",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "fov", honoured, "0.1 rad unless given", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range", honoured, "[min max]; as `range_min` and `range_max`",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range_min", honoured, "0 unless given; kept but not applied",
+     "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range_max", honoured, "5 m unless given", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+
+    {"fiducial", "range_min", honoured, "as in Stage it is kept but not applied, unless `apply_range_min`",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "apply_range_min", honoured, "an addition: 1: nearer targets are not found",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "range_max", honoured, "origins nearer than this are found",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "range_max_id", honoured, "the ids of those that are nearer than this are read",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "fov", honoured, "in the file's unit of angles",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "ignore_zloc", fixed, "what stands behind a target does not hide it",
+     "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+
+    {"radio", "essid", honoured, "an addition, as are all of `radio`: those of one `essid` hear one another",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "model", honoured,
+     "\"simple\", \"friis\", \"ITU indoor\", \"log distance\" or \"raytrace\": how messages weaken; the last "
+     "is "
+     "friis with walls that weaken",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "power", honoured, "dBm; 20 unless given", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "sensitivity", honoured, "dBm; -80 unless given", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "plc", honoured, "of \"ITU indoor\": dB for ten times the distance; 30 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "ple", honoured, "of \"log distance\": the exponent; 4 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "wall_factor", honoured, "dB lost at each wall, where walls weaken; 10 unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "range", honoured, "how far it is heard; 5 m with \"simple\", 1000 m with others, unless given",
+     "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "hears", honoured, "how far it hears; as far as it is heard unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "walls", honoured,
+     "\"block\", \"weaken\" or \"pass\"; \"weaken\" with \"raytrace\", \"pass\" with others, unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "bodies", honoured, "\"block\" or \"pass\"", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "frequency", honoured, "GHz; 2.4 unless given",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "payload", honoured, "bytes of a message, at most",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "most_heard", honoured, "messages a tick; the nearest are heard",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "drop_rate", honoured, "the share of messages to it that get lost by chance",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "beacon", honoured, "1: it says an empty message until a controller has it say another",
+     "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "ip", no_effect, "messages go to all in range"},
+    {"radio", "mac", no_effect, "messages go to all in range"},
+
+    {"blobfinder", "image", fixed,
+     "[columns rows]; a single column looks straight ahead, where Stage divides by 0",
+     "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "range", honoured, "m, whatever the file's unit of lengths",
+     "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "fov", fixed, "no column is skipped between two blobs",
+     "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "pan", honoured, "added to its heading",
+     "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "colors_count", honoured,
+     "how many of `colors` count; without it every colour is reported",
+     "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "colors", fixed, "X11 names; an unknown one is an error",
+     "StageSensors.WrongColoursAreErrors"},
+    {"blobfinder", "channel_count", obsolete, "`colors_count` took its place"},
+    {"blobfinder", "channels", obsolete, "`colors` took its place"},
+
+    {"bumper", "bcount", honoured, "without it there are none", "StageSensors.WrongBumpersAreErrors"},
+    {"bumper", "blength", honoured, "of those that have no `blength[k]`; above 0",
+     "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+    {"bumper", "blength[k]", honoured, "", "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+    {"bumper", "bpose[k]", honoured,
+     "[x y z heading] of its middle; it runs across its heading and is 0.02 m thick",
+     "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+
+    {"gripper", "paddle_size", fixed,
+     "paddles move as solid parts of the body, where those of Stage jump; they stop at what they touch",
+     "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "paddle_state", fixed,
+     "[\"open\" or \"closed\" \"up\" or \"down\"]; what is held rises with the paddles and is left where it "
+     "is let go",
+     "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "autosnatch", honoured, "closes while a beam is broken, opens while none is",
+     "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
+
+    {"actuator", "type", fixed,
+     "\"linear\" or \"rotational\"; it moves, with what stands on it, where Stage's stand still",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "axis", fixed, "[x y z] in the model's frame; of no length: x",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "min_position", fixed, "m or rad, whatever the file's units",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_position", fixed,
+     "m or rad, whatever the file's units; at least `min_position`, and linear ones reach 1000 m at most",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "start_position", fixed,
+     "m or rad from the model's pose, which Stage overwrites with it instead",
+     "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+
+    {"camera", "resolution", fixed, "[width height]; any, where Stage's window limits it",
+     "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "range", honoured, "[near far]", "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "fov", honoured, "[horizontal vertical], degrees whatever the file's unit",
+     "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "pantilt", fixed,
+     "[pan tilt], degrees: to the right, and upwards; from the camera's own heading, where Stage takes its "
+     "parent's",
+     "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "width", obsolete, ""},
+    {"camera", "height", obsolete, ""},
+    {"camera", "horizfov", obsolete, ""},
+    {"camera", "vertfov", obsolete, ""},
+    {"camera", "yaw", obsolete, ""},
+    {"camera", "pitch", obsolete, ""},
+
+    {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing",
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+    {"blinkenlight", "dutycycle", fixed, "share of the period for which it is lit",
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+    {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it",
+     "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+
+    {"window", "size", window_only, "[width height], pixels; below 0: the whole screen"},
+    {"window", "center", window_only, "[x y], m whatever `unit_length` says"},
+    {"window", "rotate", window_only, "[pitch yaw], degrees"},
+    {"window", "scale", window_only, "pixels per metre"},
+    {"window", "pcam_loc", window_only, "[x y z]"},
+    {"window", "pcam_angle", window_only,
+     "[pitch yaw], degrees whatever `unit_angle` says: so Stage uses them"},
+    {"window", "pcam_on", window_only, ""},
+    {"window", "interval", window_only, "ms"},
+    {"window", "screenshot_skip", window_only, ""},
+    {"window", "screenshots", window_only, ""},
+    {"window", "follow_model", window_only, ""},
+    {"window", "show_data", window_only, ""},
+    {"window", "show_blocks", window_only, ""},
+    {"window", "show_clock", window_only, ""},
+    {"window", "show_flags", window_only, ""},
+    {"window", "show_grid", window_only, ""},
+    {"window", "show_follow", window_only, ""},
+    {"window", "show_footprints", window_only, ""},
+    {"window", "show_boundingboxes", window_only, ""},
+    {"window", "show_occupancy", window_only, ""},
+    {"window", "show_trailarrows", window_only, ""},
+    {"window", "show_trailrise", window_only, ""},
+    {"window", "show_trailfast", window_only, ""},
+    {"window", "show_trailblur", window_only, ""},
+    {"window", "show_status", window_only, ""},
+    {"window", "show_voxels", window_only, ""},
+    {"window", "vis_all", window_only, ""},
+    {"window", "show_ranger_ranges", window_only, ""},
+    {"window", "show_ranger_strikes", window_only, ""},
+    {"window", "show_ranger_fov", window_only, ""},
+    {"window", "show_ranger_transducers", window_only, ""},
+    {"window", "show_fiducial", window_only, ""},
+    {"window", "show_fiducial_fov", window_only, ""},
+    {"window", "show_gripper_data", window_only, ""},
+    {"window", "show_camera", window_only, ""},
+    {"window", "show_blinken", window_only, ""},
+    {"window", "show_bumper_hits", window_only, ""},
+    {"window", "show_position_waypoints", window_only, ""},
+    {"window", "show_position_coords", window_only, ""},
+    {"window", "ranger_vis", window_only, ""},
+    {"window", "blobfinder_vis", window_only, ""},
+    {"window", "raster_vis", window_only, ""},
+    {"window", "energy_dissipation", window_only, ""},
+    {"window", "energy_input", window_only, ""},
+    {"window", "energy_stored", window_only, ""},
+});
+
+/// Entities that are no models do not share the rows of `model`.
+bool is_model(std::string_view type) {
+  return type != "world" && type != "block" && type != "sensor" && type != "window";
+}
+
+/// `point[12]` -> `point[k]`.
+std::string without_numbers(std::string_view name) {
+  std::string out;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    out += name[i];
+    if (name[i] != '[') continue;
+    const std::size_t end = std::min(name.size(), name.find_first_not_of("0123456789", i + 1));
+    if (end == i + 1) continue;
+    out += 'k';
+    i = end - 1;
+  }
+  return out;
+}
+
+std::string_view status(StageSupport support) {
+  switch (support) {
+    case honoured: return "honoured";
+    case fixed: return "honoured, with a fix";
+    case no_effect: return "accepted, no effect";
+    case window_only: return "accepted, window only";
+    case obsolete: break;
+  }
+  return "accepted, obsolete";
+}
+
+/// The rows of a property's name, in whatever entity.
+std::span<const StageRow* const> rows_of_name(std::string_view written) {
+  using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
+  static const Index index_of_rows = [] {
+    Index index;
+    for (const StageRow& row : k_rows) index[row.name].push_back(&row);
+    return index;
+  }();
+  std::string numberless;
+  if (written.find('[') != std::string_view::npos) {
+    numberless = without_numbers(written);
+    written = numberless;
+  }
+  const auto it = index_of_rows.find(written);
+  if (it == index_of_rows.end()) return {};
+  return it->second;
+}
+
+}  // namespace
+
+std::span<const StageRow> stage_rows() { return k_rows; }
+
+const StageRow* find_stage_row(std::string_view type, std::string_view written) {
+  if (type == "wifi") type = "radio";
+  // The lasers and sonars of older files are rangers, and their own sensors, too.
+  const bool is_both = type == "laser" || type == "sonar";
+  const auto row_of = [&](std::string_view wanted) -> const StageRow* {
+    for (const StageRow* row : rows_of_name(written))
+      if (row->type == wanted) return row;
+    return nullptr;
+  };
+  const StageRow* row = row_of(type);
+  if (!row && is_both) row = row_of("ranger");
+  if (!row && is_model(type)) row = row_of("model");
+  if (!row && is_both) row = row_of("sensor");
+  return row;
+}
+
+bool is_without_effect(std::string_view name) {
+  const std::span<const StageRow* const> rows = rows_of_name(name);
+  return !rows.empty() && std::ranges::none_of(rows, [](const StageRow* row) {
+    return row->support == honoured || row->support == fixed;
+  });
+}
+
+std::vector<std::string_view> stage_property_names(std::string_view type) {
+  if (type == "wifi") type = "radio";
+  std::vector<std::string_view> names;
+  for (const StageRow& row : k_rows)
+    if (row.support != obsolete && (row.type == type || (row.type == "model" && is_model(type))))
+      names.push_back(row.name);
+  return names;
+}
+
+std::string stage_property_table() {
+  std::string out = "| in | property | what becomes of it | how, why | test |\n|---|---|---|---|---|\n";
+  for (const StageRow& row : k_rows)
+    out += fmt::format("| {} | `{}` | {} | {} | {} |\n", row.type, row.name, status(row.support), row.note,
+                       row.test);
+  return out;
+}
+
+}  // namespace troupe::worldio

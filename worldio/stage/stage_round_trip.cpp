@@ -1,0 +1,277 @@
+#include "worldio/stage/stage_round_trip.hpp"
+
+#include "worldio/json/fields_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::DeviceSpec;
+using engine::FieldTable;
+using engine::PartSpec;
+using engine::Record;
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+/// Coordinates that are further apart than this, m, are no matter of rounding.
+constexpr double k_rounding_m = 1e-9;
+
+bool same(const Pose& a, const Pose& b) {
+  return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z) && same_bits(a.heading, b.heading);
+}
+
+/// How far apart the corners of two solids are at most, m; nothing where they are no two of a kind.
+std::optional<double> distance(const std::vector<Solid>& a, const std::vector<Solid>& b) {
+  if (a.size() != b.size()) return std::nullopt;
+  double most = 0;
+  for (std::size_t s = 0; s < a.size(); ++s) {
+    most = std::max({most, std::abs(a[s].z.min - b[s].z.min), std::abs(a[s].z.max - b[s].z.max)});
+    if (a[s].contours.size() != b[s].contours.size()) return std::nullopt;
+    for (std::size_t c = 0; c < a[s].contours.size(); ++c) {
+      const Ring& p = a[s].contours[c];
+      const Ring& q = b[s].contours[c];
+      if (p.size() != q.size()) return std::nullopt;
+      for (std::size_t i = 0; i < p.size(); ++i)
+        most = std::max({most, std::abs(p[i].x() - q[i].x()), std::abs(p[i].y() - q[i].y())});
+    }
+  }
+  return most;
+}
+
+class RoundTrip {
+ public:
+  RoundTrip(const TypeSpec& type, const TypeSpec& back, const engine::Registry& registry,
+            Diagnostics& diagnostics)
+      : type_(type), back_(back), registry_(registry), diagnostics_(diagnostics) {}
+
+  void check() {
+    check_drive();
+    check_devices();
+    check_controllers();
+    check_joints();
+    check_bodies();
+  }
+
+ private:
+  void lacks(Where where, const std::string& what) {
+    if (!told_.insert(what).second) return;
+    diagnostics_.error(where,
+                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+  }
+  /// True where headings are the same but for whole turns, which Stage takes away.
+  bool is_turned(Where where, const std::string& owner, double a, double b) {
+    if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
+    const std::string text = fmt::format(
+        "type \"{}\": {}: Stage has headings within half a turn: they are "
+        "written so, and hashes may differ",
+        type_.name, owner);
+    if (told_.insert(text).second) diagnostics_.warning(where, text);
+    return true;
+  }
+  void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
+                    const FieldTable& table);
+  void check_drive();
+  void check_devices();
+  void check_device(const DeviceSpec& a, const DeviceSpec& b);
+  void check_controllers();
+  void check_joints();
+  void check_bodies();
+  void check_size(const PartSpec& a, const PartSpec& b, const std::string& owner);
+
+  const TypeSpec& type_;
+  const TypeSpec& back_;
+  const engine::Registry& registry_;
+  Diagnostics& diagnostics_;
+  std::set<std::string> told_;
+};
+
+void RoundTrip::check_params(Where where, std::string_view owner, const Record& a, const Record& b,
+                             const FieldTable& table) {
+  for (std::size_t i = 0; i < table.fields.size() && i < a.size() && i < b.size(); ++i) {
+    const engine::Field& field = table.fields[i];
+    if (same_bits(a[i], b[i])) continue;
+    const bool is_block = field.type == engine::FieldType::record || field.type == engine::FieldType::records;
+    if (is_block && a[i].given() && b[i].given() && a[i].records().size() == b[i].records().size())
+      for (std::size_t k = 0; k < a[i].records().size(); ++k)
+        check_params(where, fmt::format("{} {}", owner, field.name), a[i].records()[k], b[i].records()[k],
+                     *field.record);
+    else
+      lacks(where, fmt::format("{}: {} as it is", owner, quoted_keys(field)));
+  }
+}
+
+void RoundTrip::check_drive() {
+  const Where where = type_.drive ? type_.drive->where : type_.parts.front().where;
+  if (type_.drive.has_value() != back_.drive.has_value() ||
+      (type_.drive && type_.drive->kind != back_.drive->kind))
+    return lacks(where, "its drive");
+  if (!type_.drive) return;
+  const std::string owner = fmt::format("drive \"{}\"", type_.drive->kind);
+  if (!same_bits(type_.drive->period_s, back_.drive->period_s)) lacks(where, owner + ": its period");
+  if (const engine::DriveKind* kind = registry_.drive(type_.drive->kind))
+    check_params(where, owner, type_.drive->params, back_.drive->params, kind->params);
+}
+
+void RoundTrip::check_devices() {
+  for (const DeviceSpec& device : type_.devices) {
+    const auto other = std::ranges::find(back_.devices, device.name, &DeviceSpec::name);
+    if (other == back_.devices.end() || other->kind != device.kind)
+      lacks(device.where,
+            fmt::format("device \"{}\", a {}: Stage has no such device, or calls it something else",
+                        device.name, device.kind));
+    else
+      check_device(device, *other);
+  }
+  for (const DeviceSpec& device : back_.devices)
+    if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
+      lacks(type_.parts.front().where, fmt::format("that it has no \"{}\", a {}", device.name, device.kind));
+  // Controllers choose among the devices of a kind in their order.
+  for (const engine::DeviceKind& kind : registry_.devices) {
+    const auto names = [&](const TypeSpec& type) {
+      std::vector<std::string> list;
+      for (const DeviceSpec& device : type.devices)
+        if (device.kind == kind.name) list.push_back(device.name);
+      return list;
+    };
+    std::vector<std::string> a = names(type_);
+    std::vector<std::string> b = names(back_);
+    const bool is_other_order = a != b;
+    std::ranges::sort(a);
+    std::ranges::sort(b);
+    if (is_other_order && a == b)
+      lacks(type_.parts.front().where, fmt::format("the order of its devices of kind {}", kind.name));
+  }
+}
+
+void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
+  const std::string owner = fmt::format("device \"{}\"", a.name);
+  const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";
+  if (const engine::DeviceKind* kind = registry_.device(a.kind))
+    check_params(a.where, owner, a.params, b.params, kind->params);
+  Pose pose = a.pose_body_sensor;
+  if (is_turned(a.where, owner, pose.heading, b.pose_body_sensor.heading))
+    pose.heading = b.pose_body_sensor.heading;
+  if (!is_placeless && !same(pose, b.pose_body_sensor)) lacks(a.where, owner + ": \"pose\", to the last bit");
+  if (!is_placeless && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
+  if (!is_placeless && a.active != b.active) lacks(a.where, owner + ": \"active\"");
+  const auto joint = [](const TypeSpec& type, std::int32_t j) {
+    return j == engine::k_rigid ? std::string() : type.joints[static_cast<std::size_t>(j)].name;
+  };
+  if (!is_placeless && joint(type_, a.joint) != joint(back_, b.joint))
+    lacks(a.where, owner + ": the joint that it stands on");
+}
+
+void RoundTrip::check_controllers() {
+  const Where whole = type_.parts.front().where;
+  if (type_.controllers.size() != back_.controllers.size()) return lacks(whole, "its controllers");
+  for (std::size_t i = 0; i < type_.controllers.size(); ++i) {
+    const engine::ControllerSpec& a = type_.controllers[i];
+    const engine::ControllerSpec& b = back_.controllers[i];
+    const std::string owner = fmt::format("controller \"{}\"", a.kind);
+    if (a.kind != b.kind) return lacks(a.where, owner);
+    std::string fault;
+    const engine::ControllerKind* kind = registry_.controller(a.kind, fault);
+    if (!kind) continue;
+    check_params(a.where, owner, a.params, b.params, kind->params);
+    // With a drive, a controller is due when its drive is.
+    if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
+  }
+}
+
+void RoundTrip::check_joints() {
+  bool is_same = type_.joints.size() == back_.joints.size();
+  for (std::size_t j = 0; is_same && j < type_.joints.size(); ++j)
+    is_same = type_.joints[j].name == back_.joints[j].name &&
+              same(type_.joints[j].pose_body_joint, back_.joints[j].pose_body_joint);
+  if (!is_same) lacks(type_.parts.front().where, "its joints");
+}
+
+void RoundTrip::check_bodies() {
+  const auto solid_parts = [](const TypeSpec& type) {
+    std::vector<const PartSpec*> parts;
+    for (const PartSpec& part : type.parts)
+      if (!part.solids.empty()) parts.push_back(&part);
+    return parts;
+  };
+  const std::vector<const PartSpec*> parts = solid_parts(type_);
+  const std::vector<const PartSpec*> others = solid_parts(back_);
+  if (parts.size() != others.size()) {
+    for (const engine::ControllerSpec& controller : type_.controllers)
+      if (const engine::ControllerKind* kind = registry_.controller(controller.kind); kind && kind->furnish)
+        return lacks(controller.where,
+                     fmt::format("controller \"{}\": it adds to its model, with this seed, other parts than "
+                                 "are there",
+                                 controller.kind));
+    return lacks(type_.parts.front().where, fmt::format("{} parts with a body", parts.size()));
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const PartSpec& a = *parts[p];
+    const PartSpec& b = *others[p];
+    const std::string owner = a.name.empty() ? std::string("it") : fmt::format("part \"{}\"", a.name);
+    engine::Returns returns = b.returns;  // with which number a body is marked, the bodies say themselves
+    if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
+      returns.fiducial = a.returns.fiducial;
+    if (a.returns != returns) lacks(a.where, owner + ": how it shows itself to others");
+    check_size(a, b, owner);
+    if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
+    if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
+    const std::optional<double> off = distance(a.solids, b.solids);
+    if (!off || *off > k_rounding_m)
+      lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
+    else if (*off > 0)
+      diagnostics_.warning(a.where,
+                           fmt::format("type \"{}\": {}: Stage centres bodies: its outline is rounded, "
+                                       "by at most {:.2g} m, and hashes may differ",
+                                       type_.name, owner, *off));
+  }
+}
+
+/// Fiducial finders read the sizes of what they find, foragers that of a zone.
+void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
+  if (a.size == b.size) return;
+  if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
+    lacks(a.where, owner + ": an extent other than that of its outline");
+  else
+    diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its extent is rounded, and hashes may differ",
+                                              type_.name, owner));
+}
+
+}  // namespace
+
+void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const engine::Registry& registry,
+                            Diagnostics& diagnostics) {
+  const Where whole{spec.resolution_where.file, 0};
+  const auto lacks = [&](Where where, const std::string& what) {
+    diagnostics.error(where, fmt::format("a .world file cannot say this: {}", what));
+  };
+  if (!same_bits(spec.tick_s, back.tick_s))
+    lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
+  if (spec.bodies.size() != back.bodies.size())
+    return lacks(whole, fmt::format("{} bodies", spec.bodies.size()));
+  std::set<std::pair<std::uint32_t, std::uint32_t>> types;
+  for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
+    const engine::BodySpec& body = spec.bodies[b];
+    const engine::BodySpec& other = back.bodies[b];
+    const std::string name = spec.names.text(body.name);
+    if (name != back.names.text(other.name)) lacks(body.where, fmt::format("the name \"{}\"", name));
+    if (!same(body.pose_world_body, other.pose_world_body))
+      lacks(body.where, fmt::format("\"{}\": its pose, to the last bit", name));
+    if (body.color != other.color) lacks(body.where, fmt::format("\"{}\": its color", name));
+    if (fiducial_of(spec, BodyId(b), 0) != fiducial_of(back, BodyId(b), 0))
+      lacks(body.where, fmt::format("\"{}\": its \"fiducial_return\"", name));
+    if (types.emplace(body.type.value, other.type.value).second)
+      RoundTrip(spec.types[body.type.index()], back.types[other.type.index()], registry, diagnostics).check();
+  }
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,120 @@
+// What Stage says of sensors whose properties are more than parameters as they stand.
+
+#include "worldio/colors.hpp"
+#include "worldio/stage/stage_devices.hpp"
+#include "worldio/stage/stage_kinds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace troupe::worldio {
+
+using engine::Record;
+
+/// `colors` are names, of which the first `colors_count` filter; none do where that is not given.
+bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKind& kind,
+                                 engine::DeviceSpec& spec) {
+  const StageProperty* names = model.find(document_, "colors");
+  const StageProperty* count = model.find(document_, "colors_count");
+  if (names == nullptr || count == nullptr) return true;
+  const auto used = values_.integer(*count);
+  if (!used) return false;
+  const std::vector<std::string_view> given = values_.texts(*names);
+  if (*used < 0 || static_cast<std::uint64_t>(*used) > given.size()) {
+    values_.error(values_.where(*count),
+                  fmt::format("\"colors_count\" must be from 0 to {}, as many as there "
+                              "are \"colors\"; here is {}",
+                              given.size(), *used));
+    return false;
+  }
+  std::vector<double> parts;
+  for (const std::string_view name : std::span(given).first(static_cast<std::size_t>(*used))) {
+    const auto color = color_by_name(name);
+    if (!color) {
+      values_.error(values_.where(*names), fmt::format("unknown colour \"{}\"; colours have X11 names{}",
+                                                       name, did_you_mean(name, color_names())));
+      return false;
+    }
+    parts.insert(parts.end(), {color->r, color->g, color->b});
+  }
+  spec.params[static_cast<std::size_t>(kind.params.find("colors"))] = std::move(parts);
+  return true;
+}
+
+bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& kind,
+                             engine::DeviceSpec& spec) {
+  constexpr std::int64_t k_most = 1000;
+  const StageProperty* count_property = model.find(document_, "bcount");
+  if (count_property == nullptr) {
+    values_.warning_once(model.where, "a bumper without \"bcount\" feels nothing");
+    spec.params[0] = std::vector<Record>();
+    return true;
+  }
+  const auto count = values_.integer(*count_property);
+  if (!count) return false;
+  if (*count < 1 || *count > k_most) {
+    values_.error(values_.where(*count_property),
+                  fmt::format("\"bcount\" must be from 1 to {}; here is {}", k_most, *count));
+    return false;
+  }
+  const engine::FieldTable& table = *kind.params.fields[0].record;
+  const StageProperty* common = model.find(document_, "blength");
+  std::vector<Record> records;
+  for (std::int64_t k = 0; k < *count; ++k) {
+    Record pose = engine::pose_fields().defaults();
+    if (const StageProperty* property = model.find(document_, fmt::format("bpose[{}]", k))) {
+      const auto given = values_.pose_in_device(*property);
+      if (!given) return false;
+      pose = {given->x, given->y, given->z, given->heading};
+    }
+    const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
+    const StageProperty* length = own != nullptr ? own : common;
+    if (length == nullptr) {
+      values_.error(model.where,
+                    fmt::format("bumper {} has no length: give \"blength\" or \"blength[{}]\"", k, k));
+      return false;
+    }
+    const auto value_of_length = value(*length, table.fields[1], values_.length_unit(), -1);
+    if (!value_of_length) return false;
+    records.push_back({std::vector<Record>{std::move(pose)}, *value_of_length});
+  }
+  spec.params[0] = std::move(records);
+  return true;
+}
+
+/// `model` is the law, and says how walls are taken where `walls` does not.
+bool StageKinds::add_radio_law(const StageModel& model, const engine::DeviceKind& kind,
+                               engine::DeviceSpec& spec) {
+  const auto index = [&](std::string_view name) { return static_cast<std::size_t>(kind.params.find(name)); };
+  const StageRadioLaw* law = &stage_radio_laws().front();
+  if (const StageProperty* property = model.find(document_, "model")) {
+    const auto given = values_.text(*property);
+    if (!given) return false;
+    const auto found = std::ranges::find(stage_radio_laws(), *given, &StageRadioLaw::model);
+    if (found == stage_radio_laws().end()) {
+      std::vector<std::string_view> known;
+      for (const StageRadioLaw& one : stage_radio_laws()) known.push_back(one.model);
+      values_.error(values_.where(*property),
+                    fmt::format("\"model\" must be one of {}{}; here is \"{}\"", comma_list(known),
+                                did_you_mean(*given, known), *given));
+      return false;
+    }
+    law = &*found;
+  }
+  spec.params[index("law")] = std::string(law->law);
+  spec.params[index("walls")] = std::string(law->walls);
+  if (law->law != "disc") spec.params[index("range")] = k_stage_radio_range;
+  const auto read = [&](std::string_view key, double to_si) {
+    const StageProperty* property = model.find(document_, key);
+    if (property == nullptr) return true;
+    auto given = value(*property, kind.params.fields[index(key)], to_si, -1);
+    if (given) spec.params[index(key)] = std::move(*given);
+    return given.has_value();
+  };
+  const bool range_is_right = read("range", values_.length_unit());
+  const bool walls_are_right = read("walls", 1);
+  return range_is_right && walls_are_right;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,405 @@
+#include "worldio/stage/stage_type_writer.hpp"
+
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_parts.hpp"
+#include "worldio/json/json_types.hpp"
+#include "worldio/json/spec_difference.hpp"
+#include "worldio/stage/stage_device_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::DeviceKind;
+using engine::DeviceSpec;
+using engine::PartSpec;
+using engine::TypeSpec;
+
+void write_rgba(const Color& color, StageText& text) {
+  text.numbers("color_rgba", std::array{short_number(color.r), short_number(color.g), short_number(color.b),
+                                        short_number(color.a)});
+}
+
+Box extent_of(const std::vector<Solid>& solids) {
+  Box box;
+  for (const Solid& solid : solids)
+    for (const Ring& ring : solid.contours) box.extend(bounds(ring));
+  return box;
+}
+
+/// One type as a macro: its root, and below it a model for each part, and for each device that stands on a
+/// part that is no such device itself.
+class TypeText {
+ public:
+  TypeText(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places, StageText& text)
+      : type_(type),
+        macro_(macro),
+        folder_(places.folder),
+        registry_(places.registry),
+        images_(places.images),
+        diagnostics_(places.diagnostics),
+        text_(text) {}
+
+  void write();
+
+ private:
+  void lacks(Where where, const std::string& what) {
+    diagnostics_.error(where,
+                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+  }
+  const DeviceKind* kind_of(const DeviceSpec& device) const { return registry_.device(device.kind); }
+  bool is_property(const DeviceSpec& device) const {
+    return device.kind == "power_pack" || device.kind == "power_contact" || device.kind == "flags";
+  }
+  /// What a position inside another model drives with.
+  bool is_wheels(const DeviceSpec& device) const {
+    return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
+  }
+  const DeviceSpec* own_device(std::uint32_t p) const;
+  /// The joint that what stands on a part moves with.
+  std::int32_t joint_of(std::uint32_t p) const;
+  /// The part that carries what moves with this joint, which should be `part`.
+  std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
+  bool is_brought(std::uint32_t p) const;
+
+  void write_part(std::uint32_t p);
+  void write_body(const PartSpec& part, const DeviceSpec* own);
+  static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
+  bool write_image(const PartSpec& part);
+  void write_blocks(const PartSpec& part);
+  void write_block(const Solid& block, Where where);
+  void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where);
+  void write_returns(const engine::Returns& returns);
+  void write_controllers(std::uint32_t p);
+  void write_power(std::uint32_t p);
+  void write_children(std::uint32_t p);
+  /// Below a part; `generated` counts the children of each kind that it has had.
+  void write_name(std::uint32_t parent, const std::string& name, const std::string& kind,
+                  std::map<std::string, std::size_t>& generated);
+
+  const TypeSpec& type_;
+  const StageMacro& macro_;
+  const std::filesystem::path& folder_;
+  const engine::Registry& registry_;
+  FloorImages& images_;
+  Diagnostics& diagnostics_;
+  StageText& text_;
+};
+
+void TypeText::write() {
+  const PartSpec& root = type_.parts.front();
+  text_.at(root.where);
+  text_.define(macro_.word, root.kind);
+  if (macro_.has_many_colors)
+    write_rgba(macro_.color, text_);
+  else
+    write_stage_color(macro_.color, text_);
+  write_part(0);
+  text_.close();
+}
+
+const DeviceSpec* TypeText::own_device(std::uint32_t p) const {
+  const engine::ModelKind* model = registry_.model(type_.parts[p].kind);
+  for (const DeviceSpec& device : type_.devices)
+    if (device.part == p && model && device.name == type_.parts[p].name &&
+        (model->device == device.kind || is_wheels(device)))
+      return &device;
+  return nullptr;
+}
+
+std::int32_t TypeText::joint_of(std::uint32_t p) const {
+  const DeviceSpec* own = own_device(p);
+  const DeviceKind* kind = own ? kind_of(*own) : nullptr;
+  return kind && moves_itself(*kind) ? own->moves : type_.parts[p].joint;
+}
+
+std::uint32_t TypeText::carrier(std::uint32_t part, std::int32_t joint) const {
+  if (joint_of(part) == joint) return part;
+  for (std::uint32_t p = 0; p < type_.parts.size(); ++p)
+    if (const DeviceSpec* own = own_device(p); own && own->moves == joint && joint_of(p) == joint) return p;
+  return part;
+}
+
+/// A part that the device of the part around it brings along: a gripper's paddle.
+bool TypeText::is_brought(std::uint32_t p) const {
+  const PartSpec& part = type_.parts[p];
+  if (p == 0 || part.solids.empty()) return false;
+  const DeviceSpec* around = own_device(part.parent);
+  const DeviceKind* kind = around ? kind_of(*around) : nullptr;
+  if (!kind || !kind->body || part.kind != type_.parts[part.parent].kind) return false;
+  const auto joints = static_cast<std::int32_t>(kind->joints.size());
+  return part.joint >= around->moves && part.joint < around->moves + joints && !own_device(p);
+}
+
+void TypeText::write_part(std::uint32_t p) {
+  const PartSpec& part = type_.parts[p];
+  const DeviceSpec* own = own_device(p);
+  text_.at(part.where);
+  if (!registry_.model(part.kind)) return lacks(part.where, fmt::format("a part of kind \"{}\"", part.kind));
+  if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
+    lacks(part.where, "only a model of kind \"position\" has a drive, and it always has one");
+  write_body(part, own);
+  write_returns(part.returns);
+  if (part.returns.pushable) lacks(part.where, "bodies that are pushed");
+  const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
+  if (drive) write_stage_drive(*type_.drive, *drive, text_);
+  write_power(p);
+  write_controllers(p);
+  if (own && is_wheels(*own)) {
+    const auto controller = std::ranges::find(type_.controllers, p, &engine::ControllerSpec::part);
+    write_stage_wheels(*own, controller == type_.controllers.end() ? 0 : controller->period_s, registry_,
+                       text_);
+  } else if (own && kind_of(*own))
+    write_stage_device(*own, *kind_of(*own), text_);
+  write_children(p);
+}
+
+void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
+  const engine::ModelKind* kind = registry_.model(part.kind);
+  const DeviceKind* device = own ? kind_of(*own) : nullptr;
+  if (write_image(part)) return;
+  const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
+  if (is_brought_along || is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
+  if (!part.solids.empty()) return write_blocks(part);
+  if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
+  write_size(part.size, kind, part.where);
+}
+
+bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kind) {
+  if (!kind.has_default_body || part.size.minCoeff() <= 0) return false;
+  const double x = part.size.x() / 2;
+  const double y = part.size.y() / 2;
+  const Solid box{{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, part.size.z()}};
+  return part.solids == std::vector{placed(box, part.pose_body_part)};
+}
+
+/// True where an image, of this size or as large as what is there, makes just this.
+bool TypeText::write_image(const PartSpec& part) {
+  if (!part.image) return false;
+  const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
+  if (!image || image->contours.empty()) return false;
+  const Box extent = extent_of(part.solids);
+  const std::array sizes{part.size, Eigen::Vector3d(extent.size().x(), extent.size().y(), part.size.z())};
+  for (const Eigen::Vector3d& size : sizes) {
+    PartSpec made = part;
+    made.size = size;
+    if (image_solids(*image, made) != part.solids) continue;
+    JsonNode::Object path;
+    worldio::write_image(*part.image, size, folder_, path);
+    text_.text("bitmap", *path.front().node.text());
+    text_.numbers("size", std::array{size.x(), size.y(), size.z()});
+    if (part.image->origin != Pose()) text_.pose("origin", part.image->origin);
+    if (part.image->keeps_margins) text_.flag("bitmap_margins", true);
+    if (part.image->unknown_is_solid) text_.flag("bitmap_unknown", true);
+    if (part.image->boundary) text_.flag("boundary", true);
+    return true;
+  }
+  return false;
+}
+
+/// Stage scales the blocks of a model to its size and centres them, which `origin` undoes.
+void TypeText::write_blocks(const PartSpec& part) {
+  if (part.fitted) {
+    write_size(part.size, nullptr, part.where);
+    if (part.fitted->origin != Pose()) text_.pose("origin", part.fitted->origin);
+    for (const Solid& block : part.fitted->blocks) write_block(block, part.where);
+    return;
+  }
+  const Transform frame(part.pose_body_part);
+  const Box whole = extent_of(part.solids);
+  const Vec2 middle = whole.center() - frame.position;
+  const Rotation& turn = frame.rotation;
+  Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
+              0};
+  constexpr double k_centred = 1e-9;  // of the extent: less is rounding
+  if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
+  const Pose pose_body_blocks = compose(part.pose_body_part, origin);
+  std::vector<Solid> solids = part.solids;
+  for (Solid& solid : solids) {
+    for (Ring& ring : solid.contours)
+      for (Vec2& point : ring)
+        point =
+            relative_pose(pose_body_blocks, {point.x(), point.y(), 0, pose_body_blocks.heading}).position();
+    const auto lowered = [&](double z) {
+      return solved(z, z - pose_body_blocks.z, [&](double x) { return x + pose_body_blocks.z; });
+    };
+    solid.z = {lowered(solid.z.min), lowered(solid.z.max)};
+  }
+  const Box extent = extent_of(solids);
+  ZInterval z = solids.front().z;
+  for (const Solid& solid : solids) z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
+  write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr, part.where);
+  if (origin != Pose()) text_.pose("origin", origin);
+  for (const Solid& solid : solids) write_block(solid, part.where);
+}
+
+void TypeText::write_block(const Solid& block, Where where) {
+  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have none");
+  const Ring& ring = block.contours.front();
+  text_.open("block");
+  text_.number("points", static_cast<double>(ring.size()));
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    text_.numbers(fmt::format("point[{}]", i), std::array{ring[i].x(), ring[i].y()});
+  text_.numbers("z", std::array{block.z.min, block.z.max});
+  text_.close();
+}
+
+void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where) {
+  if (kind && size == kind->size) return;
+  if (size.minCoeff() <= 0) return lacks(where, "a size of 0");
+  text_.numbers("size", std::array{size.x(), size.y(), size.z()});
+}
+
+void TypeText::write_returns(const engine::Returns& returns) {
+  const engine::Returns usual;
+  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
+  static_cast<void>(pushable);  // Stage knows nothing of it
+  if (obstacle != usual.obstacle) text_.flag("obstacle_return", obstacle);
+  if (ranger != usual.ranger) text_.number("ranger_return", short_number(ranger));
+  if (fiducial != usual.fiducial) text_.number("fiducial_return", fiducial);
+  if (fiducial_key != usual.fiducial_key) text_.number("fiducial_key", fiducial_key);
+  if (gripper != usual.gripper) text_.flag("gripper_return", gripper);
+  if (blob != usual.blob) text_.flag("blob_return", blob);
+}
+
+void TypeText::write_controllers(std::uint32_t p) {
+  std::vector<std::string> calls;
+  double period_s = 0;
+  for (const engine::ControllerSpec& controller : type_.controllers) {
+    const engine::ControllerKind* kind = registry_.controller(controller.kind);
+    if (controller.part != p || !kind) continue;
+    calls.push_back(stage_call(controller, *kind));
+    period_s = controller.period_s;
+  }
+  if (calls.empty()) return;
+  if (!(p == 0 && type_.drive) && !own_device(p))
+    text_.number("update_interval", stage_milliseconds(period_s));
+  if (calls.size() == 1) text_.text("ctrl", calls.front());
+  if (calls.size() > 1) text_.texts("ctrl", calls);
+}
+
+/// Packs and contacts are properties of the model that they belong to.
+void TypeText::write_power(std::uint32_t p) {
+  for (const DeviceSpec& device : type_.devices) {
+    const DeviceKind* kind = kind_of(device);
+    if (device.part != p || !kind) continue;
+    const auto value = [&](std::string_view name) { return get(kind->params, device.params, name); };
+    if (device.kind == "power_pack") {
+      const double capacity = value("capacity").number();
+      const double stored = std::min(value("stored").number(), capacity);
+      text_.number("joules", value("infinite").boolean() ? -1 : stored);
+      if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
+      if (value("mass").number() > 0) text_.number("mass", value("mass").number());
+      if (value("draw").number() > 0) {  // only what runs draws
+        text_.number("watts", value("draw").number());
+        text_.flag("alwayson", true);
+      }
+      if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
+      if (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty())
+        text_.flag("alwayson", true);
+    } else if (device.kind == "power_contact") {
+      if (value("give").number() > 0) text_.number("give_watts", value("give").number());
+      if (value("take").number() > 0) text_.number("take_watts", value("take").number());
+      if (device.active && !own_device(p)) text_.flag("alwayson", true);
+    }
+  }
+}
+
+void TypeText::write_children(std::uint32_t p) {
+  std::vector<const DeviceSpec*> devices;
+  for (const DeviceSpec& device : type_.devices)
+    if (&device != own_device(device.part) && !is_property(device) && carrier(device.part, device.joint) == p)
+      devices.push_back(&device);
+  std::vector<std::uint32_t> parts;
+  for (std::uint32_t q = 1; q < type_.parts.size(); ++q) {
+    const DeviceSpec* own = own_device(q);
+    const DeviceKind* kind = own ? kind_of(*own) : nullptr;
+    const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
+    if (!macro_.furnished[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p)
+      parts.push_back(q);
+  }
+  if (devices.empty() && parts.empty()) return;
+  text_.flag("stack_children", false);
+  std::map<std::string, std::size_t> generated;
+  const Pose& pose_body_part = type_.parts[p].pose_body_part;
+  for (const DeviceSpec* device : devices) {
+    const engine::ModelKind* model = registry_.model(device->kind);
+    text_.at(device->where);
+    if (!model || model->device != device->kind || !kind_of(*device)) {
+      lacks(device->where,
+            fmt::format("device \"{}\": there is no model of kind {}", device->name, device->kind));
+      continue;
+    }
+    text_.open(device->kind);
+    write_name(p, device->name, device->kind, generated);
+    text_.pose("pose", relative_pose(pose_body_part, device->pose_body_sensor));
+    if (model->has_default_body) text_.flag("noblocks", true);
+    write_stage_device(*device, *kind_of(*device), text_);
+    text_.close();
+  }
+  for (const std::uint32_t q : parts) {
+    const PartSpec& part = type_.parts[q];
+    text_.at(part.where);
+    text_.open(part.kind);
+    write_name(p, part.name, part.kind, generated);
+    text_.pose("pose", relative_pose(pose_body_part, part.pose_body_part));
+    if (part.color) write_stage_color(*part.color, text_);
+    write_part(q);
+    text_.close();
+  }
+}
+
+void TypeText::write_name(std::uint32_t parent, const std::string& name, const std::string& kind,
+                          std::map<std::string, std::size_t>& generated) {
+  const std::string& above = type_.parts[parent].name;
+  const std::string prefix = above.empty() ? "" : above + ".";
+  const std::string given = fmt::format("{}{}:{}", prefix, kind, generated[kind]++);
+  if (name == given) return;
+  const bool is_below = name.size() > prefix.size() && name.starts_with(prefix) && name[prefix.size()] != '/';
+  text_.text("name", is_below ? name.substr(prefix.size()) : "/" + name);
+}
+
+}  // namespace
+
+void write_stage_color(const Color& color, StageText& text) {
+  const JsonNode node = color_node(color);
+  if (const std::string* name = node.text()) return text.text("color", *name);
+  write_rgba(color, text);
+}
+
+std::vector<bool> furnished_parts(const TypeSpec& type, std::uint64_t seed,
+                                  const engine::Registry& registry) {
+  std::vector<bool> furnished(type.parts.size(), false);
+  for (const engine::ControllerSpec& controller : type.controllers) {
+    const engine::ControllerKind* kind = registry.controller(controller.kind);
+    if (!kind || !kind->furnish) continue;
+    // What it adds stands in a row, somewhere behind the part that it belongs to.
+    TypeSpec read = type;
+    read.parts.resize(controller.part + 1);
+    kind->furnish(controller.params, seed, registry, read, controller.part);
+    const auto begin = read.parts.begin() + controller.part + 1;
+    const auto count = read.parts.end() - begin;
+    for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;
+         ++at) {
+      const auto flag = furnished.begin() + (at - type.parts.begin());
+      if (*flag || !std::equal(begin, read.parts.end(), at, same_part)) continue;
+      std::fill_n(flag, count, true);
+      break;
+    }
+  }
+  return furnished;
+}
+
+void write_stage_type(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
+                      StageText& text) {
+  TypeText(type, macro, places, text).write();
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,756 @@
+#include "engine/add_device.hpp"
+#include "engine/world_spec.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/load.hpp"
+#include "worldio/stage/stage_body.hpp"
+#include "worldio/stage/stage_kinds.hpp"
+#include "worldio/stage/stage_lint.hpp"
+#include "worldio/stage/stage_models.hpp"
+#include "worldio/stage/stage_parser.hpp"
+#include "worldio/stage/stage_power.hpp"
+#include "worldio/stage/stage_properties.hpp"
+#include "worldio/stage/stage_values.hpp"
+#include "worldio/stage/stage_watch.hpp"
+
+#include "base/random.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
+constexpr std::size_t k_deepest_nesting = 200;
+// Of all different models together: macros and images multiply what stands in a file.
+constexpr std::size_t k_most_parts = 1000000;
+
+/// A type as bytes, its name and its places in files left out: bodies share a type when these are equal.
+class Structure {
+ public:
+  explicit Structure(const TypeSpec& type) {
+    for (const engine::PartSpec& part : type.parts) {
+      add(part.name);
+      add(part.alias);
+      add(part.kind);
+      add(part.parent);
+      add(part.joint);
+      add(part.pose_body_part);
+      for (int i = 0; i < 3; ++i) add(part.size[i]);
+      add(part.solids.size());
+      for (const Solid& solid : part.solids) {
+        add(solid.contours.size());
+        for (const Ring& ring : solid.contours) {
+          add(ring.size());
+          for (const Vec2& point : ring) add(point.x()), add(point.y());
+        }
+        add(solid.z.min);
+        add(solid.z.max);
+      }
+      add(part.returns.obstacle);
+      add(part.returns.ranger);
+      const bool is_root = &part == &type.parts.front();  // whose number is a matter of each body
+      add(is_root ? part.returns.fiducial != 0 : part.returns.fiducial);
+      add(part.returns.fiducial_key);
+      add(part.returns.gripper);
+      add(part.returns.blob);
+      add(part.floor_plan);
+      add(part.color.has_value());
+      if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
+    }
+    add(type.joints.size());
+    for (const engine::JointSpec& joint : type.joints) {
+      add(joint.name);
+      add(joint.parent);
+      add(joint.pose_body_joint);
+    }
+    add(type.drive.has_value());
+    if (type.drive) {
+      add(type.drive->kind);
+      add(type.drive->params);
+      add(type.drive->period_s);
+    }
+    add(type.devices.size());
+    for (const engine::DeviceSpec& sensor : type.devices) {
+      add(sensor.name);
+      add(sensor.kind);
+      add(sensor.part);
+      add(sensor.joint);
+      add(sensor.moves);
+      add(sensor.params);
+      add(sensor.pose_body_sensor);
+      add(sensor.period_s);
+      add(sensor.active);
+    }
+    add(type.controllers.size());
+    for (const engine::ControllerSpec& controller : type.controllers) {
+      add(controller.kind);
+      add(controller.part);
+      add(controller.params);
+      add(controller.period_s);
+    }
+  }
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void add(Number value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+  void add(const std::string& text) {
+    add(text.size());
+    bytes_ += text;
+  }
+  void add(const Pose& pose) { add(pose.x), add(pose.y), add(pose.z), add(pose.heading); }
+  void add(const engine::Record& record) {
+    add(record.size());
+    for (const engine::Value& value : record) {
+      add(value.v.index());
+      std::visit([this](const auto& held) { add_held(held); }, value.v);
+    }
+  }
+  void add_held(std::monostate) {}
+  template <class T>
+  void add_held(const T& value) {
+    add(value);
+  }
+  template <class T>
+  void add_held(const std::vector<T>& list) {
+    add(list.size());
+    for (const T& item : list) add(item);
+  }
+
+  std::string bytes_;
+};
+
+/// What tells one body from another of its type; of its `fiducial_return` the type says whether there is any.
+constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
+enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
+using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
+
+/// Whether a number is 0, by its characters.
+bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
+
+class StageWorld {
+ public:
+  StageWorld(const StageDocument& document, std::filesystem::path file, const engine::Registry& registry,
+             const LoadOptions& options, Diagnostics& diagnostics)
+      : document_(document),
+        file_(std::move(file)),
+        registry_(registry),
+        options_(options),
+        values_(document, diagnostics),
+        macros_(document, registry, values_),
+        lint_(document, macros_, values_),
+        bodies_(document, file_.parent_path(), values_, diagnostics),
+        kinds_(document, registry, values_),
+        power_(document, registry, values_) {}
+
+  void read(WorldSpec& spec) {
+    spec_ = &spec;
+    spec.bodies.reserve(document_.items.size() + 1);
+    read_world();
+    engine::add_ground(spec);
+    spec.aliases.push_back({generate_name("model"), BodyId(0)});  // the ground is model:0
+    for (const StageItem& item : document_.items) {
+      if (item.is_define) {
+        macros_.define(item);
+        prototypes_.clear();  // the same words may mean something else from here on
+      } else {
+        add_body(item.entity);
+      }
+    }
+    if (values_.thorough()) macros_.report_unused();
+    lint_.finish();
+  }
+
+ private:
+  /// What bodies written alike have in common, but for the properties of k_own_keys.
+  struct Prototype {
+    bool usable = false;
+    const engine::ModelKind* kind = nullptr;
+    TypeId type;
+    OwnProperties inherited{};
+    std::vector<std::string> global_parts;
+  };
+
+  /// A type in the making.
+  struct Draft {
+    TypeSpec type;
+    std::vector<std::string> global_parts;   ///< names of parts with names of their own
+    std::vector<const StageEntity*> inside;  ///< the bodies of macros and entities around the present one
+    std::size_t entities = 0;
+    Where where;  ///< of the top-level model
+    bool broken = false;
+  };
+
+  struct Contents {
+    std::vector<StageModel> blocks;
+    std::vector<StageModel> sensors;                                  // of a ranger
+    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body each stands in
+  };
+
+  /// Where a part lies in its body, and how it is called there.
+  struct Place {
+    std::uint32_t parent = 0;
+    std::int32_t joint = engine::k_rigid;
+    Pose pose_body_part;
+    std::string name;
+    std::string alias;
+    bool has_own_name = false;  ///< it or a model around it has a name of its own: not one below the body's
+  };
+
+  void read_world();
+  void add_body(const StageEntity& entity);
+  engine::Name generate_name(std::string_view kind);
+  Prototype make_prototype(const StageEntity& entity);
+  TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
+  std::optional<Contents> contents(const StageModel& model, Draft& draft);
+  void add_part(const StageModel& model, const Place& place, Draft& draft);
+  bool is_without_body(const StageModel& model);
+  void check_extent(const StageModel& model, const engine::PartSpec& part);
+  engine::Returns returns(const StageModel& model);
+  std::optional<std::int64_t> mark(const StageProperty& property);
+  void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
+  void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                     TypeSpec& type);
+  void add_children(const StageModel& model, const Place& place, double height,
+                    const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
+  /// Of several windows the first counts, wherever it stands.
+  void add_window(const StageModel& window) {
+    if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
+  }
+  void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
+  Color color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
+              std::string_view stream, BodyId body);
+
+  const StageDocument& document_;
+  std::filesystem::path file_;
+  const engine::Registry& registry_;
+  const LoadOptions& options_;
+  StageValues values_;
+  StageMacros macros_;
+  StageLint lint_;
+  StageBodies bodies_;
+  StageKinds kinds_;
+  StagePower power_;
+  WorldSpec* spec_ = nullptr;
+
+  std::unordered_map<std::string, Prototype> prototypes_;
+  std::unordered_map<std::string, TypeId> types_;             // by structure
+  std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
+  std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
+  engine::NameMap names_;
+  std::size_t parts_ = 0;
+  std::size_t vertices_ = 0;
+};
+
+void StageWorld::read_world() {
+  lint_.check_world();
+  const auto choose = [this](std::string_view key,
+                             std::initializer_list<std::pair<std::string_view, double>> units) {
+    const StageProperty* property = document_.world_property(key);
+    if (!property) return units.begin()->second;
+    const auto given = values_.text(*property);
+    std::vector<std::string_view> known;
+    for (const auto& [unit, factor] : units) {
+      if (given == unit) return factor;
+      known.push_back(unit);
+    }
+    if (given)
+      values_.error(values_.where(*property),
+                    fmt::format("unknown {} \"{}\"; known: {}", key, *given, comma_list(known)));
+    return units.begin()->second;
+  };
+  const double length = choose("unit_length", {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}});
+  const double angle = choose("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
+  values_.set_units(length, angle);
+  if (const StageProperty* property = document_.world_property("wrap_headings"))
+    values_.set_wraps_headings(values_.flag(*property).value_or(true));
+
+  if (const StageProperty* property = document_.world_property("interval_sim"))
+    if (const auto ms = values_.number(*property)) {
+      const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
+      if (us >= 1)
+        spec_->tick_s = us / 1e6;
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"interval_sim\" must be at least 0.001 ms; here is {}", *ms));
+    }
+  if (const StageProperty* property = document_.world_property("resolution")) {
+    spec_->resolution_where = values_.where(*property);
+    if (const auto metres = values_.number(*property)) {  // whatever unit_length says
+      if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
+        spec_->resolution_m = *metres;
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"resolution\" must be from {} to {} m; here is {}",
+                                  engine::k_min_resolution_m, engine::k_max_resolution_m, *metres));
+    }
+  }
+  if (const StageProperty* property = document_.world_property("quit_time"))
+    if (const auto seconds = values_.number(*property)) {
+      if (*seconds > 0) spec_->quit_time_s = *seconds;
+      if (*seconds < 0)
+        values_.error(values_.where(*property),
+                      fmt::format("\"quit_time\" must be 0 (never) or above, in s; here is {}", *seconds));
+    }
+  if (const StageProperty* property = document_.world_property("seed"))
+    if (const auto seed = values_.integer(*property)) {
+      if (*seed >= 0)
+        spec_->seed = static_cast<std::uint64_t>(*seed);
+      else
+        values_.error(values_.where(*property),
+                      fmt::format("\"seed\" must be 0 or above; here is {}", *seed));
+    }
+  if (options_.seed) spec_->seed = *options_.seed;
+  spec_->watch = read_stage_watch(document_, values_);
+  spec_->title = file_.string();
+  if (const StageProperty* property = document_.world_property("name"))
+    if (const auto title = values_.text(*property)) spec_->title = *title;
+}
+
+/// The words of an entity, one after another: entities with equal keys make equal types.
+void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string& key) const {
+  const auto add = [&key](std::string_view text) {
+    key += text;
+    key += '\n';
+  };
+  add(document_.word(entity));
+  for (const StageProperty& property : document_.properties(entity)) {
+    const std::string_view name = document_.key(property);
+    if (is_root && name == k_own_keys[k_fiducial] && property.count > 0) {
+      add(name);
+      add(is_zero(document_.value(property, 0).text) ? "0" : "marked");
+      continue;
+    }
+    if (is_root && std::ranges::find(k_own_keys, name) != std::end(k_own_keys)) continue;
+    if (is_without_effect(name)) continue;
+    add(name);
+    if (property.tuple) add(fmt::format("[{}", property.count));
+    for (std::uint32_t i = 0; i < property.count; ++i) add(document_.value(property, i).text);
+  }
+  add("(");
+  for (const StageEntity& child : document_.children(entity)) write_key(child, false, key);
+  add(")");
+}
+
+void StageWorld::add_body(const StageEntity& entity) {
+  lint_.check(entity);
+  std::string key;
+  write_key(entity, true, key);
+  auto entry = prototypes_.find(key);
+  if (entry == prototypes_.end()) entry = prototypes_.emplace(std::move(key), make_prototype(entity)).first;
+  const Prototype& prototype = entry->second;
+  if (!prototype.kind) return;
+
+  OwnProperties own = prototype.inherited;
+  for (const StageProperty& property : document_.properties(entity))
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (document_.key(property) == k_own_keys[i]) own[i] = &property;
+
+  // Even a body that cannot be made takes its number, so that the names in other messages are right.
+  const engine::Name generated = generate_name(prototype.kind->name);
+  const BodyId id(spec_->bodies.size());
+  engine::BodySpec body{
+      .name = generated, .type = prototype.type, .where = document_.token(entity.word).where()};
+  if (own[k_name])
+    if (auto given = values_.name(*own[k_name])) {
+      if (given->starts_with('/')) given->remove_prefix(1);
+      body.name = spec_->names.add(*given);
+    }
+  if (own[k_pose])
+    if (const auto pose = values_.pose(*own[k_pose])) body.pose_world_body = *pose;
+  body.color = color(own[k_color], own[k_color_rgba], prototype.kind->color, "body", id);
+  if (!prototype.usable) return;
+  if (own[k_fiducial])
+    if (const auto number = mark(*own[k_fiducial]);
+        number && *number != spec_->types[body.type.index()].parts.front().returns.fiducial)
+      body.fiducial = static_cast<std::int32_t>(*number);
+
+  if (body.name != generated) spec_->aliases.push_back({generated, id});
+  for (const std::string& part : prototype.global_parts)
+    spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
+  if (names_.add(body.name, id) != id)
+    values_.warning_once(own[k_name] ? values_.where(*own[k_name]) : body.where,
+                         fmt::format("the name \"{}\" is taken already; looking it up finds the last",
+                                     spec_->names.text(body.name)));
+  spec_->bodies.push_back(body);
+}
+
+/// model:0, model:1, ... in the order of the file.
+engine::Name StageWorld::generate_name(std::string_view kind) {
+  const auto [last, is_first] = generated_names_.try_emplace(kind);
+  if (is_first)
+    last->second = spec_->names.add(fmt::format("{}:", kind), 0);
+  else
+    ++last->second.number;
+  return last->second;
+}
+
+StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
+  Prototype prototype;
+  const auto model = macros_.resolve(entity);
+  if (!model) return prototype;
+  if (model->type == "window") {
+    add_window(*model);
+    return prototype;
+  }
+  if (model->type == "block" || model->type == "sensor") {
+    values_.error(model->where, fmt::format("a {} belongs into a {}, not at top level", model->type,
+                                            model->type == "block" ? "model" : "ranger"));
+    return prototype;
+  }
+  prototype.kind = registry_.model(model->type);
+
+  StageModel inherited = *model;
+  inherited.layers.pop_back();
+  for (std::size_t i = 0; i < prototype.inherited.size(); ++i)
+    prototype.inherited[i] = inherited.find(document_, k_own_keys[i]);
+
+  Draft draft{.where = model->where};
+  add_part(*model, Place{}, draft);
+  if (draft.broken) return prototype;
+  power_.finish(draft.type);
+  prototype.global_parts = std::move(draft.global_parts);
+  prototype.type = share_type(std::move(draft.type), model->names);
+  prototype.usable = true;
+  return prototype;
+}
+
+/// A type is called by the innermost word that all its bodies have in common: the macro they are made from.
+TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
+  const auto [entry, is_new] = types_.try_emplace(Structure(type).bytes(), TypeId(spec_->types.size()));
+  const TypeId id = entry->second;
+  if (is_new) {
+    spec_->types.push_back(std::move(type));
+    type_names_.resize(spec_->types.size());
+    type_names_[id.index()] = names;
+  }
+  std::vector<std::string_view>& common = type_names_[id.index()];
+  std::size_t shared = 0;
+  while (shared < std::min(common.size(), names.size()) &&
+         common[common.size() - 1 - shared] == names[names.size() - 1 - shared])
+    ++shared;
+  if (shared > 0) common.erase(common.begin(), common.end() - static_cast<std::ptrdiff_t>(shared));
+  spec_->types[id.index()].name = common.front();
+  return id;
+}
+
+/// Sorts what a model holds; empty when its macros never end.
+std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
+  Contents out;
+  const auto fail = [&](Where where, std::string message) {
+    values_.error(where, std::move(message));
+    draft.broken = true;
+  };
+  for (const StageModel::Child& child : model.children(document_)) {
+    if (++parts_ > k_most_parts) {
+      fail(draft.where,
+           fmt::format("too large: the macros of the world expand to more than {} entities", k_most_parts));
+      return {};
+    }
+    if (++draft.entities > k_most_entities) {
+      fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
+      return {};
+    }
+    if (draft.inside.size() >= k_deepest_nesting) {
+      fail(draft.where, fmt::format("its macros nest deeper than {}", k_deepest_nesting));
+      return {};
+    }
+    auto resolved = macros_.resolve(*child.entity);
+    if (!resolved) {
+      draft.broken = true;
+      continue;
+    }
+    const auto itself = std::ranges::find_if(resolved->layers, [&](const StageEntity* layer) {
+      return layer == child.layer || std::ranges::find(draft.inside, layer) != draft.inside.end();
+    });
+    if (itself != resolved->layers.end()) {
+      fail(resolved->where, fmt::format("macro \"{}\" contains itself", document_.word(**itself)));
+      continue;
+    }
+    const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
+    if (is_piece)
+      for (const StageModel::Child& inner : resolved->children(document_))
+        fail(document_.token(inner.entity->word).where(),
+             fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
+                         document_.word(*inner.entity)));
+    if (resolved->type == "block")
+      out.blocks.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor" && model.type == "ranger")
+      out.sensors.push_back(std::move(*resolved));
+    else if (resolved->type == "sensor")
+      fail(resolved->where, fmt::format("a sensor belongs into a ranger, not into: {}", model.type));
+    else if (resolved->type == "window")
+      add_window(*resolved);
+    else
+      out.children.emplace_back(std::move(*resolved), child.layer);
+  }
+  return out;
+}
+
+void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
+  const auto find = [&](std::string_view key) { return model.find(document_, key); };
+  const auto index = static_cast<std::uint32_t>(draft.type.parts.size());
+  const bool is_root = index == 0;
+  const engine::ModelKind& kind = *registry_.model(model.type);
+  const std::optional<Contents> holds = contents(model, draft);
+  if (!holds) return;
+
+  engine::PartSpec part{.name = place.name, .alias = place.alias, .kind = std::string(kind.name)};
+  part.parent = place.parent;
+  part.joint = place.joint;
+  part.pose_body_part = place.pose_body_part;
+  part.where = model.where;
+  part.size = kind.size;
+  if (const StageProperty* property = find("size"))
+    if (const auto size = values_.size(*property, kind.size.z())) part.size = *size;
+  Pose origin;
+  if (const StageProperty* property = find("origin"))
+    if (const auto given = values_.pose(*property)) origin = *given;
+  const Pose pose_body_frame = compose(place.pose_body_part, origin);
+  StageBody body = bodies_.make(model, kind, part.size, holds->blocks);
+  part.solids = std::move(body.solids);
+  part.image = std::move(body.image);
+  if (part.image) part.image->origin = origin;
+  if (!body.blocks.empty()) part.fitted = engine::FittedBlocks{std::move(body.blocks), origin};
+  vertices_ += count_vertices(part.solids);
+  if (vertices_ > engine::k_most_vertices) {
+    values_.error(draft.where,
+                  fmt::format("too large: the outlines of the world's models have more than {} corners",
+                              engine::k_most_vertices));
+    draft.broken = true;
+    return;
+  }
+  const Transform to_body(pose_body_frame);
+  for (Solid& solid : part.solids) {
+    for (Ring& ring : solid.contours)
+      for (Vec2& point : ring) point = to_body * point;
+    solid.z = solid.z.shifted(pose_body_frame.z);
+  }
+  check_extent(model, part);
+  if (model.type == "bumper" && !find("size") && !part.solids.empty())
+    values_.warning_once(
+        model.where, fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
+                                 "m; give it one, or noblocks 1",
+                                 part.size.x(), part.size.y(), part.size.z()));
+  part.returns = returns(model);
+  if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  part.floor_plan = find("bitmap") != nullptr;
+  const Eigen::Vector3d size = part.size;
+  const double height = size.z();
+  draft.type.parts.push_back(std::move(part));
+
+  Place below = place;
+  below.parent = index;
+  if (const engine::DeviceKind* device_kind = registry_.device(kind.device)) {
+    auto device = model.type == "ranger"    ? kinds_.ranger(model, holds->sensors)
+                  : model.type == "gripper" ? kinds_.gripper(model, *device_kind, size)
+                                            : kinds_.device(model, *device_kind);
+    if (device) {
+      device->name = place.name;
+      device->part = index;
+      device->joint = place.joint;
+      device->pose_body_sensor = pose_body_frame;
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
+      if (model.type == "actuator")  // it moves itself, and what stands on it
+        draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+      if (draft.type.parts[index].solids.empty() && !is_without_body(model))
+        engine::add_device_body(draft.type, d, *device_kind);
+    }
+  }
+  const engine::DeviceKind* wheels = registry_.device("wheels");
+  if (model.type == "position" && !is_root && wheels)
+    if (auto device = kinds_.wheels(model, *wheels)) {
+      device->name = place.name;
+      device->part = index;
+      device->joint = place.joint;
+      device->pose_body_sensor = place.pose_body_part;
+      const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
+      draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
+    }
+  power_.read(model, index, draft.type);
+  add_behaviour(model, index, draft);
+  add_children(model, below, height, holds->children, draft);
+}
+
+/// A body needs an extent; what is no more than a place, as a sensor without a body, does not.
+void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
+  const bool is_gripper = model.type == "gripper";  // whose body comes with its paddles
+  if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
+  const StageProperty* property = model.find(document_, "size");
+  const Where where = property ? values_.where(*property) : model.where;
+  if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
+    values_.warning_once(where,
+                         "\"size\" gives this model no height: only what is at that very height meets it");
+  else if (part.size.minCoeff() == 0)
+    values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
+}
+
+/// Whether it says that it has no body at all, not even that of its kind.
+bool StageWorld::is_without_body(const StageModel& model) {
+  const StageProperty* property = model.find(document_, "noblocks");
+  return property && values_.flag(*property).value_or(false);
+}
+
+/// How the model shows itself to the sensors of others.
+engine::Returns StageWorld::returns(const StageModel& model) {
+  engine::Returns returns;
+  const auto read = [&](std::string_view key, auto& member, auto value) {
+    if (const StageProperty* property = model.find(document_, key))
+      if (const auto given = value(*property)) member = static_cast<std::decay_t<decltype(member)>>(*given);
+  };
+  const auto flag = [this](const StageProperty& property) { return values_.flag(property); };
+  const auto number = [this](const StageProperty& property) { return values_.number(property); };
+  read("obstacle_return", returns.obstacle, flag);
+  read("ranger_return", returns.ranger, number);
+  const auto mark_of = [this](const StageProperty& property) { return mark(property); };
+  read("fiducial_return", returns.fiducial, mark_of);
+  read("fiducial_key", returns.fiducial_key, mark_of);
+  read("gripper_return", returns.gripper, flag);
+  read("blob_return", returns.blob, flag);
+  return returns;
+}
+
+/// A number for fiducial finders.
+std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const auto given = values_.integer(property);
+  if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
+  values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
+                                                     values_.key(property), *given));
+  return {};
+}
+
+void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {
+  const bool is_root = part == 0;
+  const bool is_position = model.type == "position";
+  if (is_position && is_root) draft.type.drive = kinds_.drive(model);
+  const StageProperty* ctrl = model.find(document_, "ctrl");
+  if (!ctrl) return;
+  for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
+    const engine::ControllerKind* kind = registry_.controller(controller.kind);
+    if (kind != nullptr && kind->needs_drive && !is_position) {
+      values_.error(values_.where(*ctrl),
+                    fmt::format("controller \"{}\" needs a position model to drive; this "
+                                "one is a {}{}",
+                                controller.kind, model.type, is_root ? "" : " inside another model"));
+      continue;
+    }
+    controller.part = part;
+    if (kind != nullptr) bring_devices(*kind, controller, draft.type);
+    if (kind != nullptr && kind->furnish)
+      kind->furnish(controller.params, spec_->seed, registry_, draft.type, controller.part);
+    draft.type.controllers.push_back(std::move(controller));
+  }
+}
+
+/// What a controller works with that Stage gives to every model.
+void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
+                               TypeSpec& type) {
+  for (const std::string_view name : kind.brings) {
+    const engine::DeviceKind* device = registry_.device(name);
+    const bool is_there = std::ranges::any_of(type.devices, [&](const engine::DeviceSpec& spec) {
+      return spec.kind == name && spec.part == controller.part;
+    });
+    if (device == nullptr || is_there) continue;
+    const std::string& below = type.parts[controller.part].name;
+    type.devices.push_back({.name = below.empty() ? std::string(name) : fmt::format("{}.{}", below, name),
+                            .kind = std::string(name),
+                            .part = controller.part,
+                            .joint = type.parts[controller.part].joint,
+                            .params = device->params.defaults(),
+                            .period_s = controller.period_s,
+                            .where = controller.where});
+  }
+}
+
+void StageWorld::add_children(const StageModel& model, const Place& place, double height,
+                              const std::vector<std::pair<StageModel, const StageEntity*>>& children,
+                              Draft& draft) {
+  const StageProperty* stack = model.find(document_, "stack_children");
+  const bool is_stacked = !stack || values_.flag(*stack).value_or(true);
+  std::map<std::string_view, std::size_t> generated_names;
+  const auto below = [&place](std::string_view last) {
+    return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
+  };
+  for (const auto& [child, layer] : children) {
+    Place child_place{.parent = place.parent,
+                      .joint = place.joint,
+                      .pose_body_part = place.pose_body_part,
+                      .has_own_name = place.has_own_name};
+    child_place.name = below(fmt::format("{}:{}", child.type, generated_names[child.type]++));
+    if (const StageProperty* property = child.find(document_, "name"))
+      if (const auto given = values_.name(*property)) {
+        child_place.alias = std::move(child_place.name);
+        const bool is_global = given->starts_with('/');
+        child_place.has_own_name = child_place.has_own_name || is_global;
+        child_place.name = is_global ? std::string(given->substr(1)) : below(*given);
+      }
+    if (child_place.has_own_name) draft.global_parts.push_back(child_place.name);
+    if (is_stacked) child_place.pose_body_part.z += height;
+    if (const StageProperty* property = child.find(document_, "pose"))
+      if (const auto pose = values_.pose(*property))
+        child_place.pose_body_part = compose(child_place.pose_body_part, *pose);
+    draft.inside.push_back(layer);
+    add_part(child, child_place, draft);
+    draft.inside.pop_back();
+  }
+}
+
+Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
+                        std::string_view stream, BodyId body) {
+  if (name) {
+    if (values_.text(*name) == "random") {
+      Random random(spec_->seed, stream_id("color", stream), body.value, 0);
+      Color drawn;
+      for (float* part : {&drawn.r, &drawn.g, &drawn.b}) *part = static_cast<float>(random.uniform());
+      return drawn;
+    }
+    return values_.color(*name).value_or(fallback);
+  }
+  if (rgba) return values_.color_rgba(*rgba).value_or(fallback);
+  return fallback;
+}
+
+/// A `.world` has no keys to set: --set reaches into the document that `troupe convert` would write.
+WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, const engine::Registry& registry,
+                  const LoadOptions& options, Diagnostics& diagnostics) {
+  std::optional<JsonNode> document = write_json_world(spec, file, registry, diagnostics);
+  if (!document) return spec;
+  for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
+  return read_json_world(file, *document, registry, options, diagnostics);
+}
+
+}  // namespace
+
+WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
+                           const engine::Registry& registry, const LoadOptions& options,
+                           Diagnostics& diagnostics) {
+  WorldSpec spec;
+  spec.files = diagnostics.files();
+  const Where whole{diagnostics.files()->add(file.string()), 0};
+  spec.resolution_where = whole;
+  if (!options.robots.empty())
+    diagnostics.error(whole,
+                      "--robots needs a world with populations; a .world file lists its robots one by one");
+  const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
+  if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
+  if (options.set.empty() || diagnostics.has_errors()) return spec;
+  return changed(spec, file, registry, options, diagnostics);
+}
+
+}  // namespace troupe::worldio

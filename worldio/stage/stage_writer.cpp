@@ -1,0 +1,215 @@
+#include "worldio/stage/stage_writer.hpp"
+
+#include "worldio/images/floor_image.hpp"
+#include "worldio/load.hpp"
+#include "worldio/stage/stage_round_trip.hpp"
+#include "worldio/stage/stage_text.hpp"
+#include "worldio/stage/stage_type_writer.hpp"
+#include "worldio/stage/stage_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+/// Words of Stage's syntax, beginning with a letter.
+std::string word_of(const std::string& name) {
+  std::string word;
+  for (const char c : name) {
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    const bool is_other = (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+    if (word.empty() && !is_letter) word = "type_";
+    word += is_letter || is_other ? c : '_';
+  }
+  return word.empty() ? "type" : word;
+}
+
+/// Whether a heading in a record, or below it, is beyond half a turn: Stage would wrap it.
+bool has_wide_heading(const engine::Record& record, const engine::FieldTable& table) {
+  for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i) {
+    const engine::Field& field = table.fields[i];
+    if (!record[i].given()) continue;
+    if (field.record) {
+      for (const engine::Record& below : record[i].records())
+        if (has_wide_heading(below, *field.record)) return true;
+    } else if (field.name == "heading" && std::abs(record[i].number()) > k_pi) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool has_wide_heading(const WorldSpec& spec, const engine::Registry& registry) {
+  for (const TypeSpec& type : spec.types)
+    for (const engine::DeviceSpec& device : type.devices)
+      if (const engine::DeviceKind* kind = registry.device(device.kind);
+          kind && has_wide_heading(device.params, kind->params))
+        return true;
+  return false;
+}
+
+class WorldText {
+ public:
+  WorldText(const WorldSpec& spec, const std::filesystem::path& file, const JsonNode* document,
+            const engine::Registry& registry, Diagnostics& diagnostics)
+      : spec_(spec),
+        file_(file),
+        folder_(file.parent_path()),
+        document_(document),
+        registry_(registry),
+        diagnostics_(diagnostics),
+        images_(image_findings_),
+        text_(diagnostics) {}
+
+  std::string write() {
+    write_settings();
+    write_types();
+    for (std::size_t b = 1; b < spec_.bodies.size(); ++b) write_body(spec_.bodies[b]);
+    return text_.str();
+  }
+
+ private:
+  Where where_of(std::string_view key) const {
+    const JsonNode* node = document_ ? document_->find(key) : nullptr;
+    return node ? node->where : Where{spec_.resolution_where.file, 0};
+  }
+  void lacks(std::string_view key, std::string_view why) {
+    diagnostics_.error(where_of(key), fmt::format("a .world file cannot say this: \"{}\": {}", key, why));
+  }
+  void refuse_what_stage_lacks();
+  void write_settings();
+  void write_types();
+  void write_body(const engine::BodySpec& body);
+
+  const WorldSpec& spec_;
+  const std::filesystem::path& file_;
+  std::filesystem::path folder_;
+  const JsonNode* document_;
+  const engine::Registry& registry_;
+  Diagnostics& diagnostics_;
+  Diagnostics image_findings_;  // of images that are outlines then
+  FloorImages images_;
+  StageText text_;
+  std::vector<std::string> macros_;  // of the types
+  std::vector<Color> colors_;        // of the types: of their first bodies
+};
+
+void WorldText::refuse_what_stage_lacks() {
+  if (spec_.ranging != engine::RangingEngine::exact)
+    lacks("ranging", "which engine finds ranges is an option of the run, --raytracer");
+  if (spec_.record) lacks("record", "what is recorded is an option of the run, --record");
+  if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
+  if (spec_.measure_every_s != WorldSpec().measure_every_s)
+    lacks("measure_every_s", "it is an option of the run, --measure-every");
+  if (!spec_.reserves.empty())
+    lacks(document_ && document_->find("populations") ? "populations" : "models",
+          "Stage has no bodies that are yet to be born, as in a \"reserve\"");
+  if (spec_.mortal) lacks("mortal", "Stage has no deaths");
+  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
+  if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
+  if (document_ && document_->find("bounds_m"))
+    lacks("bounds_m", "it reaches 100 km in each direction");
+  else if (spec_.bounds)
+    diagnostics_.warning(
+        where_of("floorplans"),
+        "a .world reaches 100 km in each direction: robots that leave the floor plans are held "
+        "no more");
+}
+
+void WorldText::write_settings() {
+  refuse_what_stage_lacks();
+  text_.comment("Written by troupe convert.");
+  text_.at(where_of("title"));
+  if (!spec_.title.empty()) text_.text("name", spec_.title);
+  text_.text("unit_length", "m");
+  text_.text("unit_angle", "radians");
+  if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
+  const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };  // whole microseconds
+  text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
+  text_.at(where_of("quit_time_s"));
+  if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
+  if (spec_.resolution_m != WorldSpec().resolution_m) text_.number("resolution", spec_.resolution_m);
+  text_.at(where_of("seed"));
+  text_.number("seed", static_cast<double>(spec_.seed));
+  write_stage_watch(spec_.watch, text_);
+  text_.at(where_of("window"));
+  if (spec_.window) write_stage_window(*spec_.window, text_);
+}
+
+/// A macro for each type that has bodies, called as the type is where that is no word of Stage's already.
+void WorldText::write_types() {
+  std::vector<bool> is_used(spec_.types.size(), false);
+  std::vector<bool> has_many_colors(spec_.types.size(), false);
+  colors_.resize(spec_.types.size());
+  for (std::size_t b = 1; b < spec_.bodies.size(); ++b) {
+    const std::size_t t = spec_.bodies[b].type.index();
+    if (!is_used[t]) colors_[t] = spec_.bodies[b].color;
+    if (spec_.bodies[b].color != colors_[t]) has_many_colors[t] = true;
+    is_used[t] = true;
+  }
+  std::set<std::string> taken{"define", "include", "block", "sensor", "window", "laser", "sonar"};
+  for (const engine::ModelKind& kind : registry_.models) taken.emplace(kind.name);
+  macros_.resize(spec_.types.size());
+  for (std::size_t t = 1; t < spec_.types.size(); ++t) {
+    if (!is_used[t]) continue;
+    const TypeSpec& type = spec_.types[t];
+    macros_[t] = word_of(type.name);
+    for (int n = 2; !taken.insert(macros_[t]).second; ++n)
+      macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
+    const StageMacro macro{.word = macros_[t],
+                           .color = colors_[t],
+                           .has_many_colors = has_many_colors[t],
+                           .furnished = furnished_parts(type, spec_.seed, registry_)};
+    TypeSpec colored = type;  // a part without a colour of its own has its body's
+    for (std::size_t p = 1; p < colored.parts.size(); ++p) {
+      if (macro.furnished[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
+      colored.parts[p].color = colors_[t];
+      if (has_many_colors[t])
+        diagnostics_.error(
+            colored.parts[p].where,
+            fmt::format("a .world file cannot say this: type \"{}\": part \"{}\" takes the color "
+                        "of its body",
+                        type.name, colored.parts[p].name));
+    }
+    write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
+  }
+}
+
+void WorldText::write_body(const engine::BodySpec& body) {
+  const std::size_t type = body.type.index();
+  const std::string name = spec_.names.text(body.name);
+  text_.at(body.where);
+  text_.open(macros_[type]);
+  text_.text("name", name.starts_with('/') ? "/" + name : name);
+  text_.pose("pose", body.pose_world_body);
+  if (body.color != colors_[type]) write_stage_color(body.color, text_);
+  if (body.fiducial != 0) text_.number("fiducial_return", body.fiducial);
+  text_.close();
+}
+
+}  // namespace
+
+std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path& file,
+                              const JsonNode* document, const engine::Registry& registry,
+                              Diagnostics& diagnostics) {
+  std::string text = WorldText(spec, file, document, registry, diagnostics).write();
+  if (diagnostics.has_errors()) return text;
+  Diagnostics found;
+  const WorldSpec back = load_stage_world(file, text, registry, {}, found);
+  for (const Finding& finding : found.findings())
+    if (finding.severity == Severity::error)
+      diagnostics.error({spec.resolution_where.file, 0},
+                        fmt::format("a .world file cannot say this: {}", finding.message));
+  if (!diagnostics.has_errors()) check_stage_round_trip(spec, back, registry, diagnostics);
+  return text;
+}
+
+}  // namespace troupe::worldio
