@@ -5,7 +5,7 @@
 #include "base/hash.hpp"
 #include "engine/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
-#include "worldio/stage/stage_files.hpp"
+#include "worldio/files.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

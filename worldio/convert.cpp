@@ -1,8 +1,8 @@
 #include "worldio/convert.hpp"
 
+#include "worldio/files.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_world.hpp"
-#include "worldio/stage/stage_files.hpp"
 #include "worldio/stage/stage_writer.hpp"
 
 #include <fmt/format.h>

@@ -4,7 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 namespace troupe::worldio {
@@ -24,6 +26,18 @@ std::string unreadable(const std::filesystem::path& file, std::uintmax_t most_by
   if (static_cast<std::uintmax_t>(status.st_size) > most_bytes)
     return fmt::format("it has {} bytes; at most {} are read", status.st_size, most_bytes);
   return {};
+}
+
+std::optional<std::string> read_file(const std::filesystem::path& path) {
+  if (!unreadable(path, k_most_input_bytes).empty()) return {};
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return {};
+  std::string text;
+  std::array<char, 1 << 16> chunk;
+  while (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)
+    text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) return {};
+  return text;
 }
 
 }  // namespace troupe::worldio

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace troupe::worldio {
@@ -15,5 +16,8 @@ inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 /// even opening a pipe might wait for ever. Nothing is opened.
 std::string unreadable(const std::filesystem::path& file,
                        std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
+
+/// The bytes of a regular file of at most k_most_input_bytes; empty when it cannot be read.
+std::optional<std::string> read_file(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

@@ -13,10 +13,10 @@
 #include "troupe/measures.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/files.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/json/study.hpp"
 #include "worldio/results/hdf5_file.hpp"
-#include "worldio/stage/stage_files.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "worldio/images/bitmap.hpp"
 
-#include "worldio/stage/stage_files.hpp"
+#include "worldio/files.hpp"
 
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>

@@ -1,6 +1,6 @@
 #include "worldio/images/ros_map.hpp"
 
-#include "worldio/stage/stage_files.hpp"
+#include "worldio/files.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>

@@ -9,7 +9,6 @@
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/measures_json.hpp"
-#include "worldio/stage/stage_files.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,5 @@
 #include "worldio/stage/stage_files.hpp"
 
-#include "worldio/files.hpp"
-
-#include <array>
-#include <fstream>
 #include <system_error>
 
 namespace troupe::worldio {
@@ -30,18 +26,6 @@ std::filesystem::path tidied(const std::filesystem::path& path) {
   const bool is_other =
       std::filesystem::exists(path, fault) && !std::filesystem::equivalent(path, normal, fault);
   return is_other ? path : normal;
-}
-
-std::optional<std::string> read_file(const std::filesystem::path& path) {
-  if (!unreadable(path, k_most_input_bytes).empty()) return {};
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return {};
-  std::string text;
-  std::array<char, 1 << 16> chunk;
-  while (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)
-    text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
-  if (in.bad()) return {};
-  return text;
 }
 
 }  // namespace troupe::worldio

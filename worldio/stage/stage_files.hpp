@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <string>
 
 namespace troupe::worldio {
 
@@ -15,8 +14,5 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
 /// The path without its "." and "..", where that names the same file: behind a link to a folder "x/.." may be
 /// elsewhere.
 std::filesystem::path tidied(const std::filesystem::path& path);
-
-/// The bytes of a regular file; empty when it cannot be read.
-std::optional<std::string> read_file(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

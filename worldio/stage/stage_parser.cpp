@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_parser.hpp"
 
+#include "worldio/files.hpp"
 #include "worldio/stage/stage_files.hpp"
 
 #include <fmt/format.h>
