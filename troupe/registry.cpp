@@ -19,6 +19,7 @@
 #include "models/controllers/wander.hpp"
 #include "models/controllers/waypoints.hpp"
 #include "models/devices/actuator.hpp"
+#include "models/devices/brush.hpp"
 #include "models/devices/flags.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/led.hpp"
@@ -29,19 +30,19 @@
 #include "models/drives/drives.hpp"
 #include "models/drives/wheels.hpp"
 #include "models/faults/faults.hpp"
-#include "models/ground.hpp"
-#include "models/light_sensor.hpp"
 #include "models/measures/clusters.hpp"
 #include "models/measures/coverage.hpp"
 #include "models/measures/measures.hpp"
 #include "models/measures/nearness.hpp"
 #include "models/measures/rank_errors.hpp"
 #include "models/model_kinds.hpp"
-#include "models/radio.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
 #include "sensors/fiducial.hpp"
+#include "sensors/ground.hpp"
+#include "sensors/light_sensor.hpp"
+#include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 
 namespace troupe {
@@ -49,13 +50,14 @@ namespace troupe {
 engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
-  registry.devices = {sensors::ranger_kind(),        sensors::fiducial_kind(),   sensors::blobfinder_kind(),
-                      sensors::bumper_kind(),        sensors::camera_kind(),     models::blinkenlight_kind(),
-                      models::lightindicator_kind(), models::power_pack_kind(),  models::power_contact_kind(),
-                      models::flags_kind(),          models::actuator_kind(),    models::gripper_kind(),
-                      models::wheels_kind(),         models::spawner_kind(),     models::remover_kind(),
-                      models::radio_kind(),          models::led_kind(),         models::ground_kind(),
-                      models::brush_kind(),          models::light_sensor_kind()};
+  registry.devices = {
+      sensors::ranger_kind(),        sensors::fiducial_kind(),    sensors::blobfinder_kind(),
+      sensors::bumper_kind(),        sensors::camera_kind(),      models::blinkenlight_kind(),
+      models::lightindicator_kind(), models::power_pack_kind(),   models::power_contact_kind(),
+      models::flags_kind(),          models::actuator_kind(),     models::gripper_kind(),
+      models::wheels_kind(),         models::spawner_kind(),      models::remover_kind(),
+      sensors::radio_kind(),         models::led_kind(),          sensors::ground_kind(),
+      models::brush_kind(),          sensors::light_sensor_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(),
                           models::wander_controller(),

@@ -5,8 +5,8 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
-#include "models/ground.hpp"
-#include "models/radio.hpp"
+#include "sensors/ground.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,8 @@ namespace {
 using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
+using sensors::k_ground_color;
+using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_ahead = k_pi / 3;       // rad to either side

@@ -4,8 +4,8 @@
 #include "base/math.hpp"
 #include "engine/controller.hpp"
 #include "models/controllers/device_choice.hpp"
-#include "models/light_sensor.hpp"
-#include "models/radio.hpp"
+#include "sensors/light_sensor.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -16,6 +16,9 @@ namespace {
 using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
+using sensors::k_light_brightness;
+using sensors::payload_of;
+using sensors::RadioPort;
 
 constexpr std::size_t k_least_directions = 3;  // fewer do not tell where a light is
 

@@ -6,7 +6,7 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +20,8 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+using sensors::payload_of;
+using sensors::RadioPort;
 
 constexpr std::uint8_t k_prey = 255;
 constexpr double k_turn = 1.0;               // rad/s, away from what is ahead

@@ -5,8 +5,8 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
-#include "models/ground.hpp"
-#include "models/radio.hpp"
+#include "sensors/ground.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,6 +19,8 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+using sensors::k_ground_color;
+using sensors::RadioPort;
 
 constexpr double k_listen_s = 3;     // before it decides
 constexpr double k_straight_s = 10;  // mean

@@ -4,7 +4,7 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -17,6 +17,7 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+using sensors::RadioPort;
 
 constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
 constexpr double k_creep_share = 0.2;      // of the speed, while it turns away

@@ -5,8 +5,8 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/scan_ahead.hpp"
-#include "models/ground.hpp"
-#include "models/radio.hpp"
+#include "sensors/ground.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 
@@ -17,6 +17,8 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+using sensors::k_ground_color;
+using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_least_turn = k_pi / 2;  // rad

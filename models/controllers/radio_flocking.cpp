@@ -5,7 +5,7 @@
 #include "engine/controller.hpp"
 #include "models/controllers/beams.hpp"
 #include "models/controllers/device_choice.hpp"
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -16,6 +16,8 @@ namespace {
 using engine::FieldTable;
 using engine::Record;
 using engine::Unit;
+using sensors::payload_of;
+using sensors::RadioPort;
 
 // In units of the heading.
 constexpr double k_push = 3;            // of a wall that is touched

@@ -21,7 +21,7 @@ struct LedCommand {
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// The colour of the part that carries it. Others may change it, as brushes do (models/ground.hpp).
+/// The colour of the part that carries it. Others may change it, as brushes do (models/devices/brush.hpp).
 struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue
   TROUPE_FIELDS(shown_color)

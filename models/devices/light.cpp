@@ -12,24 +12,18 @@ using engine::DeviceKind;
 using engine::FieldType;
 using engine::Record;
 using engine::Unit;
+using sensors::LightSource;
 
-struct Blinking {
-  LightSource source;
-  double period_s = 0;
-  double dutycycle = 0;
-  bool enabled = false;
+/// Whether it is lit at this time, s, where nobody has switched it.
+bool is_lit(const LightSource& light, double time_s) {
+  if (!light.enabled) return false;
+  if (light.period_s == 0) return light.dutycycle > 0;
+  const double cycles = time_s / light.period_s;
+  return cycles - std::floor(cycles) < light.dutycycle;
+}
 
-  /// Whether it is lit at this time, s, where nobody has switched it.
-  bool lit(double time_s) const {
-    if (!enabled) return false;
-    if (period_s == 0) return dutycycle > 0;
-    const double cycles = time_s / period_s;
-    return cycles - std::floor(cycles) < dutycycle;
-  }
-};
-
-DeviceKind::Prepared prepare(const Blinking& blinking) {
-  return {.data = blinking,
+DeviceKind::Prepared prepare(const LightSource& light) {
+  return {.data = light,
           .percepts = engine::memory_fields<LightState>(),
           .percept_bytes = sizeof(LightState),
           .commands = engine::memory_fields<LightCommand>(),
@@ -37,8 +31,8 @@ DeviceKind::Prepared prepare(const Blinking& blinking) {
 }
 
 void act(const DeviceBatch& batch) {
-  const Blinking& blinking = *std::any_cast<Blinking>(&batch.data);
-  const bool by_itself = blinking.lit(batch.world.time_s());
+  const LightSource& light = *std::any_cast<LightSource>(&batch.data);
+  const bool by_itself = is_lit(light, batch.world.time_s());
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const auto& command = batch.commands->as<LightCommand>(batch.slot(i));
     const bool lit =
@@ -55,17 +49,10 @@ engine::Field intensity_field() {
           .text = "what a light sensor reads that faces it from 1 m"};
 }
 
-constexpr std::string_view k_blinkenlight = "blinkenlight";
-constexpr std::string_view k_lightindicator = "lightindicator";
-
 }  // namespace
 
-const LightSource& light_source(const std::any& data) { return std::any_cast<const Blinking&>(data).source; }
-
-bool is_light(const DeviceKind& kind) { return kind.name == k_blinkenlight || kind.name == k_lightindicator; }
-
 DeviceKind blinkenlight_kind() {
-  DeviceKind kind{.name = k_blinkenlight, .text = "a light that blinks"};
+  DeviceKind kind{.name = "blinkenlight", .text = "a light that blinks"};
   kind.params = {{
       {.name = "period",
        .unit = Unit::seconds,
@@ -85,18 +72,18 @@ DeviceKind blinkenlight_kind() {
       intensity_field(),
   }};
   kind.prepare = [](const Record& params, const Pose& pose_body_light) {
-    return prepare(Blinking{
-        {pose_body_light, params[3].number()}, params[0].number(), params[1].number(), params[2].boolean()});
+    return prepare(
+        {pose_body_light, params[3].number(), params[0].number(), params[1].number(), params[2].boolean()});
   };
   kind.act = act;
   return kind;
 }
 
 DeviceKind lightindicator_kind() {
-  DeviceKind kind{.name = k_lightindicator, .text = "a light that controllers switch"};
+  DeviceKind kind{.name = "lightindicator", .text = "a light that controllers switch"};
   kind.params = {{intensity_field()}};
   kind.prepare = [](const Record& params, const Pose& pose_body_light) {
-    return prepare(Blinking{.source = {pose_body_light, params[0].number()}});
+    return prepare({.pose_body_light = pose_body_light, .intensity = params[0].number()});
   };
   kind.act = act;
   return kind;

@@ -2,7 +2,7 @@
 
 #include "engine/world.hpp"
 #include "models/controllers/gradient.hpp"
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -175,9 +175,9 @@ TEST(ChatterScene, MessagesGoAndGetLostInEveryWay) {
   for (const engine::StateTable& table : simulation.world().tables()) {
     if (table.component() != "radio/radio") continue;
     for (std::size_t row = 0; row < table.rows(); ++row) {
-      heard += table.cell<std::uint32_t>(row, models::k_radio_count)[0];
-      lost += table.cell<std::uint32_t>(row, models::k_radio_lost)[0];
-      dropped += table.cell<std::uint32_t>(row, models::k_radio_dropped)[0];
+      heard += table.cell<std::uint32_t>(row, sensors::k_radio_count)[0];
+      lost += table.cell<std::uint32_t>(row, sensors::k_radio_lost)[0];
+      dropped += table.cell<std::uint32_t>(row, sensors::k_radio_dropped)[0];
     }
   }
   EXPECT_GT(heard, 1000u);

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace troupe::models {
+namespace troupe::sensors {
 
 /// Fields of a light sensor's percepts, in their order.
 enum LightSensorField : std::size_t {
@@ -17,7 +17,7 @@ enum LightSensorField : std::size_t {
 /// reads  of direction k, which looks along heading 2 pi k / directions in the sensor's frame: the sum over
 ///        all lights in sight of intensity * max(0, cos a) / d^2, with d (m) the distance, also in height,
 ///        and a the angle between the direction and the way to the light
-/// sight  lights (`blinkenlight`, `lightindicator`, models/devices/light.hpp) of other bodies that are lit,
+/// sight  lights (`blinkenlight`, `lightindicator`, sensors/light_source.hpp) of other bodies that are lit,
 /// no
 ///        farther than range_max on the ground; with `occlusion` those alone that nothing stands before, at
 ///        the sensor's height. A light's own body never does
@@ -25,4 +25,4 @@ enum LightSensorField : std::size_t {
 /// edges  a light straight above adds nothing to any direction, nor does one in the same place
 engine::DeviceKind light_sensor_kind();
 
-}  // namespace troupe::models
+}  // namespace troupe::sensors

@@ -10,7 +10,7 @@
 #include <span>
 #include <type_traits>
 
-namespace troupe::models {
+namespace troupe::sensors {
 
 /// Fields of a radio's state, in their order: entries of the arrays are the messages that it heard in the
 /// tick, by the id of the sender (of one with several radios in their order); those behind the last are 0.
@@ -47,7 +47,7 @@ inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
 
 /// A radio as its controller has it: what it heard in this tick, and what it is to say from now on.
 ///
-///     models::RadioPort radio(percept.devices[0], actions.devices[0]);
+///     sensors::RadioPort radio(percept.devices[0], actions.devices[0]);
 ///     for (std::size_t i = 0; i < radio.count(); ++i)
 ///       if (float heading; radio[i].read(heading)) ...
 ///     radio.say(my_heading);
@@ -152,4 +152,4 @@ class RadioPort {
 /// edges     a link is there at exactly its limit; of radios in one place the bearing is 0
 engine::DeviceKind radio_kind();
 
-}  // namespace troupe::models
+}  // namespace troupe::sensors

@@ -1,4 +1,4 @@
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 
 #include "base/math.hpp"
 #include "base/random.hpp"
@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::sensors {
 namespace {
 
 using engine::BodyType;
@@ -841,4 +841,4 @@ DeviceKind radio_kind() {
   return kind;
 }
 
-}  // namespace troupe::models
+}  // namespace troupe::sensors

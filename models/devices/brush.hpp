@@ -3,25 +3,9 @@
 #include "engine/controller.hpp"
 #include "engine/kinds.hpp"
 
-#include <cstddef>
 #include <cstdint>
 
 namespace troupe::models {
-
-/// Fields of a ground sensor's percepts, in their order.
-enum GroundField : std::size_t {
-  k_ground_color,  ///< f32 [red green blue] for each point, from 0 to 1
-  k_ground_body,   ///< u32 for each point: BodyId of what has this colour; 0: the floor
-};
-
-/// A ground sensor: the colours below given points of its robot. The ground is what lies flat on the floor:
-/// of the parts of other bodies that hold the point and whose top is no higher than `height`, the one with
-/// the highest top, of equal ones that of the lower (body, part); where there is none, the floor.
-///
-/// zones  are models of the world, with `"obstacle": false` and `"ranger_return": -1` and a size of some
-///        millimetres in z; the colour of one that carries an LED is that of the LED
-/// edges  of two zones that share a border a point on it lies in one
-engine::DeviceKind ground_kind();
 
 /// What controllers ask of a brush; it paints in every tick until they ask otherwise.
 struct BrushCommand {

@@ -1,4 +1,4 @@
-#include "models/light_sensor.hpp"
+#include "sensors/light_sensor.hpp"
 
 #include "engine/world.hpp"
 #include "tests/support/scene.hpp"
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::sensors {
 namespace {
 
 using engine::World;
@@ -125,4 +125,4 @@ TEST(LightSensor, DarkAndFarLightsAreNotSeen) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::sensors

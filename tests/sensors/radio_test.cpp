@@ -1,4 +1,4 @@
-#include "models/radio.hpp"
+#include "sensors/radio.hpp"
 
 #include "base/random.hpp"
 #include "engine/controller.hpp"
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::sensors {
 namespace {
 
 using engine::World;
@@ -562,4 +562,4 @@ TEST(Radio, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::sensors

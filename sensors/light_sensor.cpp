@@ -1,16 +1,16 @@
-#include "models/light_sensor.hpp"
+#include "sensors/light_sensor.hpp"
 
 #include "base/math.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
-#include "models/devices/light.hpp"
+#include "sensors/light_source.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <tuple>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::sensors {
 namespace {
 
 using engine::BodyType;
@@ -56,16 +56,15 @@ class Eyes {
       if (world.same_tree(row, own)) return;
       for (std::size_t d = 0; d < type.devices.size(); ++d) {
         const BodyType::Device& device = type.devices[d];
-        if (!is_light(*device.kind) || world.percepts(device).as<LightState>(world.slot(row)).lit == 0)
-          continue;
-        const LightSource& light = light_source(device.prepared.data);
-        const Pose there = compose(world.mount(row, device.joint), light.pose_body_light);
+        const LightSource* light = light_source(device.prepared);
+        if (light == nullptr || world.percepts(device).as<LightState>(world.slot(row)).lit == 0) continue;
+        const Pose there = compose(world.mount(row, device.joint), light->pose_body_light);
         const Vec2 way = there.position() - here.position();
         const double range = way.norm();
         if (range > sensor.range_max) continue;
         if (sensor.occlusion && range > 0 && is_hidden(world, own, row, here, way / range, range)) continue;
         const double up = there.z - here.z;
-        seen_.push_back({world.body(row), d, turned * way, sqrt(range * range + up * up), light.intensity});
+        seen_.push_back({world.body(row), d, turned * way, sqrt(range * range + up * up), light->intensity});
       }
     });
     std::ranges::sort(seen_, {}, [](const Seen& seen) { return std::tuple(seen.body, seen.device); });
@@ -152,4 +151,4 @@ DeviceKind light_sensor_kind() {
   return kind;
 }
 
-}  // namespace troupe::models
+}  // namespace troupe::sensors

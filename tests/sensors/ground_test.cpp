@@ -1,9 +1,10 @@
-#include "models/ground.hpp"
+#include "sensors/ground.hpp"
 
 #include "base/random.hpp"
 #include "engine/frame.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
+#include "models/devices/brush.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
@@ -15,10 +16,12 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::sensors {
 namespace {
 
 using engine::World;
+using models::BrushCommand;
+using models::LedCommand;
 using test::box;
 using test::SceneBuilder;
 using ::testing::ElementsAre;
@@ -238,4 +241,4 @@ TEST(Ground, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::sensors

@@ -1,0 +1,209 @@
+#include "sensors/ground.hpp"
+
+#include "engine/shown_color.hpp"
+#include "engine/world.hpp"
+#include "partition/box_grid.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+namespace troupe::sensors {
+namespace {
+
+using engine::DeviceBatch;
+using engine::DeviceKind;
+using engine::Element;
+using engine::FieldType;
+using engine::PartSpec;
+using engine::Record;
+using engine::Unit;
+using engine::World;
+using engine::WorldSpec;
+
+/// Even-odd; of two regions that share an edge a point on it lies in one.
+bool holds(const std::vector<Ring>& contours, const Vec2& point) {
+  bool inside = false;
+  for (const Ring& ring : contours)
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const Vec2& a = ring[j];
+      const Vec2& b = ring[i];
+      if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+      const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      if (point.x() < x) inside = !inside;
+    }
+  return inside;
+}
+
+bool never_moves(const engine::TypeSpec& type) {
+  return !type.drive && type.devices.empty() && type.controllers.empty() &&
+         std::ranges::none_of(
+             type.parts, [](const PartSpec& part) { return part.returns.gripper || part.returns.pushable; });
+}
+
+}  // namespace
+
+bool Ground::Zone::is_above(const Zone& other) const {
+  if (top != other.top) return top > other.top;
+  return std::tuple(body, part) < std::tuple(other.body, other.part);
+}
+
+/// The flat parts of bodies that never move.
+struct Ground::Fixed {
+  struct Part {
+    Zone zone;
+    std::vector<Ring> contours;  // world frame
+  };
+  std::vector<Part> parts;
+  partition::BoxGrid places;
+};
+
+void Ground::look(const WorldSpec& world) {
+  Fixed zones;
+  std::vector<Box> boxes;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const engine::BodySpec& body = world.bodies[b];
+    const engine::TypeSpec& type = world.types[body.type.index()];
+    if (!never_moves(type)) continue;
+    for (std::uint32_t p = 0; p < type.parts.size(); ++p)
+      for (const Solid& solid : type.parts[p].solids) {
+        const double top = solid.z.max + body.pose_world_body.z;
+        if (top > height_) continue;
+        const Color color = type.parts[p].color.value_or(body.color);
+        Fixed::Part part{{top, BodyId(b), p, color}, placed(solid, body.pose_world_body).contours};
+        Box box;
+        for (const Ring& ring : part.contours) box.extend(bounds(ring));
+        boxes.push_back(box);
+        zones.parts.push_back(std::move(part));
+      }
+  }
+  zones.places = partition::BoxGrid(boxes);
+  fixed_ = std::make_shared<const Fixed>(std::move(zones));
+}
+
+Ground::Zone Ground::below(const World& world, Row own, const Vec2& point, bool with_shown_colors) const {
+  std::optional<Zone> best;
+  const auto offer = [&](const Zone& zone) {
+    if (!best || zone.is_above(*best)) best = zone;
+  };
+  const Box box = Box::around(point, 0);
+  fixed_->places.any_near(box, [&](std::uint32_t i) {
+    if (holds(fixed_->parts[i].contours, point)) offer(fixed_->parts[i].zone);
+    return false;
+  });
+  world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+    const Row row(circle.row);
+    if ((Vec2(circle.x, circle.y) - point).squaredNorm() > double{circle.radius} * circle.radius) return;
+    if (world.same_tree(row, own)) return;
+    const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
+    const std::vector<PartSpec>& parts = world.spec().types[body.type.index()].parts;
+    for (std::uint32_t p = 0; p < parts.size(); ++p) {
+      const engine::Mount mount = world.mount(row, parts[p].joint);
+      const Vec2 local = inverse(mount).transform * point;
+      for (const Solid& solid : parts[p].solids) {
+        const double top = solid.z.max + mount.z;
+        if (top > height_ || !holds(solid.contours, local)) continue;
+        Color color = parts[p].color.value_or(body.color);
+        if (with_shown_colors) color = engine::shown_color(world, row, p).value_or(color);
+        offer({top, world.body(row), p, color});
+      }
+    }
+  });
+  return best.value_or(Zone{0, BodyId(), 0, floor_});
+}
+
+namespace {
+
+struct GroundSensor {
+  Ground ground;
+  std::vector<Vec2> points;  // body frame, or that of their joint
+  bool is_odd = false;       // the last point has no y
+};
+
+std::uint64_t sense(const DeviceBatch& batch) {
+  const GroundSensor& sensor = *std::any_cast<GroundSensor>(&batch.data);
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    const engine::Mount mount = batch.mount(i);
+    const auto colors = batch.state.cell<float>(batch.slot(i), k_ground_color);
+    const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_ground_body);
+    for (std::size_t k = 0; k < sensor.points.size(); ++k) {
+      const Ground::Zone zone =
+          sensor.ground.below(batch.world, batch.rows[i], mount.transform * sensor.points[k], true);
+      colors[3 * k] = zone.color.r;
+      colors[3 * k + 1] = zone.color.g;
+      colors[3 * k + 2] = zone.color.b;
+      bodies[k] = zone.body.valid() ? zone.body.value : 0;
+    }
+  }
+  return 0;
+}
+
+DeviceKind::Prepared prepare_sensor(const Record& params, const Pose& pose_body_sensor) {
+  const std::vector<double>& parts = params[2].numbers();
+  const Color floor{static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]),
+                    1};
+  GroundSensor sensor{.ground = Ground(params[1].number(), floor)};
+  double reach = 0;
+  const Transform place(pose_body_sensor);
+  const std::vector<double>& points = params[0].numbers();
+  sensor.is_odd = points.size() % 2 == 1;
+  for (std::size_t k = 0; k + 1 < points.size(); k += 2) {
+    sensor.points.push_back(place * Vec2(points[k], points[k + 1]));
+    reach = std::max(reach, sensor.points.back().norm());
+  }
+  const auto n = static_cast<std::uint32_t>(sensor.points.size());
+  return {.data = std::move(sensor),
+          .percepts = {{"color", Element::f32, 3 * n, "", "below each point: red, green, blue, from 0 to 1"},
+                       {"body", Element::u32, n, "", "id of the body that has it; 0: the floor"}},
+          .reach_m = reach};
+}
+
+constexpr double k_flat = 0.05;  // m
+
+}  // namespace
+
+engine::Field ground_height_field() {
+  return {.name = "height",
+          .unit = Unit::meters,
+          .fallback = k_flat,
+          .min = 0,
+          .max = 10,
+          .text = "of what has a higher top nothing is ground"};
+}
+
+DeviceKind ground_kind() {
+  DeviceKind kind{.name = "ground", .text = "sees the colour of the ground below some points of its robot"};
+  kind.params = {{
+      {.name = "points",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{0, 0},
+       .min = -100,
+       .max = 100,
+       .text = "where it looks down, in its own frame: x, y of each point, one after another"},
+      ground_height_field(),
+      {.name = "floor",
+       .type = FieldType::numbers,
+       .fallback = std::vector<double>{1, 1, 1},
+       .min = 0,
+       .max = 1,
+       .text = "the colour of the floor, where nothing lies on it: red, green, blue",
+       .columns = 3},
+  }};
+  kind.prepare = prepare_sensor;
+  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> std::string {
+    const GroundSensor& sensor = *std::any_cast<GroundSensor>(&data);
+    if (!sensor.points.empty() && !sensor.is_odd) return {};
+    return "needs \"points\": x and y of each, one after another";
+  };
+  kind.look = [](std::any& data, const WorldSpec& world) -> std::string {
+    std::any_cast<GroundSensor>(&data)->ground.look(world);
+    return {};
+  };
+  kind.sense = sense;
+  return kind;
+}
+
+}  // namespace troupe::sensors
