@@ -10,7 +10,6 @@
 namespace troupe::models {
 namespace {
 
-// The fields are found by name: what the sensor's own list of them says must be the same.
 TEST(FiducialReadings, AreThoseOfTheFinder) {
   test::SceneBuilder scene;
   const TypeId robot = scene.robot("robot", {test::box(0.2, 0.2)});
