@@ -71,17 +71,153 @@ std::set<std::string> names_of_tests() {
   return names;
 }
 
-TEST(StageProperties, WhatIsHonouredNamesATestThatThereIs) {
+/// Of each property that is honoured: the test that fails when it is ignored, "Suite.Name".
+struct Tested {
+  std::string_view type;
+  std::string_view name;
+  std::string_view test;
+};
+constexpr Tested k_tests[] = {
+    {"world", "name", "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "interval_sim", "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "quit_time", "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "unit_length", "StageWorld.PosesTakeTheFilesUnits"},
+    {"world", "unit_angle", "StageWorld.PosesTakeTheFilesUnits"},
+    {"world", "wrap_headings", "StageWorld.HeadingsInDevicesAreWrappedUnlessTheWorldSaysNo"},
+    {"world", "seed", "StageWorld.TakesItsPropertiesFromTheTopLevel"},
+    {"world", "resolution", "StageWorld.TheResolutionIsOfTheGridEngine"},
+    {"world", "show_clock", "Watch.ShowClockTellsTheTimeAsOftenAsTheWorldSays"},
+    {"world", "show_clock_interval", "Watch.ShowClockTellsTheTimeAsOftenAsTheWorldSays"},
+    {"world", "speedup", "Watch.TheWorldsOwnRateHoldsBackWhoAsksForIt"},
+    {"model", "name", "Conformance07.Names"},
+    {"model", "pose", "StageWorld.ChildrenStackOnTheirParent"},
+    {"model", "size", "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
+    {"model", "origin", "StageWorld.OriginMovesTheBodyButNotItsChildren"},
+    {"model", "update_interval", "StageWorld.RangersBecomeSensors"},
+    {"model", "color", "StageWorld.ReturnsAndColours"},
+    {"model", "color_rgba", "StageWorld.ReturnsAndColours"},
+    {"model", "bitmap", "StageWorld.ABitmapIsOneSolidStretchedToItsSize"},
+    {"model", "bitmap_margins", "StageWorld.BitmapMarginsAreKeptForWhoAsks"},
+    {"model", "bitmap_unknown", "StageWorld.AMapOfRosLiesWhereItSays"},
+    {"model", "noblocks", "StageWorld.DefaultBodiesAreBoxesOfTheirSize"},
+    {"model", "boundary", "StageWorld.BoundaryIsFourWallsWithin"},
+    {"model", "stack_children", "StageWorld.ChildrenStackOnTheirParent"},
+    {"model", "obstacle_return", "StageWorld.ReturnsAndColours"},
+    {"model", "ranger_return", "StageWorld.ReturnsAndColours"},
+    {"model", "fiducial_return", "StageWorld.ReturnsAndColours"},
+    {"model", "fiducial_key", "StageWorld.ReturnsAndColours"},
+    {"model", "gripper_return", "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
+    {"model", "blob_return", "StageWorld.ReturnsAndColours"},
+    {"model", "ctrl", "StageWorld.ControllersTakeArgumentsByPlaceAndByName"},
+    {"model", "alwayson", "StageWorld.RangersBecomeSensors"},
+    {"model", "mass", "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
+    {"model", "watts", "StagePowerTest.WhatModelsDrawGoesToTheNearestPack"},
+    {"model", "joules", "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "kjoules", "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "joules_capacity", "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "kjoules_capacity", "StagePowerTest.JoulesAreStoredAndCapacityInTheOrderInWhichStageReadsThem"},
+    {"model", "when_empty", "StagePowerTest.AnEmptyPackMayBeWithoutEffect"},
+    {"model", "give_watts", "StagePowerTest.GiversAndTakersHaveContacts"},
+    {"model", "take_watts", "StagePowerTest.GiversAndTakersHaveContacts"},
+    {"block", "points", "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+    {"block", "point[k]", "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+    {"block", "z", "StageWorld.BlocksAreStretchedTogetherAndTurnLeft"},
+    {"position", "drive", "StageWorld.PositionsDrive"},
+    {"position", "velocity_bounds", "StageWorld.PositionsDrive"},
+    {"position", "wheelbase", "StageWorld.PositionsDrive"},
+    {"position", "velocity", "Driving.StartingVelocitiesActUntilTheFirstUpdate"},
+    {"position", "acceleration_bounds", "StageWorld.DrivesHaveAccelerationsAndAStart"},
+    {"position", "localization", "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "localization_origin", "Driving.WhatStageWorldsSayOfOriginsHolds"},
+    {"position", "gps_origin", "Driving.WhatStageWorldsSayOfOriginsHolds"},
+    {"position", "odom_error", "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "odom_heading", "StageWorld.DrivesKnowWhereTheyAre"},
+    {"ranger", "intensity", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "pose", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "size", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "range", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "fov", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "samples", "StageWorld.RangersBecomeSensors"},
+    {"sensor", "noise", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "beam_width", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"sensor", "apply_range_min", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
+    {"laser", "samples", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "fov", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range_min", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"laser", "range_max", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "samples", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "fov", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range_min", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"sonar", "range_max", "StageWorld.LasersAndSonarsHaveTheSameProperties"},
+    {"fiducial", "range_min", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "apply_range_min", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "range_max", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "range_max_id", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "fov", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"fiducial", "ignore_zloc", "StageSensors.AFiducialFinderStandsOnItsParentWithUnitsAndKey"},
+    {"radio", "essid", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "model", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "power", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "sensitivity", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "plc", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "ple", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "wall_factor", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "range", "StageSensors.ARadioIsAsThoseOfStage2"},
+    {"radio", "hears", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "walls", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "bodies", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "frequency", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "payload", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "most_heard", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "drop_rate", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"radio", "beacon", "StageSensors.ARadioSaysInAWorldWhatItSaysInJson"},
+    {"blobfinder", "image", "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "range", "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "fov", "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "pan", "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "colors_count", "StageSensors.ABlobfinderFiltersByAsManyColoursAsItCounts"},
+    {"blobfinder", "colors", "StageSensors.WrongColoursAreErrors"},
+    {"bumper", "bcount", "StageSensors.WrongBumpersAreErrors"},
+    {"bumper", "blength", "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+    {"bumper", "blength[k]", "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+    {"bumper", "bpose[k]", "StageSensors.BumpersHaveALengthInCommonOrTheirOwn"},
+    {"gripper", "paddle_size", "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "paddle_state", "StageGrip.TheGripperIsABaseAndTwoPaddlesThatMove"},
+    {"gripper", "autosnatch", "StageGrip.AutosnatchClosesOnWhatBreaksABeam"},
+    {"actuator", "type", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "axis", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "min_position", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_position", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "max_speed", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"actuator", "start_position", "StageGrip.ActuatorsMoveWhatStandsOnThem"},
+    {"camera", "resolution", "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "range", "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "fov", "StageSensors.ACameraIsWrittenInDegrees"},
+    {"camera", "pantilt", "StageSensors.ACameraIsWrittenInDegrees"},
+    {"blinkenlight", "period", "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+    {"blinkenlight", "dutycycle", "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+    {"blinkenlight", "enabled", "StageSensors.ABlinkenlightHasItsPeriodInMilliseconds"},
+};
+
+TEST(StageProperties, WhatIsHonouredHasATest) {
   const std::set<std::string> tests = names_of_tests();
-  ASSERT_TRUE(tests.contains("StageProperties.WhatIsHonouredNamesATestThatThereIs"));
+  ASSERT_TRUE(tests.contains("StageProperties.WhatIsHonouredHasATest"));
+  std::set<std::tuple<std::string_view, std::string_view>> tested;
+  for (const Tested& row : k_tests) {
+    EXPECT_TRUE(tested.emplace(row.type, row.name).second) << row.type << " " << row.name << " stands twice";
+    EXPECT_TRUE(tests.contains(std::string(row.test)))
+        << row.type << " " << row.name << " names the test \"" << row.test << "\"";
+  }
   for (const StageRow& row : stage_rows()) {
     const bool is_honoured = row.support == StageSupport::honoured || row.support == StageSupport::fixed;
-    if (is_honoured)
-      EXPECT_TRUE(tests.contains(std::string(row.test)))
-          << row.type << " " << row.name << " names the test \"" << row.test << "\"";
-    else
-      EXPECT_EQ(row.test, "") << row.type << " " << row.name << " has no effect that could be tested";
+    EXPECT_EQ(tested.erase({row.type, row.name}) == 1, is_honoured)
+        << row.type << " " << row.name
+        << (is_honoured ? " is honoured: name the test that fails when it is ignored"
+                        : " has no effect that could be tested");
   }
+  for (const auto& [type, name] : tested) ADD_FAILURE() << type << " " << name << " is no property";
 }
 
 TEST(StageProperties, TheDocumentShowsTheTable) {

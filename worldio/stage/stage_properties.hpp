@@ -21,8 +21,6 @@ struct StageRow {
   std::string_view name;  ///< numbered ones as `point[k]`
   StageSupport support;
   std::string_view note;
-  /// Of what is honoured: the test that fails when it is ignored, "Suite.Name".
-  std::string_view test = {};
 };
 
 /// Every property that Stage 4.3 or the files written for it know, in the order of the documentation.
