@@ -15,25 +15,43 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# What each folder may include, besides itself. `sensors`, `models`, `worldio` and `render` are siblings: the engine and
-# the registry bring them together.
+# What each folder may include, besides itself. `sensors`, `worldio` and `render` are siblings: the engine and the
+# registry bring them together. `models` stands above `sensors`, which its controllers read.
 BELOW = {
     "base": [],
     "partition": ["base"],
     "engine": ["base", "partition"],
     "sensors": ["base", "partition", "engine"],
-    "models": ["base", "partition", "engine"],
+    "models": ["base", "partition", "engine", "sensors"],
     "worldio": ["base", "partition", "engine"],
     "render": ["base", "partition", "engine"],
     "troupe": ["base", "partition", "engine", "sensors", "models", "worldio", "render"],
 }
 LIBRARY = list(BELOW)
+
+# Folders in a folder, and which others of the same folder each may include. Files of the folder itself may include any
+# of them, and be included by any.
+ROOMS = {
+    "models": {
+        "drives": [],
+        "devices": ["drives"],
+        "controllers": ["drives", "devices"],
+        "measures": [],
+        "faults": [],
+    },
+    "worldio": {
+        "images": [],
+        "json": ["images"],
+        "stage": ["images", "json"],
+        "results": ["json"],
+    },
+}
 ANYTHING = LIBRARY + ["apps", "python", "tests", "perf"]
 BELOW |= {"apps": LIBRARY, "python": LIBRARY, "tests": ANYTHING, "perf": ANYTHING}
 
 # Third-party headers: (pattern, name, glob patterns of the files that may include them).
 # Library headers are installed, so a `.hpp` there knows Eigen only.
-LIBRARY_SOURCES = [f"{folder}/*.cpp" for folder in LIBRARY]
+LIBRARY_SOURCES = [f"{folder}/{files}" for folder in LIBRARY for files in ("*.cpp", "*/*.cpp")]
 TOP = ["apps/*", "apps/*/*", "python/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
 THIRD_PARTY = [
     (r"Eigen/", "Eigen", ["*/*", "*/*/*"]),
@@ -41,11 +59,12 @@ THIRD_PARTY = [
     (r"hwy/", "Highway", LIBRARY_SOURCES + TOP),
     (r"xxh", "xxHash", ["base/*.cpp"]),
     (r"tbb/|oneapi/", "oneTBB", ["partition/*.cpp"]),
-    (r"nlohmann/", "nlohmann-json", ["worldio/*.cpp", *TOP]),
-    (r"stb[_/]", "stb", ["worldio/*.cpp"]),
-    (r"png\.h|zlib\.h|jpeglib\.h|turbojpeg\.h", "libpng, zlib and libjpeg", ["worldio/*.cpp", "tests/*/*"]),
-    (r"yaml-cpp/", "yaml-cpp", ["worldio/*.cpp"]),
-    (r"hdf5|H5|highfive/", "HDF5", ["worldio/*.cpp", "tests/*/*.cpp"]),
+    (r"nlohmann/", "nlohmann-json", ["worldio/json/*.cpp", "worldio/results/*.cpp", *TOP]),
+    (r"stb[_/]", "stb", ["worldio/images/*.cpp"]),
+    (r"png\.h|zlib\.h|jpeglib\.h|turbojpeg\.h", "libpng, zlib and libjpeg",
+     ["worldio/images/*.cpp", "worldio/results/*.cpp", "tests/*/*"]),
+    (r"yaml-cpp/", "yaml-cpp", ["worldio/images/*.cpp"]),
+    (r"hdf5|H5|highfive/", "HDF5", ["worldio/results/*.cpp", "tests/*/*.cpp"]),
     (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
     (r"pybind11/|Python\.h|numpy/", "Python", ["python/*"]),
     (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
@@ -105,6 +124,20 @@ def without_comments(text, texts_too):
     return COMMENT_OR_TEXT.sub(blank, text)
 
 
+def room_fault(folder, path, name):
+    """What is wrong with an include of the folder's own, or None."""
+    if len(path.parts) == 2:
+        return None
+    rooms = ROOMS.get(folder, {})
+    own = "/".join(path.parts[1:-1])
+    if own not in rooms:
+        return f"{folder}/{own} is unknown: say in tests/layers_test.py what it may include"
+    other = "/".join(name.split("/")[1:-1])
+    if other and other != own and other not in rooms[own]:
+        return f'"{name}": {folder}/{own} must not know {folder}/{other}'
+    return None
+
+
 def include_fault(root, folder, path, quote, name):
     """What is wrong with one include, or None."""
     first = name.split("/")[0]
@@ -119,7 +152,7 @@ def include_fault(root, folder, path, quote, name):
             return f'an example shows the public face: <troupe/troupe.hpp> or <troupe/plugin.hpp>, not "{name}"'
         if first != folder and first not in BELOW[folder]:
             return f'"{name}": {folder} must not know {first}'
-        return None
+        return room_fault(folder, path, name) if first == folder and folder in LIBRARY else None
     for pattern, library, allowed in THIRD_PARTY:
         if re.match(rf"(?:{pattern})", name):
             return None if is_in(path, allowed) else f"<{name}>: {library} is not for this file"
@@ -178,8 +211,13 @@ class PlantedFaults(unittest.TestCase):
         "partition/parallel.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
         "engine/world.hpp": '#include "partition/grid.hpp"\n// exit(1), and #include "troupe/troupe.hpp"\n',
         "sensors/ranger.hpp": '#include "engine/world.hpp"\n',
+        "models/model_kinds.hpp": '#include "models/drives/drives.hpp"\n',
         "models/drives/drives.hpp": '#include "engine/world.hpp"\n',
-        "worldio/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
+        "models/devices/lamp.hpp": '#include "models/drives/drives.hpp"\n#include "sensors/ranger.hpp"\n',
+        "models/controllers/wander.hpp": '#include "models/devices/lamp.hpp"\n#include "models/model_kinds.hpp"\n',
+        "worldio/stage/parser.hpp": '#include "worldio/json/json.hpp"\n',
+        "worldio/json/json.hpp": "",
+        "worldio/json/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
         "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
         "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
         "troupe/made.hpp.in": "",
@@ -205,8 +243,13 @@ class PlantedFaults(unittest.TestCase):
             ("base/up.cpp", '\n#include "engine/world.hpp"\n', 'base/up.cpp:2: "engine/world.hpp": base must not know engine'),
             ("partition/up.hpp", '#include "engine/world.hpp"\n', "partition/up.hpp:1: "),
             ("engine/up.hpp", '#include "sensors/ranger.hpp"\n', "engine must not know sensors"),
-            ("sensors/side.hpp", '#include "models/drives/drives.hpp"\n', "sensors must not know models"),
-            ("models/side.cpp", '#  include "sensors/ranger.hpp"\n', "models must not know sensors"),
+            ("sensors/up.hpp", '#include "models/drives/drives.hpp"\n', "sensors must not know models"),
+            ("worldio/side.cpp", '#  include "sensors/ranger.hpp"\n', "worldio must not know sensors"),
+            ("models/drives/up.hpp", '\n#include "models/devices/lamp.hpp"\n',
+             'models/drives/up.hpp:2: "models/devices/lamp.hpp": models/drives must not know models/devices'),
+            ("models/faults/side.cpp", '#include "models/drives/drives.hpp"\n', "models/faults must not know models/drives"),
+            ("worldio/json/up.cpp", '#include "worldio/stage/parser.hpp"\n', "worldio/json must not know worldio/stage"),
+            ("models/lamps/lamp.cpp", '#include "models/model_kinds.hpp"\n', "models/lamps is unknown"),
             ("render/up.cpp", '#include "troupe/troupe.hpp"\n', "render must not know troupe"),
             ("engine/up.cpp", "#include <troupe/troupe.hpp>\n", "<troupe/troupe.hpp> is ours: use quotes"),
             ("troupe/up.cpp", '#include "apps/main.cpp"\n', "troupe must not know apps"),
@@ -214,12 +257,13 @@ class PlantedFaults(unittest.TestCase):
             ("apps/examples/deep.cpp", '#include "engine/world.hpp"\n', "an example shows the public face"),
             ("partition/second.cpp", "#include <oneapi/tbb.h>\n", "partition/parallel.cpp is the one file"),
             ("engine/tasks.cpp", "#include <tbb/task_group.h>\n", "oneTBB is not for this file"),
-            ("worldio/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
+            ("worldio/json/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
+            ("worldio/stage/json.cpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
             ("engine/json.cpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),
             ("worldio/results/hdf5_file.hpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),
             ("troupe/views.cpp", "#include <pybind11/numpy.h>\n", "Python is not for this file"),
             ("troupe/up.hpp", '#include "python/bindings.hpp"\n', '"python/bindings.hpp": troupe must not know python'),
-            ("worldio/map.hpp", "#include <yaml-cpp/yaml.h>\n", "yaml-cpp is not for this file"),
+            ("worldio/images/map.hpp", "#include <yaml-cpp/yaml.h>\n", "yaml-cpp is not for this file"),
             ("apps/map.cpp", "#include <yaml-cpp/yaml.h>\n", "yaml-cpp is not for this file"),
             ("apps/record.cpp", "#include <hdf5.h>\n", "HDF5 is not for this file"),
             ("render/context.hpp", "#include <GL/gl.h>\n", "OpenGL is not for this file"),
