@@ -412,9 +412,6 @@ struct ControllerKind {
   /// know.
   std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                       std::uint32_t part) = nullptr;
-  /// What it adds to a Stage model that has it, before the world is built. Null: nothing.
-  void (*furnish)(const Record& params, std::uint64_t seed, const Registry& registry, TypeSpec& type,
-                  std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
   std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.

@@ -23,8 +23,4 @@ const FieldTable& watch_fields();
 Record watch_record(const WatchSpec& watch);  ///< by watch_fields()
 WatchSpec watch_spec(const Record& record);   ///< of a record by watch_fields()
 
-/// The window through which a world asks to be seen, Stage's `window`: where its cameras stand, and what is
-/// drawn.
-const FieldTable& window_fields();
-
 }  // namespace troupe::engine

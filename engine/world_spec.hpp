@@ -186,7 +186,7 @@ struct WorldSpec {
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;    ///< seconds between two lines of measures
   WatchSpec watch;               ///< how it wants to be watched
-  std::optional<Record> window;  ///< by window_fields()
+  std::optional<Record> window;  ///< of the view it asks for: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< what is done to it as it runs
 
   /// Of a body, as text.

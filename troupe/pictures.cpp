@@ -2,7 +2,6 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/watch_spec.hpp"
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
@@ -10,6 +9,7 @@
 
 #ifdef TROUPE_HAS_RENDER
 #include "render/draw.hpp"
+#include "worldio/window_fields.hpp"
 #endif
 
 #include <fmt/format.h>
@@ -122,7 +122,7 @@ class Window {
   bool on(std::string_view name) const { return value(name).boolean(); }
   const std::vector<double>& numbers(std::string_view name) const { return value(name).numbers(); }
   const engine::Value& value(std::string_view name) const {
-    return engine::get(engine::window_fields(), record_, name);
+    return engine::get(worldio::window_fields(), record_, name);
   }
 
  private:

@@ -44,6 +44,7 @@
 #include "sensors/light_sensor.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
+#include "worldio/stage/stage_demos.hpp"
 
 namespace troupe {
 
@@ -68,8 +69,8 @@ engine::Registry make_registry() {
                           models::fasr_controller(),
                           models::fasr2_controller(),
                           models::pioneer_flocking_controller(),
-                          models::dynamic_controller(),
-                          models::lasernoise_controller(),
+                          worldio::dynamic_controller(),
+                          worldio::lasernoise_controller(),
                           models::rasterize_controller(),
                           models::operate_controller(),
                           models::collector_controller(),

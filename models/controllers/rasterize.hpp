@@ -8,18 +8,6 @@
 
 namespace troupe::models {
 
-/// Three of Stage's examples: of what a model is made of, and of who meddles with its readings.
-
-/// Adds `count` children, boxes of 0.1 m, to its model when a `.world` file is read: standing on it, at poses
-/// drawn uniformly within `reach` of its origin in x and y. They follow from the seed and the model's name
-/// within its body: bodies written alike are alike. Does nothing while the world runs.
-engine::ControllerKind dynamic_controller();
-
-/// Gives the first transducer of its ranger a normal error of 5 % of each reading (`noise_relative`) when a
-/// `.world` file is read; Stage's multiplies what was read. In JSON the ranger says so itself. Does nothing
-/// while the world runs but have its ranger run.
-engine::ControllerKind lasernoise_controller();
-
 inline constexpr std::uint32_t k_raster_columns = 40;  ///< of `rasterize`, over the model's size in x
 inline constexpr std::uint32_t k_raster_rows = 20;     ///< of `rasterize`, over the model's size in y
 /// The memory of `rasterize`, which recordings have as a field.

@@ -7,6 +7,7 @@
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -174,7 +175,7 @@ TEST_F(ConvertTest, NamesAndWhatIsWatchedAreKept) {
   EXPECT_EQ(world.spec().part_aliases.at("global").body.index(), 3u);
   EXPECT_EQ(world.spec().watch.rate, 2);
   ASSERT_TRUE(world.spec().window);
-  EXPECT_EQ(engine::get(engine::window_fields(), *world.spec().window, "size_px").numbers(),
+  EXPECT_EQ(engine::get(worldio::window_fields(), *world.spec().window, "size_px").numbers(),
             (std::vector<double>{700, 500}));
 }
 

@@ -4,6 +4,7 @@
 #include "troupe/registry.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_types.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -275,7 +276,7 @@ TEST(JsonWorld, ItSaysHowItIsToBeWatched) {
   ASSERT_THAT(loaded.found, IsEmpty());
   EXPECT_EQ(loaded.spec.watch, (engine::WatchSpec{true, 10, 2.5, true}));
   ASSERT_TRUE(loaded.spec.window);
-  const engine::FieldTable& fields = engine::window_fields();
+  const engine::FieldTable& fields = window_fields();
   EXPECT_THAT(get(fields, *loaded.spec.window, "size_px").numbers(), ElementsAre(800, 600));
   EXPECT_NEAR(get(fields, *loaded.spec.window, "rotate").numbers()[0], radians(30), 1e-15);
   EXPECT_FALSE(get(fields, *loaded.spec.window, "show_grid").boolean());

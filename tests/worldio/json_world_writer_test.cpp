@@ -7,6 +7,7 @@
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,7 +47,7 @@ class RandomWorld {
     spec_.seed = generator_();
     spec_.tick_s = one_of({0.1, 0.05, 1.0 / 3});
     if (chance()) spec_.quit_time_s = number(0.1, 100);
-    if (chance()) spec_.window = record(engine::window_fields());
+    if (chance()) spec_.window = record(window_fields());
     if (chance()) spec_.aliases.push_back({spec_.names.add("model:0"), BodyId(0)});
     const int types = below(4) + 1;
     for (int t = 0; t < types; ++t) add_type(t);

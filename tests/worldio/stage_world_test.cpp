@@ -1,5 +1,6 @@
 #include "tests/worldio/stage_fixture.hpp"
 #include "worldio/images/png.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -121,7 +122,7 @@ TEST_F(StageWorld, TheFirstWindowIsKept) {
       "window( scale 1 )\n");
   EXPECT_THAT(messages(), SizeIs(1));
   ASSERT_TRUE(spec.window);
-  const auto field = [&](std::string_view name) { return get(engine::window_fields(), *spec.window, name); };
+  const auto field = [&](std::string_view name) { return get(window_fields(), *spec.window, name); };
   EXPECT_THAT(field("size_px").numbers(), ElementsAre(700.5, 300));
   EXPECT_THAT(field("center").numbers(), ElementsAre(1, -2));  // metres, whatever the units
   EXPECT_NEAR(field("rotate").numbers()[1], -k_pi / 2, 1e-15);

@@ -2,6 +2,7 @@
 
 #include "engine/watch_spec.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -100,7 +101,7 @@ std::string world_format_reference(const engine::Registry& registry) {
       "by `--layers`, beside `show_grid`, `show_clock`, `show_footprints`, `show_occupancy` and, with "
       "`show_data`, "
       "`show_ranger_ranges` and `show_fiducial`.\n\n";
-  append_table(engine::window_fields(), text);
+  append_table(window_fields(), text);
   append_kinds("Drive", registry.drives, text);
   append_kinds("Sensor", registry.sensors(), text);
   append_kinds("Device", registry.other_devices(), text);

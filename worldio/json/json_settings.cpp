@@ -5,6 +5,7 @@
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_record.hpp"
 #include "worldio/json/json_text.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -109,7 +110,7 @@ JsonChecks read_settings(JsonObject& object, const LoadOptions& options, WorldSp
     spec.record = read_record(JsonCursor(object.at(), "record", *node));
   if (const auto watch = read_block(object, "watch", engine::watch_fields()))
     spec.watch = engine::watch_spec(*watch);
-  spec.window = read_block(object, "window", engine::window_fields());
+  spec.window = read_block(object, "window", window_fields());
   if (const Value mortal = read_field(object, k_mortal); mortal.given()) spec.mortal = mortal.boolean();
   const auto is_error = [&](const Field& field) {
     const Value value = read_field(object, field);
@@ -152,7 +153,7 @@ void write_settings(const WorldSpec& spec, const JsonChecks& checks, std::string
   };
   if (spec.watch != usual.watch)
     write_block("watch", engine::watch_record(spec.watch), engine::watch_fields());
-  if (spec.window) write_block("window", *spec.window, engine::window_fields());
+  if (spec.window) write_block("window", *spec.window, window_fields());
   if (spec.mortal) write_field(k_mortal, true, object);
   if (!checks.overlaps) write_field(k_overlaps, "warn", object);
   if (!checks.same_names) write_field(k_same_names, "warn", object);

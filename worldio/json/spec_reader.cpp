@@ -1,6 +1,7 @@
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_json.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -251,7 +252,7 @@ void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
   spec.measure_every_s = number(object, "measure_every_s", 0, k_most_s, spec.measure_every_s);
   if (const auto watch = read_block(object, "watch", engine::watch_fields()))
     spec.watch = engine::watch_spec(*watch);
-  spec.window = read_block(object, "window", engine::window_fields());
+  spec.window = read_block(object, "window", window_fields());
   if (object.find("bounds_m")) {
     const std::vector<double> b = numbers(object, "bounds_m", 4);
     spec.bounds.emplace();

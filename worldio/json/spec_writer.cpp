@@ -1,6 +1,7 @@
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/spec_json.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -332,7 +333,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
     json["measures"].push_back(measure_json(measure, registry));
   json["measure_every_s"] = finite(measure_every_s);
   json["watch"] = params_json(engine::watch_record(watch), engine::watch_fields());
-  if (window) json["window"] = params_json(*window, engine::window_fields());
+  if (window) json["window"] = params_json(*window, window_fields());
   json["ranging"] = engine::ranging_engine_name(ranging);
   json["resolution_m"] = finite(resolution_m);
   json["resolution_where"] = where_json(resolution_where);

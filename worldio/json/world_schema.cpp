@@ -8,6 +8,7 @@
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_types.hpp"
 #include "worldio/load.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -669,7 +670,7 @@ std::string world_schema(const engine::Registry& registry) {
       .member("at", array_of(intervention_schema()), "what is done to the world, and when")
       .member("faults", array_of(fault_schema(registry)), "how robots fail")
       .member("watch", table_schema(engine::watch_fields()), "how the world is watched")
-      .member("window", table_schema(engine::window_fields()), "the view it asks for")
+      .member("window", table_schema(window_fields()), "the view it asks for")
       .member("bounds_m", reference("box_m"), "where robots may be")
       .optional(chosen("overlaps", {"error", "warn"}, "what models are that overlap something at the start"))
       .optional(chosen("same_names", {"error", "warn"}, "what two bodies of one name are"))

@@ -3,10 +3,10 @@
 #include "base/diagnostics.hpp"
 #include "engine/names.hpp"
 #include "engine/shown_color.hpp"
-#include "engine/watch_spec.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_reader.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -219,7 +219,7 @@ std::optional<engine::Record> recorded_window(const RecordingReader& recording) 
   if (document) {
     const JsonCursor root(*document, diagnostics);
     JsonObject world(root);
-    window = read_block(world, "window", engine::window_fields());
+    window = read_block(world, "window", window_fields());
   }
   if (diagnostics.has_errors()) fail(recording, "/world is not what a recording holds: the file is damaged");
   return window;

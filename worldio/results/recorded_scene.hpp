@@ -62,7 +62,7 @@ Color shown_color(std::span<const double> parts, const Color& of_the_world);
 /// Throws Hdf5Error, with the file's name: a recording from before /scene was kept, or a damaged one.
 RecordedScene recorded_scene(const RecordingReader& recording);
 
-/// The window through which the world asks to be seen (engine/watch_spec.hpp), where it has one. Throws
+/// The window through which the world asks to be seen (worldio/window_fields.hpp), where it has one. Throws
 /// Hdf5Error for a damaged file.
 std::optional<engine::Record> recorded_window(const RecordingReader& recording);
 

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_round_trip.hpp"
 
+#include "worldio/stage/stage_demos.hpp"
+
 #include "worldio/json/fields_json.hpp"
 
 #include <fmt/format.h>
@@ -207,7 +209,7 @@ void RoundTrip::check_bodies() {
   const std::vector<const PartSpec*> others = solid_parts(back_);
   if (parts.size() != others.size()) {
     for (const engine::ControllerSpec& controller : type_.controllers)
-      if (const engine::ControllerKind* kind = registry_.controller(controller.kind); kind && kind->furnish)
+      if (stage_addition(controller.kind))
         return lacks(controller.where,
                      fmt::format("controller \"{}\": it adds to its model, with this seed, other parts than "
                                  "are there",

@@ -4,6 +4,7 @@
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_types.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_device_writer.hpp"
 
 #include <fmt/format.h>
@@ -322,8 +323,7 @@ void TypeText::write_children(std::uint32_t p) {
     const DeviceSpec* own = own_device(q);
     const DeviceKind* kind = own ? kind_of(*own) : nullptr;
     const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
-    if (!macro_.furnished[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p)
-      parts.push_back(q);
+    if (!macro_.added[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
   }
   if (devices.empty() && parts.empty()) return;
   text_.flag("stack_children", false);
@@ -374,27 +374,26 @@ void write_stage_color(const Color& color, StageText& text) {
   write_rgba(color, text);
 }
 
-std::vector<bool> furnished_parts(const TypeSpec& type, std::uint64_t seed,
-                                  const engine::Registry& registry) {
-  std::vector<bool> furnished(type.parts.size(), false);
+std::vector<bool> added_parts(const TypeSpec& type, std::uint64_t seed, const engine::Registry& registry) {
+  std::vector<bool> added(type.parts.size(), false);
   for (const engine::ControllerSpec& controller : type.controllers) {
-    const engine::ControllerKind* kind = registry.controller(controller.kind);
-    if (!kind || !kind->furnish) continue;
+    const StageAddition add = stage_addition(controller.kind);
+    if (!add) continue;
     // What it adds stands in a row, somewhere behind the part that it belongs to.
     TypeSpec read = type;
     read.parts.resize(controller.part + 1);
-    kind->furnish(controller.params, seed, registry, read, controller.part);
+    add(controller.params, seed, registry, read, controller.part);
     const auto begin = read.parts.begin() + controller.part + 1;
     const auto count = read.parts.end() - begin;
     for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;
          ++at) {
-      const auto flag = furnished.begin() + (at - type.parts.begin());
+      const auto flag = added.begin() + (at - type.parts.begin());
       if (*flag || !std::equal(begin, read.parts.end(), at, same_part)) continue;
       std::fill_n(flag, count, true);
       break;
     }
   }
-  return furnished;
+  return added;
 }
 
 void write_stage_type(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places,

@@ -21,17 +21,17 @@ struct StagePlaces {
   Diagnostics& diagnostics;
 };
 
-/// Which parts of a type its controllers add to it whenever a `.world` is read (ControllerKind::furnish), so
-/// that they are not written.
-std::vector<bool> furnished_parts(const engine::TypeSpec& type, std::uint64_t seed,
-                                  const engine::Registry& registry);
+/// Which parts of a type its controllers add to it whenever a `.world` is read
+/// (worldio/stage/stage_demos.hpp), so that they are not written.
+std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
+                              const engine::Registry& registry);
 
 /// How a type is written, as a macro.
 struct StageMacro {
   std::string word;              ///< its name
   Color color;                   ///< of its bodies, unless they say another
   bool has_many_colors = false;  ///< some do: theirs must count, so that this one is not written by name
-  std::vector<bool> furnished;   ///< of each part, whether it is left out
+  std::vector<bool> added;       ///< of each part, whether it is left out
 };
 
 /// A type as a macro: its root, and below it a model for each part, and for each device that stands on a part

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_watch.hpp"
 
+#include "worldio/window_fields.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -123,7 +125,7 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
 
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values) {
-  const engine::FieldTable& table = engine::window_fields();
+  const engine::FieldTable& table = window_fields();
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const Field& field = table.fields[i];
@@ -148,7 +150,7 @@ void write_stage_watch(const engine::WatchSpec& watch, StageText& text) {
 }
 
 void write_stage_window(const engine::Record& window, StageText& text) {
-  const engine::FieldTable& table = engine::window_fields();
+  const engine::FieldTable& table = window_fields();
   text.open("window");
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const Field& field = table.fields[i];

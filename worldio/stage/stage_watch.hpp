@@ -14,7 +14,7 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
 /// The same properties, as far as they are not as usual.
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);
 
-/// A `window`, by engine::window_fields(). What it says of other things is left to the warnings.
+/// A `window`, by window_fields(). What it says of other things is left to the warnings.
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values);
 /// In a file whose lengths are metres.

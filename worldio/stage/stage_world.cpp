@@ -4,6 +4,7 @@
 #include "worldio/json/json_world.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_body.hpp"
+#include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_kinds.hpp"
 #include "worldio/stage/stage_lint.hpp"
 #include "worldio/stage/stage_models.hpp"
@@ -652,8 +653,9 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     }
     controller.part = part;
     if (kind != nullptr) bring_devices(*kind, controller, draft.type);
-    if (kind != nullptr && kind->furnish)
-      kind->furnish(controller.params, spec_->seed, registry_, draft.type, controller.part);
+    if (kind != nullptr)
+      if (const StageAddition add = stage_addition(controller.kind))
+        add(controller.params, spec_->seed, registry_, draft.type, controller.part);
     draft.type.controllers.push_back(std::move(controller));
   }
 }

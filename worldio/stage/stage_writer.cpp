@@ -167,10 +167,10 @@ void WorldText::write_types() {
     const StageMacro macro{.word = macros_[t],
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
-                           .furnished = furnished_parts(type, spec_.seed, registry_)};
+                           .added = added_parts(type, spec_.seed, registry_)};
     TypeSpec colored = type;  // a part without a colour of its own has its body's
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
-      if (macro.furnished[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
+      if (macro.added[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
       if (has_many_colors[t])
         diagnostics_.error(

@@ -1,0 +1,131 @@
+#include "worldio/window_fields.hpp"
+
+#include "base/math.hpp"
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::FieldTable;
+using engine::FieldType;
+using engine::Unit;
+
+constexpr double k_most_pixels = 16384;
+constexpr double k_most_turn = 100;  // rad
+constexpr double k_reach_m = 100e3;  // as far as worlds go
+
+/// What can be shown or not, with Stage's defaults.
+constexpr std::pair<std::string_view, bool> k_switches[] = {
+    {"show_data", false},
+    {"show_blocks", true},
+    {"show_clock", true},
+    {"show_flags", true},
+    {"show_grid", true},
+    {"show_follow", false},
+    {"show_footprints", false},
+    {"show_boundingboxes", false},
+    {"show_occupancy", false},
+    {"show_trailarrows", false},
+    {"show_trailrise", false},
+    {"show_trailfast", false},
+    {"show_trailblur", false},
+    {"show_ranger_ranges", true},
+    {"show_ranger_strikes", false},
+    {"show_ranger_fov", false},
+    {"show_ranger_transducers", false},
+    {"show_fiducial", true},
+    {"show_fiducial_fov", false},
+    {"show_gripper_data", true},
+    {"show_camera", true},
+    {"show_blinken", true},
+    {"show_bumper_hits", true},
+    {"show_position_waypoints", true},
+    {"show_position_coords", false},
+    {"ranger_vis", true},
+    {"blobfinder_vis", true},
+    {"raster_vis", false},
+    {"energy_dissipation", false},
+    {"energy_input", false},
+    {"energy_stored", false},
+};
+
+FieldTable make_window_fields() {
+  FieldTable table{{
+      {.name = "size_px",
+       .type = FieldType::numbers,
+       .fallback = std::vector<double>{400, 300},
+       .min = -k_most_pixels,
+       .max = k_most_pixels,
+       .text = "width and height; below 0: the whole screen",
+       .columns = 2},
+      {.name = "center",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{0, 0},
+       .min = -k_reach_m,
+       .max = k_reach_m,
+       .text = "what the middle shows",
+       .columns = 2},
+      {.name = "rotate",
+       .type = FieldType::numbers,
+       .unit = Unit::radians,
+       .fallback = std::vector<double>{0, 0},
+       .min = -k_most_turn,
+       .max = k_most_turn,
+       .text = "pitch, 0 straight down, and yaw",
+       .columns = 2},
+      {.name = "scale_px_per_m",
+       .fallback = 15.0,
+       .min = 0,
+       .max = 1e6,
+       .text = "of the view from above",
+       .above_min = true},
+      {.name = "camera",
+       .type = FieldType::numbers,
+       .unit = Unit::meters,
+       .fallback = std::vector<double>{0, -4, 3},
+       .min = -k_reach_m,
+       .max = k_reach_m,
+       .text = "where the camera of the perspective view stands: x, y, z",
+       .columns = 3},
+      {.name = "camera_angle",
+       .type = FieldType::numbers,
+       .unit = Unit::radians,
+       .fallback = std::vector<double>{radians(70), 0},
+       .min = -k_most_turn,
+       .max = k_most_turn,
+       .text = "its pitch, 0 straight down, and yaw",
+       .columns = 2},
+      {.name = "perspective", .type = FieldType::boolean, .fallback = false, .text = "it is the one"},
+      {.name = "interval",
+       .unit = Unit::seconds,
+       .fallback = 0.04,
+       .min = 0,
+       .max = 1e6,
+       .text = "from one picture to the next",
+       .above_min = true},
+      {.name = "screenshots", .type = FieldType::boolean, .fallback = false, .text = "pictures are kept"},
+      {.name = "screenshot_skip",
+       .type = FieldType::integer,
+       .fallback = 1,
+       .min = 1,
+       .max = 1e9,
+       .text = "of so many pictures one"},
+      {.name = "follow", .type = FieldType::text, .fallback = "", .text = "the model that stays in view"},
+  }};
+  for (const auto& [name, is_on] : k_switches)
+    table.fields.push_back({.name = name, .type = FieldType::boolean, .fallback = is_on});
+  return table;
+}
+
+}  // namespace
+
+const FieldTable& window_fields() {
+  static const FieldTable table = make_window_fields();
+  return table;
+}
+
+}  // namespace troupe::worldio
