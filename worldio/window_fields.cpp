@@ -13,7 +13,7 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Unit;
 
-constexpr double k_most_pixels = 16384;
+constexpr double k_most_window_px = 16384;
 constexpr double k_most_turn = 100;  // rad
 constexpr double k_reach_m = 100e3;  // as far as worlds go
 
@@ -57,8 +57,8 @@ FieldTable make_window_fields() {
       {.name = "size_px",
        .type = FieldType::numbers,
        .fallback = std::vector<double>{400, 300},
-       .min = -k_most_pixels,
-       .max = k_most_pixels,
+       .min = -k_most_window_px,
+       .max = k_most_window_px,
        .text = "width and height; below 0: the whole screen",
        .columns = 2},
       {.name = "center",

@@ -26,7 +26,7 @@ const Kind& known(const Kind* kind, const std::string& name) {
 }
 
 void write_period(double period_s, const engine::FieldTable& params, JsonNode::Object& object) {
-  if (!same_bits(period_s, 0)) write_field(period_field(params), period_s, object);
+  if (!worldio::same_bits(period_s, 0)) write_field(period_field(params), period_s, object);
 }
 
 /// Says how a type was read, key by key, and so must know what a reader takes for granted: the part, the
