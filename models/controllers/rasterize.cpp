@@ -3,20 +3,15 @@
 #include "engine/world_spec.hpp"
 #include "partition/placed_shape.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <vector>
 
 namespace troupe::models {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldType;
 using engine::PartSpec;
 using engine::Record;
 using engine::TypeSpec;
-using engine::Unit;
 using engine::WorldSpec;
 
 struct Rasterize {
