@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What the rangers of quarry.world and yard.world must read, worked out by other means than the program's.
+"""What the rangers of quarry.world and yard.world must read, and where the robots of swarm.world go, worked out by other
+means than the program's.
 
-  readings.py           writes quarry.png, yard.png, bitmaps.txt and, for each world, NAME.exact.jsonl and NAME.grid.jsonl
+  readings.py           writes quarry.png, yard.png, bitmaps.txt, swarm.jsonl, and NAME.exact.jsonl and NAME.grid.jsonl of the two
   readings.py --check   compares them with what lies here; exit code 1: they differ
 
-It reads no world file: what the two worlds expand to is written down below by hand, in metres and degrees. Bodies are lists
-of corners; what a beam meets is found by trying every edge of the world:
+It reads no world file: what the worlds expand to is written down below by hand, in metres and degrees. Bodies are lists of
+corners; what a beam meets is found by trying every edge of the world:
 
 - exact: the nearest crossing of the beam and an edge, in double precision;
 - grid: docs/sensing.md, "The grid engine": an edge is drawn into the cells of the borders that it crosses, taken in the order
@@ -13,8 +14,8 @@ of corners; what a beam meets is found by trying every edge of the world:
   cells by the same rule.
 
 A reading is null where the last bits decide it: where it changes by more than a fifth of a millimetre when the beam is moved
-by two micrometres and turned by two microradians (exact; a beam that grazes an edge or a corner), or at all when the origin is moved by a
-nanometre or the direction by one unit of 2^-20 (grid).
+by two micrometres and turned by two microradians (exact; a beam that grazes an edge or a corner), or at all when the origin
+is moved by a nanometre or the direction by one unit of 2^-20 (grid).
 
 A line is a record in the form of Stage's own readings: t (s), model, pose of the robot (m, rad) at t, and the ranges of each
 transducer (m) at the pose of a tick before.
@@ -294,7 +295,56 @@ def records(world, engine):
                         ranges.append(None if reading is None else round(reading, 5))
                     sensors.append({"ranges": ranges})
                 lines.append({"t": round(tick * TICK, 3), "model": f"{name}.{ranger}",
-                              "pose": [round(value, 12) for value in of_all[r][tick]], "sensors": sensors})
+                              "pose": [round(value, 10) for value in of_all[r][tick]], "sensors": sensors})
+    return lines
+
+
+# A swarm whose commands follow from its readings.
+
+SWARM = {"count": 24, "ticks": 100, "told": (10, 30, 60, 100)}
+
+
+def expand(ranges):
+    """Stage's expand_swarm: the command after these readings of twelve beams, 30 degrees apart; None: the old one stays."""
+    x = sum(r * math.cos(math.radians(30 * i)) for i, r in enumerate(ranges))
+    y = sum(r * math.sin(math.radians(30 * i)) for i, r in enumerate(ranges))
+    if x == 0 or y == 0:
+        return None
+    turn = math.atan2(y, x)
+    free = all(ranges[i] > 0.5 / share for i, share in ((0, 1), (1, 1.5), (2, 3), (3, 5), (9, 5), (10, 3), (11, 1.5)))
+    speed = 0.3 if free and abs(turn) < 0.5 else 0.0
+    return speed, min(max(turn, -math.pi / 2), math.pi / 2)
+
+
+def swarm():
+    """Poses at some ticks, and how far the robots are from where they began, on average."""
+    plan = Edges()
+    for outline in stretched(contours(yard()), 9, 6):
+        plan.ring(placed(outline, (0, 0.05, 0)), (0, 0.5))
+    for wall in (box(9, 0.01, 0, 2.995), box(9, 0.01, 0, -2.995), box(0.01, 6, 4.495, 0), box(0.01, 6, -4.495, 0)):
+        plan.ring(placed(wall, (0, 0.05, 0)), (0, 0.5))
+    start = [(-1.9 + 0.4 * (n // 6), -1 + 0.4 * (n % 6), math.radians(n * 37 % 360)) for n in range(SWARM["count"])]
+    poses, commands = start, [(0.0, 0.0)] * len(start)
+    lines = []
+    for tick in range(1, SWARM["ticks"] + 1):
+        outlines = []
+        for pose in poses:
+            edges = Edges()
+            edges.ring(placed(box(0.1, 0.1), pose), (0, 0.1))
+            outlines.append(edges.edges)
+        decided = []
+        for r, (x, y, heading) in enumerate(poses):
+            seen = plan.edges + [edge for o, (ox, oy, _) in enumerate(poses) if o != r and math.hypot(ox - x, oy - y) < 2.1
+                                 for edge in outlines[o]]
+            decided.append(expand([exact_range(seen, (x, y), heading + math.radians(30 * i), 0.06, 2.0) for i in range(12)]))
+        poses = [(x + v * TICK * math.cos(heading), y + v * TICK * math.sin(heading),
+                  math.remainder(heading + turn * TICK, 2 * math.pi)) for (x, y, heading), (v, turn) in zip(poses, commands)]
+        commands = [new or old for new, old in zip(decided, commands)]
+        nearest = min(math.dist(a[:2], b[:2]) for i, a in enumerate(poses) for b in poses[:i])
+        assert nearest > 0.1415, f"robots may touch at tick {tick}, which is not worked out here"
+        if tick in SWARM["told"]:
+            lines.append({"t": round(tick * TICK, 3), "poses": [[round(value, 9) for value in pose] for pose in poses],
+                          "displacement": round(sum(math.dist(a[:2], b[:2]) for a, b in zip(poses, start)) / len(poses), 9)})
     return lines
 
 
@@ -305,6 +355,7 @@ def files():
         for engine in ("exact", "grid"):
             text = "".join(json.dumps(record, separators=(",", ":")) + "\n" for record in records(world, engine))
             made[f"{name}.{engine}.jsonl"] = text.encode()
+    made["swarm.jsonl"] = "".join(json.dumps(line, separators=(",", ":")) + "\n" for line in swarm()).encode()
     plans = [HERE / f"{name}.png" for name in WORLDS] + [ROOT / name for name in BITMAPS]
     made["bitmaps.txt"] = "".join(f"{plan.relative_to(ROOT)} {counted(plan)}\n" for plan in plans).encode()
     return made
