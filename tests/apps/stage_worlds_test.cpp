@@ -23,8 +23,7 @@ void PrintTo(const StageWorld& world, std::ostream* out) {
 class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<StageWorld> {};
 
 TEST_P(StageWorlds, RunUnmodified) {
-  const std::filesystem::path world =
-      std::filesystem::path(TROUPE_SOURCE_DIR) / GetParam().file;
+  const std::filesystem::path world = std::filesystem::path(TROUPE_SOURCE_DIR) / GetParam().file;
   if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world;
   const Outcome outcome = troupe({"run", world, "--for", GetParam().seconds, "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

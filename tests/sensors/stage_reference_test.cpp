@@ -119,7 +119,8 @@ void expect_agreement(const Readings& expected, std::vector<Agreement> agreement
 constexpr auto k_exact = engine::RangingEngine::exact;
 constexpr auto k_grid = engine::RangingEngine::grid;
 
-// Readings that Stage 4.3 itself gave. Its rays walk cells of 0.02 m, so agreement is a share, not a certainty.
+// Readings that Stage 4.3 itself gave. Its rays walk cells of 0.02 m, so agreement is a share, not a
+// certainty.
 
 class StageReference : public ::testing::Test {
  protected:

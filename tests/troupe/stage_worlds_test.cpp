@@ -75,8 +75,8 @@ TEST(StageHospital, TheSwarmSpreadsAsInStage) {
   }
 }
 
-// tests/stage_like/readings.py works out each robot's way by other means: readings, Stage's rule, motion. After
-// seconds a last bit of a beam may have turned a robot elsewhere, so then only their mean counts.
+// tests/stage_like/readings.py works out each robot's way by other means: readings, Stage's rule, motion.
+// After seconds a last bit of a beam may have turned a robot elsewhere, so then only their mean counts.
 TEST(StageLikeSwarm, SpreadsAsWasWorkedOut) {
   const fs::path folder = fs::path(TROUPE_SOURCE_DIR) / "tests/stage_like";
   Simulation simulation(folder / "swarm.world");

@@ -179,8 +179,9 @@ TEST(Conformance13, PolygonsVerticesAndBoxesOfOurOwnBitmaps) {
   const fs::path source = TROUPE_SOURCE_DIR;
   std::ifstream in(source / "tests/stage_like/bitmaps.txt");
   std::size_t tried = 0;
-  for (Counted expected; in >> expected.name >> expected.width >> expected.height >> expected.polygons >>
-                         expected.vertices >> expected.left >> expected.right >> expected.top >> expected.bottom;
+  for (Counted expected;
+       in >> expected.name >> expected.width >> expected.height >> expected.polygons >> expected.vertices >>
+       expected.left >> expected.right >> expected.top >> expected.bottom;
        ++tried)
     expect_counts(source / expected.name, expected);
   EXPECT_EQ(tried, 5u);

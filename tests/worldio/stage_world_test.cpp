@@ -1143,8 +1143,8 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_EQ(spec.types[2].name, "flocker");
 }
 
-// Worlds of our own in Stage's syntax, with includes, macros, bitmaps and units. What is expected follows from
-// the numbers in their files; StageStyles (tests/troupe) tells what loading the styles warns of.
+// Worlds of our own in Stage's syntax, with includes, macros, bitmaps and units. What is expected follows
+// from the numbers in their files; StageStyles (tests/troupe) tells what loading the styles warns of.
 
 class StageLikeWorld : public StageTest {
  protected:
@@ -1170,7 +1170,7 @@ TEST_F(StageLikeWorld, Quarry) {
   for (std::size_t robot = 6; robot <= 8; ++robot) EXPECT_EQ(spec.bodies[robot].type, spec.bodies[5].type);
 
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
-  ASSERT_THAT(plan.solids, SizeIs(5));  // the bitmap and four walls
+  ASSERT_THAT(plan.solids, SizeIs(5));               // the bitmap and four walls
   EXPECT_THAT(plan.solids[0].contours, SizeIs(12));  // stage_like/bitmaps.txt
   EXPECT_EQ(plan.solids[0].z, (ZInterval{0, 0.6}));
   expect_box(bounds_of({plan.solids[0]}), -6, 6, -4, 4);
