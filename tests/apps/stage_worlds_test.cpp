@@ -11,7 +11,7 @@ using ::testing::MatchesRegex;
 using ::testing::Not;
 
 struct StageWorld {
-  std::string file;
+  std::string file;  ///< below the source folder
   std::size_t robots;
   std::string seconds;  ///< the large ones are cut short: their cost is most of what these tests take
 };
@@ -23,8 +23,7 @@ void PrintTo(const StageWorld& world, std::ostream* out) {
 class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<StageWorld> {};
 
 TEST_P(StageWorlds, RunUnmodified) {
-  const std::filesystem::path world =
-      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds" / GetParam().file;
+  const std::filesystem::path world = std::filesystem::path(TROUPE_SOURCE_DIR) / GetParam().file;
   if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world;
   const Outcome outcome = troupe({"run", world, "--for", GetParam().seconds, "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -54,13 +53,29 @@ TEST_F(Conformance14, AWorldThatDoesNotLoadIsExitCode2) {
           "bad.world:3: error: \"pose\" needs 4 values [x y z heading]; here is 1"));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Apps, StageWorlds,
-    ::testing::Values(StageWorld{"benchmark/hospital.world", 1000, "2"},
-                      StageWorld{"benchmark/cave.world", 100, "2"}, StageWorld{"simple.world", 2, "30"},
-                      StageWorld{"pioneer_walle.world", 2, "30"}, StageWorld{"roomba.world", 1, "30"},
-                      StageWorld{"sensor_noise_demo.world", 1, "30"}),
-    [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
+std::string name_of(const ::testing::TestParamInfo<StageWorld>& test) {
+  return std::filesystem::path(test.param.file).stem().string();
+}
+
+const std::string k_stage = "../shared/stage-worlds/";
+INSTANTIATE_TEST_SUITE_P(Apps, StageWorlds,
+                         ::testing::Values(StageWorld{k_stage + "benchmark/hospital.world", 1000, "2"},
+                                           StageWorld{k_stage + "benchmark/cave.world", 100, "2"},
+                                           StageWorld{k_stage + "simple.world", 2, "30"},
+                                           StageWorld{k_stage + "pioneer_walle.world", 2, "30"},
+                                           StageWorld{k_stage + "roomba.world", 1, "30"},
+                                           StageWorld{k_stage + "sensor_noise_demo.world", 1, "30"}),
+                         name_of);
+
+const std::string k_styles = "tests/troupe/stage_styles/";
+INSTANTIATE_TEST_SUITE_P(InStagesSyntax, StageWorlds,
+                         ::testing::Values(StageWorld{"tests/stage_like/swarm.world", 24, "10"},
+                                           StageWorld{k_styles + "demo.world", 2, "30"},
+                                           StageWorld{k_styles + "blocks.world", 2, "30"},
+                                           StageWorld{k_styles + "disc.world", 1, "30"},
+                                           StageWorld{k_styles + "noise.world", 1, "30"},
+                                           StageWorld{k_styles + "flock.world", 16, "10"}),
+                         name_of);
 
 }  // namespace
 }  // namespace troupe::apps

@@ -29,6 +29,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_stage_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles";
 const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
 
 /// The lines of a hash log of the next ticks.
@@ -88,6 +89,9 @@ std::vector<Scene> scenes() {
           {"crowdOnTheGrid", k_worlds / "crowd.json", by_grid},
           {"magpies", k_worlds / "magpies.json", {}},
           {"clustering", k_worlds / "clustering.json", {}},
+          {"flockInStagesSyntax", k_stage_styles / "flock.world", {}},
+          {"foragersInStagesSyntax", k_stage_styles / "forage.world", {}},
+          {"blocksInStagesSyntax", k_stage_styles / "blocks.world", {}},
           {"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}},
           {"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}}};
 }

@@ -331,6 +331,11 @@ TEST_F(Conformance15, StagesCaveOverRunsAndThreads) {
   expect_one_result(cave, test::k_slow_build ? 2 : 100);
 }
 
+TEST_F(Conformance15, AFlockInStagesSyntaxOverRunsAndThreads) {
+  expect_one_result(fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles/flock.world",
+                    test::k_slow_build ? 2 : 100);
+}
+
 TEST_F(Conformance15, OurOwnCaveOverRunsAndThreads) {
   expect_one_result(fs::path(TROUPE_SOURCE_DIR) / "worlds/cave-simple.json", test::k_slow_build ? 2 : 100);
 }

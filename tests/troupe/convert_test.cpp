@@ -118,6 +118,22 @@ INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds,
                            return name;
                          });
 
+/// In Stage's syntax, with includes, macros, bitmaps and units, wherever Stage's own are not.
+INSTANTIATE_TEST_SUITE_P(InStagesSyntax, ConvertedWorlds,
+                         ::testing::Values(World{"tests/stage_like/quarry.world", 50},
+                                           World{"tests/stage_like/yard.world", 40},
+                                           World{"tests/stage_like/swarm.world", 50},
+                                           World{"tests/troupe/stage_styles/demo.world", 50},
+                                           World{"tests/troupe/stage_styles/blocks.world", 50},
+                                           World{"tests/troupe/stage_styles/disc.world", 50},
+                                           World{"tests/troupe/stage_styles/noise.world", 50},
+                                           World{"tests/troupe/stage_styles/odometry.world", 50},
+                                           World{"tests/troupe/stage_styles/flock.world", 20},
+                                           World{"tests/troupe/stage_styles/everything.world"},
+                                           World{"tests/troupe/stage_styles/units.world"},
+                                           World{"tests/troupe/stage_styles/layers.world"}),
+                         [](const auto& test) { return fs::path(test.param.file).stem().string(); });
+
 /// All that a world of Stage can say that is not a property of one model alone.
 constexpr std::string_view k_zoo = R"(
 name "zoo" interval_sim 50 quit_time 7 seed 11 unit_angle "degrees" speedup 2 show_clock 1

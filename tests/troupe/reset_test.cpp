@@ -38,9 +38,9 @@ struct Scene {
   unsigned threads = 1;
 };
 
-class ResetScene : public ::testing::TestWithParam<Scene> {};
+class ResetOf : public ::testing::TestWithParam<Scene> {};
 INSTANTIATE_TEST_SUITE_P(
-    World, ResetScene,
+    World, ResetOf,
     ::testing::Values(Scene{"crowd", "crowd.json"},
                       Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact, 3},
                       Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
@@ -71,7 +71,7 @@ std::string bytes_of(const engine::World& world) {
   return all;
 }
 
-TEST_P(ResetScene, IsTheStateAfterLoadingByteForByte) {
+TEST_P(ResetOf, IsTheStateAfterLoadingByteForByte) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
   engine::WorldSpec spec = worldio::load_world(k_worlds / GetParam().world, registry, {}, diagnostics);
@@ -91,7 +91,7 @@ TEST_P(ResetScene, IsTheStateAfterLoadingByteForByte) {
   EXPECT_TRUE(bytes_of(world) == later);
 }
 
-TEST_P(ResetScene, IsFollowedByTheSameRun) {
+TEST_P(ResetOf, IsFollowedByTheSameRun) {
   SimulationOptions options;
   options.ranging = GetParam().ranging;
   options.threads = GetParam().threads;

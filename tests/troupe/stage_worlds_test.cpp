@@ -1,13 +1,16 @@
 // Stage's own worlds, unmodified: they load, they run, and in its hospital the swarm spreads as it does in
-// Stage.
+// Stage. Where they are not: stage_styles_test.cpp, and a swarm of our own that spreads as was worked out.
 
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <ostream>
 #include <string>
 
@@ -70,6 +73,35 @@ TEST(StageHospital, TheSwarmSpreadsAsInStage) {
         << time_s << " s";
     if (test::k_slow_build) break;
   }
+}
+
+// tests/stage_like/readings.py works out each robot's way by other means: readings, Stage's rule, motion.
+// After seconds a last bit of a beam may have turned a robot elsewhere, so then only their mean counts.
+TEST(StageLikeSwarm, SpreadsAsWasWorkedOut) {
+  const fs::path folder = fs::path(TROUPE_SOURCE_DIR) / "tests/stage_like";
+  Simulation simulation(folder / "swarm.world");
+  std::ifstream lines(folder / "swarm.jsonl");
+  std::size_t read = 0;
+  for (std::string line; std::getline(lines, line); ++read) {
+    const nlohmann::json expected = nlohmann::json::parse(line);
+    const double time_s = expected.at("t");
+    simulation.run_for(time_s - simulation.time_s());
+    const double displacement_m = expected.at("displacement");
+    EXPECT_NEAR(simulation.statistics().mean_displacement_m, displacement_m, 0.01 * displacement_m)
+        << time_s << " s";
+    if (time_s > 3) continue;
+    ASSERT_EQ(expected.at("poses").size(), simulation.robots());
+    for (std::size_t r = 0; r < simulation.robots(); ++r) {
+      const Pose pose = simulation.find("r" + std::to_string(r)).pose();
+      const auto& [x, y, heading] = expected.at("poses")[r].get<std::array<double, 3>>();
+      EXPECT_NEAR(pose.x, x, 1e-5) << "r" << r << " at " << time_s << " s";
+      EXPECT_NEAR(pose.y, y, 1e-5) << "r" << r << " at " << time_s << " s";
+      EXPECT_NEAR(std::remainder(pose.heading - heading, 2 * k_pi), 0, 1e-4)
+          << "r" << r << " at " << time_s << " s";
+    }
+  }
+  EXPECT_EQ(read, 4u);
+  EXPECT_EQ(simulation.statistics().stalled, 0u);
 }
 
 }  // namespace

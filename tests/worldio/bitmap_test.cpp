@@ -145,7 +145,7 @@ TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
 /// What an image comes to: its size in pixels, the contours of what is solid in it with their vertices, and
 /// the box of that, in pixels from the upper left corner.
 struct Counted {
-  const char* name;
+  std::string name;
   int width, height;
   std::size_t polygons, vertices;
   double left, right, top, bottom;
@@ -157,7 +157,37 @@ std::size_t vertices_of(const std::vector<Ring>& rings) {
   return vertices;
 }
 
-constexpr auto k_stage_bitmaps = std::to_array<Counted>({
+void expect_counts(const fs::path& file, const Counted& expected) {
+  Diagnostics diagnostics;
+  const auto bitmap = read_bitmap(file, {}, diagnostics);
+  ASSERT_TRUE(bitmap) << expected.name;
+  EXPECT_EQ(bitmap->width, expected.width) << expected.name;
+  EXPECT_EQ(bitmap->height, expected.height) << expected.name;
+  const std::vector<Ring> rings = bitmap_contours(*bitmap);
+  EXPECT_EQ(rings.size(), expected.polygons) << expected.name;
+  EXPECT_EQ(vertices_of(rings), expected.vertices) << expected.name;
+  Box box;
+  for (const Ring& ring : rings) box.extend(bounds(ring));
+  EXPECT_EQ(box.min.x(), expected.left) << expected.name;
+  EXPECT_EQ(box.max.x(), expected.right) << expected.name;
+  EXPECT_EQ(-box.max.y(), expected.top) << expected.name;
+  EXPECT_EQ(-box.min.y(), expected.bottom) << expected.name;
+}
+
+// Bitmaps of our own, counted by tests/stage_like/bitmaps.py.
+TEST(Conformance13, PolygonsVerticesAndBoxesOfOurOwnBitmaps) {
+  const fs::path source = TROUPE_SOURCE_DIR;
+  std::ifstream in(source / "tests/stage_like/bitmaps.txt");
+  std::size_t tried = 0;
+  for (Counted expected;
+       in >> expected.name >> expected.width >> expected.height >> expected.polygons >> expected.vertices >>
+       expected.left >> expected.right >> expected.top >> expected.bottom;
+       ++tried)
+    expect_counts(source / expected.name, expected);
+  EXPECT_EQ(tried, 5u);
+}
+
+const auto k_stage_bitmaps = std::to_array<Counted>({
     {"cave", 500, 500, 15, 1462, 0, 500, 0, 500},
     {"cave_filled", 500, 500, 8, 729, 0, 500, 0, 500},
     {"cave_compact", 113, 113, 17, 357, 0, 113, 0, 113},
@@ -188,20 +218,7 @@ TEST(Conformance13, PolygonsVerticesAndBoxesOfStagesBitmaps) {
   for (const Counted& expected : k_stage_bitmaps) {
     const fs::path file = bitmaps / (std::string(expected.name) + ".png");
     if (!fs::exists(file)) continue;
-    Diagnostics diagnostics;
-    const auto bitmap = read_bitmap(file, {}, diagnostics);
-    ASSERT_TRUE(bitmap) << expected.name;
-    EXPECT_EQ(bitmap->width, expected.width) << expected.name;
-    EXPECT_EQ(bitmap->height, expected.height) << expected.name;
-    const std::vector<Ring> rings = bitmap_contours(*bitmap);
-    EXPECT_EQ(rings.size(), expected.polygons) << expected.name;
-    EXPECT_EQ(vertices_of(rings), expected.vertices) << expected.name;
-    Box box;
-    for (const Ring& ring : rings) box.extend(bounds(ring));
-    EXPECT_EQ(box.min.x(), expected.left) << expected.name;
-    EXPECT_EQ(box.max.x(), expected.right) << expected.name;
-    EXPECT_EQ(-box.max.y(), expected.top) << expected.name;
-    EXPECT_EQ(-box.min.y(), expected.bottom) << expected.name;
+    expect_counts(file, expected);
     ++tried;
   }
   EXPECT_GE(tried, 7u);

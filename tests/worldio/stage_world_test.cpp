@@ -1,4 +1,5 @@
 #include "tests/worldio/stage_fixture.hpp"
+#include "troupe/registry.hpp"
 #include "worldio/images/png.hpp"
 #include "worldio/window_fields.hpp"
 
@@ -6,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 
 namespace troupe::worldio {
@@ -1140,6 +1142,157 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));
   EXPECT_EQ(spec.types[2].name, "flocker");
+}
+
+// Worlds of our own in Stage's syntax, with includes, macros, bitmaps and units. What is expected follows
+// from the numbers in their files; StageStyles (tests/troupe) tells what loading the styles warns of.
+
+class StageLikeWorld : public StageTest {
+ protected:
+  engine::WorldSpec open(const std::string& name) {
+    static const engine::Registry registry = make_registry();
+    const std::filesystem::path file = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests" / name;
+    std::ifstream in(file);
+    return read(file, {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}, {}, registry);
+  }
+  static double beam_height(const engine::DeviceSpec& ranger, std::size_t number = 0) {
+    return ranger.pose_body_sensor.z + transducer_pose(ranger, number, "z");
+  }
+};
+
+TEST_F(StageLikeWorld, Quarry) {
+  const auto spec = open("stage_like/quarry.world");
+  EXPECT_THAT(messages(), IsEmpty());
+  EXPECT_EQ(spec.quit_time_s, 6);
+  EXPECT_EQ(spec.resolution_m, 0.02);
+  EXPECT_THAT(body_names(spec),
+              ElementsAre("_ground_model", "plan", "stump", "post", "glass", "a", "b", "c", "stuck"));
+  EXPECT_EQ(spec.bodies[5].pose_world_body, (Pose{-3.713, 1.291, 0, radians(10.5)}));
+  for (std::size_t robot = 6; robot <= 8; ++robot) EXPECT_EQ(spec.bodies[robot].type, spec.bodies[5].type);
+
+  const engine::PartSpec& plan = type_of(spec, 1).parts[0];
+  ASSERT_THAT(plan.solids, SizeIs(5));               // the bitmap and four walls
+  EXPECT_THAT(plan.solids[0].contours, SizeIs(12));  // stage_like/bitmaps.txt
+  EXPECT_EQ(plan.solids[0].z, (ZInterval{0, 0.6}));
+  expect_box(bounds_of({plan.solids[0]}), -6, 6, -4, 4);
+  expect_box(bounds_of(plan.solids), -6, 6, -4, 4);
+  EXPECT_FALSE(plan.returns.obstacle);
+  EXPECT_EQ(plan.returns.ranger, 0.5f);
+  EXPECT_TRUE(type_of(spec, 3).parts[0].returns.obstacle);
+  EXPECT_EQ(type_of(spec, 3).parts[0].returns.ranger, 0.7f);
+  EXPECT_EQ(type_of(spec, 4).parts[0].returns.ranger, -1);
+
+  const engine::TypeSpec& robot = type_of(spec, 5);
+  EXPECT_EQ(robot.name, "waving");
+  EXPECT_THAT(part_names(robot), ElementsAre("", "ranger:0", "ranger:1"));
+  // The hull fills 0.5 x 0.4 m, whatever its points' scale, and lies 0.03 m back.
+  expect_box(bounds_of(robot.parts[0].solids), -0.28, 0.22, -0.2, 0.2);
+  EXPECT_EQ(robot.parts[0].solids[0].z, (ZInterval{0, 0.25}));
+  EXPECT_THAT(robot.parts[1].solids, IsEmpty());
+  EXPECT_NEAR(robot.parts[2].solids[0].z.min, 0.25, 1e-12);
+  EXPECT_NEAR(robot.parts[2].solids[0].z.max, 0.4, 1e-12);
+  expect_box(bounds_of(robot.parts[2].solids), -0.01, 0.11, -0.05, 0.05);
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(10));
+  EXPECT_NEAR(beam_height(robot.devices[0], 3), 0.21, 1e-12);
+  EXPECT_NEAR(transducer_pose(robot.devices[0], 3, "heading"), radians(-25), 1e-12);
+  EXPECT_NEAR(beam_height(robot.devices[1]), 0.34, 1e-12);
+  EXPECT_EQ(transducer(robot.devices[1], 0, "samples").integer(), 41);
+  EXPECT_NEAR(transducer(robot.devices[1], 0, "fov").number(), radians(200), 1e-12);
+  EXPECT_EQ(transducer(robot.devices[1], 0, "range_max").number(), 7);
+  ASSERT_THAT(robot.controllers, SizeIs(1));
+  EXPECT_EQ(robot.controllers[0].kind, "script");
+  EXPECT_EQ(drive_param(spec, 5, "velocity_max_x"), 0.5);
+}
+
+TEST_F(StageLikeWorld, YardInCentimetresAndRadians) {
+  const auto spec = open("stage_like/yard.world");
+  EXPECT_THAT(messages(), IsEmpty());
+  EXPECT_EQ(spec.resolution_m, 0.05);
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "plan", "a", "b", "c"));
+  EXPECT_NEAR(spec.bodies[1].pose_world_body.x, 0.123, 1e-12);
+  EXPECT_NEAR(spec.bodies[1].pose_world_body.heading, 0.37, 1e-12);
+  const engine::PartSpec& plan = type_of(spec, 1).parts[0];
+  ASSERT_THAT(plan.solids, SizeIs(1));
+  EXPECT_THAT(plan.solids[0].contours, SizeIs(9));
+  expect_box(bounds_of(plan.solids), -4.5, 4.5, -3, 3);
+  EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type) << "only the colour differs";
+  EXPECT_NE(spec.bodies[2].type, spec.bodies[4].type);
+  const engine::TypeSpec& robot = type_of(spec, 4);
+  EXPECT_THAT(part_names(robot), ElementsAre("", "ranger:0", "model:0", "model:0.ranger:0"));
+  expect_box(bounds_of(robot.parts[0].solids), -0.1, 0.1, -0.08, 0.08);
+  ASSERT_THAT(robot.devices, SizeIs(2));
+  EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(12));
+  EXPECT_NEAR(transducer_pose(robot.devices[0], 7, "heading"), -2.61799388, 1e-12);
+  EXPECT_EQ(transducer(robot.devices[0], 0, "range_max").number(), 2.5);
+  EXPECT_NEAR(robot.devices[1].pose_body_sensor.heading, 0.5, 1e-12);
+  EXPECT_NEAR(beam_height(robot.devices[1]), 0.44, 1e-12);
+  EXPECT_NEAR(drive_param(spec, 4, "velocity_max_x"), 1, 1e-12);
+}
+
+TEST_F(StageLikeWorld, BodiesOfManyBlocks) {
+  const auto spec = open("troupe/stage_styles/blocks.world");
+  EXPECT_THAT(messages(), SizeIs(2));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "still"));
+  EXPECT_THAT(type_of(spec, 1).parts[0].solids[0].contours, SizeIs(5));  // stage_like/bitmaps.txt
+  expect_box(bounds_of(type_of(spec, 1).parts[0].solids), -8, 8, -8, 8);
+  const engine::TypeSpec& robot = type_of(spec, 2);
+  EXPECT_THAT(part_names(robot), ElementsAre("", "ranger:0", "ranger:1"));
+  EXPECT_THAT(robot.parts[0].solids, SizeIs(7));
+  expect_box(bounds_of(robot.parts[0].solids), -0.26, 0.18, -0.19, 0.19);
+  EXPECT_EQ(robot.parts[0].solids[1].contours[0].size(), 9u);
+  EXPECT_THAT(robot.parts[2].solids, SizeIs(4));
+  EXPECT_NEAR(beam_height(robot.devices[0]), 0.22 - 0.03 + 0.005, 1e-12);
+  EXPECT_TRUE(type_of(spec, 3).drive);
+}
+
+TEST_F(StageLikeWorld, RoundRobotsWithBumpers) {
+  const auto spec = open("troupe/stage_styles/disc.world");
+  EXPECT_THAT(messages(), SizeIs(2));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
+  EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
+  EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
+  expect_box(bounds_of({type_of(spec, 2).parts[0].solids}), -0.165, 0.165, -0.165, 0.165);
+  EXPECT_EQ(spec.bodies[2].color, (Color{127 / 255.0f, 127 / 255.0f, 127 / 255.0f, 1}));
+}
+
+TEST_F(StageLikeWorld, ASensorThatRunsWithoutASubscriber) {
+  const auto spec = open("troupe/stage_styles/noise.world");
+  EXPECT_THAT(messages(), SizeIs(1));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
+  const engine::TypeSpec& robot = type_of(spec, 2);
+  ASSERT_THAT(robot.devices, SizeIs(1));
+  EXPECT_TRUE(robot.devices[0].active);
+  EXPECT_NEAR(transducer(robot.devices[0], 0, "noise_stddev").number(), std::sqrt(0.005), 1e-12);
+  EXPECT_THAT(robot.controllers, IsEmpty());
+}
+
+TEST_F(StageLikeWorld, ASwarmOfOneType) {
+  const auto spec = open("stage_like/swarm.world");
+  EXPECT_THAT(messages(), SizeIs(1));  // of threads
+  ASSERT_THAT(spec.bodies, SizeIs(26));
+  EXPECT_THAT(spec.types, SizeIs(3));
+  EXPECT_EQ(name_of(spec, 1), "model:1");
+  for (std::size_t i = 0; i < 24; ++i) {
+    EXPECT_EQ(name_of(spec, i + 2), fmt::format("r{}", i));
+    EXPECT_NEAR(spec.bodies[i + 2].pose_world_body.x, -1.9 + 0.4 * static_cast<double>(i / 6), 1e-9);
+    EXPECT_NEAR(spec.bodies[i + 2].pose_world_body.y, -1 + 0.4 * static_cast<double>(i % 6), 1e-9);
+  }
+  EXPECT_EQ(spec.types[2].name, "swarmbot");
+  EXPECT_THAT(get(ranger_table(), spec.types[2].devices[0].params, "transducers").records(), SizeIs(12));
+  EXPECT_NEAR(beam_height(spec.types[2].devices[0]), 0.06, 1e-12);
+  EXPECT_EQ(spec.types[2].controllers[0].kind, "expand");
+}
+
+TEST_F(StageLikeWorld, RobotsOfManyDevicesWithOlderAliases) {
+  const auto spec = open("troupe/stage_styles/odometry.world");
+  EXPECT_THAT(messages(), SizeIs(5));
+  EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1", "r2"));
+  EXPECT_THAT(part_names(type_of(spec, 2)),
+              ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));
+  EXPECT_EQ(transducer(type_of(spec, 2).devices[1], 0, "samples").integer(), 361);
+  EXPECT_EQ(fiducial_of(spec, BodyId(2), 0), 1);
+  EXPECT_EQ(fiducial_of(spec, BodyId(3), 0), 3);
 }
 
 // Choosing the reader.
