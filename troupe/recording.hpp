@@ -19,9 +19,9 @@ struct RecordingOptions {
   /// Whether a file of the same name may be replaced.
   bool replace = false;
   /// Whether a thread of the recording writes the file while the simulation goes on. Frames that are killed
-  /// with the process are then those of up to two batches, not one. HDF5's library is not safe for threads:
-  /// Troupe's own calls of it take turns, but nothing else in the process may use it until the recording is
-  /// closed. (h5py does, where it shares the library.)
+  /// with the process are then those of up to two batches, not one. Troupe's own calls of HDF5 take turns;
+  /// where the library was not built to be safe for threads (H5is_library_threadsafe), nothing else in the
+  /// process, such as h5py, may use it until the recording is closed.
   bool in_background = false;
 };
 

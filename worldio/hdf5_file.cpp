@@ -26,8 +26,8 @@ herr_t add_name(hid_t, const char* name, const Info*, void* names) {
   return 0;
 }
 
-/// While one lives, its thread alone is inside HDF5's library, which is not safe for threads, and the library
-/// does not print its stack of errors. They nest.
+/// While one lives, its thread alone is inside HDF5's library, which is safe for threads only where it was
+/// built so, and the library does not print its stack of errors. They nest.
 class LibraryCall {
  public:
   LibraryCall() : lock_(mutex_) {
