@@ -6,8 +6,8 @@
 
 namespace troupe::partition {
 
-/// A thread that does one job after another, in the order in which they were added, beside the thread that
-/// adds them: drawing, writing files. The step itself runs on Parallel alone.
+/// A thread that does one job after another, in the order in which they were added, while the thread that
+/// adds them goes on: drawing, writing files. The step itself runs on Parallel alone.
 ///
 /// After a job that throws no other job begins: rethrow(), add() and finish() throw its exception, each time.
 class JobThread {

@@ -21,8 +21,8 @@ class Recorder;
 /// to hold, before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// A recording that a thread writes beside the run. It is flushed every few seconds, so that readers of the
-/// growing file see what happens now, and a run that is killed loses no more than that.
+/// A recording that a thread writes while the run goes on. It is flushed every few seconds, so that readers
+/// of the growing file see what happens now, and a run that is killed loses no more than that.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

@@ -1,5 +1,5 @@
-// Threads take turns inside HDF5's library. A library that was built to be safe for threads hides it where they do
-// not, so this program's H5Dwrite stands before the library's, and counts.
+// Threads take turns inside HDF5's library. A library that was built to be safe for threads hides it where
+// they do not, so this program's H5Dwrite stands before the library's, and counts.
 
 #ifdef TROUPE_HAS_HDF5
 
@@ -30,7 +30,8 @@ extern "C" herr_t H5Dwrite(hid_t dataset, hid_t memory_type, hid_t memory, hid_t
   static const auto library = reinterpret_cast<decltype(&H5Dwrite)>(dlsym(RTLD_NEXT, "H5Dwrite"));
   ++calls;
   const int now = ++inside;
-  for (int most = most_inside; most < now && !most_inside.compare_exchange_weak(most, now);) {}
+  for (int most = most_inside; most < now && !most_inside.compare_exchange_weak(most, now);) {
+  }
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const herr_t result = library(dataset, memory_type, memory, file, properties, from);
   --inside;
@@ -58,9 +59,8 @@ TEST_F(Hdf5Turns, OneThreadAtATimeIsInsideTheLibrary) {
   EXPECT_EQ(calls, 60) << "this is not the H5Dwrite that is called";
   EXPECT_EQ(most_inside, 1);
   for (int t = 0; t < 3; ++t)
-    EXPECT_EQ(
-        Hdf5File::open(folder_ / (std::to_string(t) + ".h5")).dataset("7").read<double>(),
-        std::vector<double>(100, t + 7));
+    EXPECT_EQ(Hdf5File::open(folder_ / (std::to_string(t) + ".h5")).dataset("7").read<double>(),
+              std::vector<double>(100, t + 7));
 }
 
 }  // namespace
