@@ -30,7 +30,8 @@ class RecordingWatcher : public Watcher {
   explicit RecordingWatcher(engine::World& world)
       : file_(std::filesystem::temp_directory_path() / fmt::format("perf_paper.{}.h5", getpid())),
         world_(world),
-        writer_(file_, world, worldio::recorded_components(world, std::vector<std::string>{"pose"}), {}) {}
+        writer_(file_, world, worldio::recorded_components(world, std::vector<std::string>{"pose"}), {},
+                /*in_background=*/true) {}
   ~RecordingWatcher() override {
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);

@@ -114,7 +114,8 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
   const worldio::RecordingHead head = head_of(simulation, options);
   std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
   try {
-    impl_ = std::unique_ptr<Impl>(new Impl{{file, simulation.world(), std::move(components), head}});
+    impl_ = std::unique_ptr<Impl>(
+        new Impl{{file, simulation.world(), std::move(components), head, options.in_background}});
   } catch (const worldio::Hdf5Error& fault) {
     throw InputError(fault.what());
   }
@@ -131,7 +132,7 @@ Recording Recording::resume(const std::filesystem::path& file, const Simulation&
   worldio::repair_recording(file);
   check_same_run(file, simulation);
   check_same_options(file, simulation, options);
-  Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world()}}));
+  Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world(), options.in_background}}));
   recording.observe(simulation);
   return recording;
 }
@@ -142,6 +143,8 @@ void Recording::observe(const Simulation& simulation) {
 }
 
 void Recording::flush() { impl_->writer.flush(); }
+
+void Recording::start_flush() { impl_->writer.start_flush(); }
 
 void Recording::close() { impl_->writer.close(); }
 

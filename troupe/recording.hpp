@@ -18,6 +18,11 @@ struct RecordingOptions {
   double every_s = 0;
   /// Whether a file of the same name may be replaced.
   bool replace = false;
+  /// Whether a thread of the recording writes the file while the simulation goes on. Frames that are killed
+  /// with the process are then those of up to two batches, not one. Troupe's own calls of HDF5 take turns;
+  /// where the library was not built to be safe for threads (H5is_library_threadsafe), nothing else in the
+  /// process, such as h5py, may use it until the recording is closed.
+  bool in_background = false;
 };
 
 /// A recording of a simulation, an HDF5 file (docs/recordings.md) that can be read while it is written:
@@ -30,7 +35,8 @@ struct RecordingOptions {
 ///     recording.close();
 ///
 /// It changes nothing of the simulation. Errors in writing are std::runtime_error that name the file; the
-/// file is then readable up to the last frame that was flushed, and nothing more is written to it.
+/// file is then readable up to the last frame that was flushed, and nothing more is written to it. An error
+/// in the background is thrown by the next call.
 class Recording {
  public:
   /// Opens the file; the first frame is the state as it is now, if its tick is due. Throws InputError for
@@ -54,7 +60,9 @@ class Recording {
   /// Writes what is still in memory: it then outlives the process, and readers see it. A run flushes by
   /// itself as frames come in; who records slowly, or is about to save a checkpoint, asks for it.
   void flush();
-  /// The same, and no more to come: plain tools read the file from now on.
+  /// As flush(), but in the background it returns before the file has them.
+  void start_flush();
+  /// As flush(), and no more to come: plain tools read the file from now on.
   void close();
 
  private:

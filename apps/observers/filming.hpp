@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
-#include "apps/pictures/drawing_thread.hpp"
 #include "apps/pictures/film.hpp"
 #include "apps/pictures/picture_options.hpp"
+#include "partition/job_thread.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/pictures.hpp"
 
@@ -50,7 +50,7 @@ class Snapshots : public Observer {
   std::filesystem::path last_;                                        // empty: times were given
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
-  DrawingThread thread_;
+  partition::JobThread thread_;
 };
 
 /// A film of a run, drawn beside it; or of a recording.
@@ -84,7 +84,7 @@ class Filming : public Observer {
   Pictures::Shot previous_;  // the tick before; null where no frame needs it
   double previous_s_ = 0;
   std::unique_ptr<Ffmpeg> ffmpeg_;  // null: pictures, one a frame
-  DrawingThread thread_;            // the last: it uses all others
+  partition::JobThread thread_;     // the last: it uses all others
 };
 
 }  // namespace troupe::apps

@@ -48,26 +48,24 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
           "where");
     return nullptr;
   }
+  RecordingOptions recording = options.recording;
+  recording.replace = options.force;
+  recording.in_background = true;  // nothing else in this process uses HDF5
   if (std::error_code ignored;
       simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
     try {
-      return std::make_unique<Recorder>(Recording::resume(file, simulation, options.recording));
+      return std::make_unique<Recorder>(Recording::resume(file, simulation, recording));
     } catch (const std::runtime_error& fault) {
       throw InputError(fault.what());
     }
   }
-  RecordingOptions recording = options.recording;
-  recording.replace = options.force;
   return std::make_unique<Recorder>(Recording(file, simulation, recording));
 }
 
 void Recorder::observe(const Simulation& simulation) {
   recording_.observe(simulation);
-  if (Clock::now() - flushed_ >= k_flush_period) flush();
-}
-
-void Recorder::flush() {
-  recording_.flush();
+  if (Clock::now() - flushed_ < k_flush_period) return;
+  recording_.start_flush();
   flushed_ = Clock::now();
 }
 

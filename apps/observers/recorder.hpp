@@ -21,19 +21,17 @@ class Recorder;
 /// to hold, before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// A recording that is flushed every few seconds, so that who looks at it while it grows sees what happens
-/// now, and a run that is killed loses no more than that.
+/// A recording that a thread writes while the run goes on. It is flushed every few seconds, so that readers
+/// of the growing file see what happens now, and a run that is killed loses no more than that.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}
 
   void observe(const Simulation& simulation) override;
-  void before_save() override { flush(); }
+  void before_save() override { recording_.flush(); }
   void finish(const Simulation& simulation) override;
 
  private:
-  void flush();
-
   using Clock = std::chrono::steady_clock;
   Recording recording_;
   Clock::time_point flushed_ = Clock::now();

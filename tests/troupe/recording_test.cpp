@@ -11,6 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -190,6 +193,66 @@ TEST_F(RecordingTest, SeveralAtOnce) {
   }
   EXPECT_EQ(RecordingReader(folder_ / "often.h5").frames(), 11u);
   EXPECT_EQ(RecordingReader(folder_ / "rarely.h5").frames(), 3u);
+}
+
+/// Bytes that this thread has handed to the operating system; nothing where the system does not count them.
+std::optional<std::uint64_t> bytes_written_here() {
+  std::ifstream counters("/proc/thread-self/io");
+  for (std::string name; counters >> name;)
+    if (std::uint64_t bytes = 0; name == "wchar:" && counters >> bytes) return bytes;
+  return std::nullopt;
+}
+
+TEST_F(RecordingTest, InTheBackgroundTheFileHasTheSameBytes) {
+  const auto record = [&](const char* name, std::uint64_t from, std::uint64_t until, bool in_background) {
+    Simulation simulation(world_);
+    while (simulation.tick() < from) simulation.step();
+    RecordingOptions options{.fields = {"all"}, .every_s = 0.1, .in_background = in_background};
+    Recording recording = from == 0 ? Recording(folder_ / name, simulation, options)
+                                    : Recording::resume(folder_ / name, simulation, options);
+    const std::uint64_t before = bytes_written_here().value_or(0);
+    step(simulation, recording, from + 300);  // a batch has 256 frames
+    recording.start_flush();
+    step(simulation, recording, until - 20);
+    const std::uint64_t bytes = bytes_written_here().value_or(0) - before;
+    recording.flush();
+    std::filesystem::copy_file(folder_ / name, folder_ / "flushed.h5",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(RecordingReader(folder_ / "flushed.h5").frames(), until - 19);
+    step(simulation, recording, until);
+    recording.close();
+    return bytes;
+  };
+  EXPECT_EQ(record("background.h5", 0, 900, true), 0u) << "the stepping thread wrote";
+  const std::uint64_t bytes = record("here.h5", 0, 900, false);
+  EXPECT_TRUE(bytes > 900 * 8 * 32 || !bytes_written_here()) << "does not count what is written";
+  EXPECT_EQ(content(folder_ / "background.h5"), content(folder_ / "here.h5"));
+
+  EXPECT_EQ(record("background.h5", 700, 1500, true), 0u) << "the stepping thread wrote";
+  record("here.h5", 700, 1500, false);
+  EXPECT_EQ(content(folder_ / "background.h5"), content(folder_ / "here.h5"));
+}
+
+TEST_F(RecordingTest, SeveralInTheBackgroundBesideCheckpoints) {
+  const auto record = [&](const std::string& suffix, bool in_background) {
+    Simulation simulation(world_);
+    RecordingOptions options{.fields = {"all"}, .every_s = 0.1, .in_background = in_background};
+    Recording first(folder_ / ("first" + suffix), simulation, options);
+    Recording second(folder_ / ("second" + suffix), simulation, options);
+    for (int i = 0; i < 100; ++i) {
+      simulation.step();
+      for (Recording* recording : {&first, &second}) {
+        recording->observe(simulation);
+        recording->start_flush();
+      }
+      if (in_background) simulation.save(folder_ / "c.h5");
+    }
+  };
+  record("-here.h5", false);
+  record("-beside.h5", true);
+  for (const std::string name : {"first", "second"})
+    EXPECT_EQ(content(folder_ / (name + "-beside.h5")), content(folder_ / (name + "-here.h5"))) << name;
+  EXPECT_EQ(Simulation::resume(folder_ / "c.h5").tick(), 100u);
 }
 
 }  // namespace

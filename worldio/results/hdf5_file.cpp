@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 namespace troupe::worldio {
@@ -25,18 +26,21 @@ herr_t add_name(hid_t, const char* name, const Info*, void* names) {
   return 0;
 }
 
-/// HDF5 prints its stack of errors by default; while one of these lives it does not.
-class Quiet {
+/// While one lives, its thread alone is inside HDF5's library, which is safe for threads only where it was
+/// built so, and the library does not print its stack of errors. They nest.
+class LibraryCall {
  public:
-  Quiet() {
+  LibraryCall() : lock_(mutex_) {
     H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
-  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+  ~LibraryCall() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  LibraryCall(const LibraryCall&) = delete;
+  LibraryCall& operator=(const LibraryCall&) = delete;
 
  private:
+  static inline std::recursive_mutex mutex_;
+  std::lock_guard<std::recursive_mutex> lock_;
   H5E_auto2_t print_ = nullptr;
   void* data_ = nullptr;
 };
@@ -267,7 +271,7 @@ Hdf5Id& Hdf5Id::operator=(Hdf5Id&& other) noexcept {
 
 bool Hdf5Id::reset() noexcept {
   if (!valid()) return true;
-  const Quiet quiet;
+  const LibraryCall call;
   return close_(std::exchange(id_, -1)) >= 0;
 }
 
@@ -298,7 +302,7 @@ void Hdf5Object::set_text(const std::string& name, std::string_view value) {
   // The header of an object has room for 64 KiB, in files of the format that checkpoints need. Longer texts
   // lie in the global heap, which no checksum protects.
   constexpr std::size_t k_most_fixed = 60000;
-  const Quiet quiet;
+  const LibraryCall call;
   const std::string text = value.empty() ? std::string(1, '\0') : std::string(value);
   if (text.size() <= k_most_fixed) {
     const Hdf5Id type = text_type(text.size());
@@ -311,17 +315,17 @@ void Hdf5Object::set_text(const std::string& name, std::string_view value) {
 }
 
 void Hdf5Object::set_integer(const std::string& name, std::int64_t value) {
-  const Quiet quiet;
+  const LibraryCall call;
   write_attribute(name, H5T_NATIVE_INT64, H5T_STD_I64LE, &value);
 }
 
 void Hdf5Object::set_number(const std::string& name, double value) {
-  const Quiet quiet;
+  const LibraryCall call;
   write_attribute(name, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, &value);
 }
 
 std::vector<std::string> Hdf5Object::attributes() const {
-  const Quiet quiet;
+  const LibraryCall call;
   std::vector<std::string> names;
   hsize_t from = 0;
   check(H5Aiterate2(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5A_info_t>, &names), "read");
@@ -330,7 +334,7 @@ std::vector<std::string> Hdf5Object::attributes() const {
 }
 
 bool Hdf5Object::has_attribute(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   return H5Aexists(id_.get(), name.c_str()) > 0;
 }
 
@@ -345,7 +349,7 @@ Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
 }
 
 std::string Hdf5Object::text(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_STRING)
@@ -373,7 +377,7 @@ std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string&
 }
 
 std::int64_t Hdf5Object::integer(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   std::int64_t value = 0;
@@ -384,7 +388,7 @@ std::int64_t Hdf5Object::integer(const std::string& name) const {
 }
 
 double Hdf5Object::number(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   double value = 0;
@@ -416,7 +420,7 @@ std::size_t Hdf5Dataset::row_values() const {
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
   // Rows that were never written take no room, but nobody makes a file of nothing else.
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
   hsize_t bytes = 0;
   check(H5Fget_filesize(open_file.get(), &bytes), "read");
@@ -435,7 +439,7 @@ void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* fr
   if (values != rows * row_values())
     fail(fmt::format("takes {} values, not {}", rows * row_values(), values));
   if (values == 0) return;
-  const Quiet quiet;
+  const LibraryCall call;
   const hid_t type = memory_type(element);
   if (first == 0 && rows == this->rows()) {
     check(H5Dwrite(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, from), "written");
@@ -471,7 +475,7 @@ void Hdf5Dataset::append_bytes(std::span<const std::byte> from) {
 
 void Hdf5Dataset::resize(std::size_t rows) {
   if (extent_.empty()) fail("is a single value: it has no rows");
-  const Quiet quiet;
+  const LibraryCall call;
   std::vector<hsize_t> extent(extent_.begin(), extent_.end());
   extent[0] = rows;
   check(H5Dset_extent(id_.get(), extent.data()), "written");
@@ -487,7 +491,7 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
   if (values % row != 0 || first > rows() || count > rows() - first)
     fail(fmt::format("has {} rows of {} values: it has no {} values from row {} on", rows(), row, values,
                      first));
-  const Quiet quiet;
+  const LibraryCall call;
   const hid_t type = memory_type(element);
   if (count == rows()) {
     check(H5Dread(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into), "read");
@@ -509,7 +513,7 @@ void Hdf5Dataset::read_bytes(std::size_t first, std::span<std::byte> into) const
 }
 
 void Hdf5Dataset::flush() {
-  const Quiet quiet;
+  const LibraryCall call;
   check(H5Dflush(id_.get()), "written");
 }
 
@@ -523,7 +527,7 @@ std::string Hdf5Group::path_of(const std::string& name) const {
 }
 
 Hdf5Group Hdf5Group::create_group(const std::string& name) {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id properties = creation_properties(H5P_GROUP_CREATE);
   Hdf5Group made(
       Hdf5Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose),
@@ -533,7 +537,7 @@ Hdf5Group Hdf5Group::create_group(const std::string& name) {
 }
 
 Hdf5Group Hdf5Group::group(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   if (!has_group(name)) fail_with(file_, fmt::format("there is no group {}", path_of(name)));
   Hdf5Group found(Hdf5Id(H5Gopen2(id_.get(), name.c_str(), groups()), H5Gclose), file_, path_of(name));
   found.check(found.id_.get(), "read");
@@ -541,20 +545,20 @@ Hdf5Group Hdf5Group::group(const std::string& name) const {
 }
 
 bool Hdf5Group::has(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   return H5Lexists(id_.get(), name.c_str(), links()) > 0 &&
          H5Oexists_by_name(id_.get(), name.c_str(), links()) > 0;
 }
 
 bool Hdf5Group::has_group(const std::string& name) const {
   if (!has(name)) return false;
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id object(H5Oopen(id_.get(), name.c_str(), links()), H5Oclose);
   return object.valid() && H5Iget_type(object.get()) == H5I_GROUP;
 }
 
 std::vector<std::string> Hdf5Group::names() const {
-  const Quiet quiet;
+  const LibraryCall call;
   std::vector<std::string> names;
   hsize_t from = 0;
   check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5L_info_t>, &names), "read");
@@ -564,7 +568,7 @@ std::vector<std::string> Hdf5Group::names() const {
 
 Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element element,
                                       const std::vector<std::size_t>& extent) {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
   const Hdf5Id space = space_of(extent);
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
@@ -576,7 +580,7 @@ Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element e
 
 Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Element element,
                                          const std::vector<std::size_t>& row, const Hdf5Chunks& chunks) {
-  const Quiet quiet;
+  const LibraryCall call;
   std::vector<hsize_t> extent{0};
   std::vector<hsize_t> most{H5S_UNLIMITED};
   for (const std::size_t size : row) {
@@ -596,7 +600,7 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
 }
 
 Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
   Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
@@ -606,7 +610,7 @@ Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
 }
 
 void Hdf5Group::write_text(const std::string& name, std::string_view text) {
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id type = text_type(text.size());
   const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
   const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
@@ -619,7 +623,7 @@ void Hdf5Group::write_text(const std::string& name, std::string_view text) {
 }
 
 void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
-  const Quiet quiet;
+  const LibraryCall call;
   std::size_t longest = 1;
   for (const std::string& text : texts) longest = std::max(longest, text.size());
   std::string padded(longest * texts.size(), '\0');
@@ -636,7 +640,7 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
 }
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
-  const Quiet quiet;
+  const LibraryCall call;
   if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
   const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
@@ -682,7 +686,7 @@ Hdf5File::Hdf5File(Hdf5Id id, fs::path file) : Hdf5Group(std::move(id), std::mov
 
 Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
   start_library();
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id access = writing_access_properties();
   return {made(file, user_block, access.get()), file};
 }
@@ -690,7 +694,7 @@ Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
 Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
   constexpr std::size_t k_piece = 1 << 20;  // that memory grows by
   start_library();
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id access = access_properties();
   H5Pset_fapl_core(access.get(), k_piece, false);
   // Newer heads say that the file is open to be written, and hold a sum of themselves; H5Fget_file_image
@@ -701,7 +705,7 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
 
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   start_library();
-  const Quiet quiet;
+  const LibraryCall call;
   if (const std::string why = unreadable(file); !why.empty()) fail_with(file, why);
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
@@ -718,19 +722,19 @@ Hdf5File Hdf5File::open_swmr(const fs::path& file) {
 Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F_ACC_RDWR); }
 
 void Hdf5File::start_swmr() {
-  const Quiet quiet;
+  const LibraryCall call;
   if (H5Fstart_swmr_write(id_.get()) < 0) fail_with(file_, fmt::format("cannot be streamed: {}", reason()));
 }
 
 void Hdf5File::flush() {
-  const Quiet quiet;
+  const LibraryCall call;
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0)
     fail_with(file_, fmt::format("cannot be written: {}", reason()));
 }
 
 std::vector<std::byte> Hdf5File::image() {
   flush();
-  const Quiet quiet;
+  const LibraryCall call;
   const Hdf5Id creation(H5Fget_create_plist(id_.get()), H5Pclose);
   hsize_t user_block = 0;
   H5Pget_userblock(creation.get(), &user_block);
@@ -743,7 +747,7 @@ std::vector<std::byte> Hdf5File::image() {
 
 void Hdf5File::close() {
   if (!id_.valid()) return;
-  const Quiet quiet;
+  const LibraryCall call;
   if (!id_.reset()) fail_with(file_, fmt::format("cannot be closed: {}", reason()));
 }
 

@@ -186,8 +186,9 @@ class Hdf5Group : public Hdf5Object {
   std::string path_of(const std::string& name) const;
 };
 
-/// A file, and its root group. One thread at a time uses it and what was opened from it. Its end closes it,
-/// if datasets and groups of it have ended before; what fails then is lost: close() tells.
+/// A file, and its root group. One thread at a time uses it and what was opened from it; threads that use
+/// different files take turns inside HDF5's library. Its end closes it, if datasets and groups of it have
+/// ended before; what fails then is lost: close() tells.
 class Hdf5File : public Hdf5Group {
  public:
   /// A new file, replacing one of the same name. The first `user_block` bytes are the caller's (0, or a power

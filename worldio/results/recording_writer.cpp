@@ -97,7 +97,8 @@ void write_scene(Hdf5File& file, const engine::WorldSpec& spec) {
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world,
-                                 std::vector<RecordedComponent> components, const RecordingHead& head)
+                                 std::vector<RecordedComponent> components, const RecordingHead& head,
+                                 bool in_background)
     : file_(Hdf5File::create(file)),
       bodies_(recorded_bodies(world)),
       components_(std::move(components)),
@@ -107,11 +108,11 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   guarded([&] {
     write_head(world, head);
     create_outputs();
-    start();
+    start(in_background);
   });
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world)
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world, bool in_background)
     : file_((repair_recording(file), Hdf5File::open_to_write(file))), bodies_(recorded_bodies(world)) {
   const Hdf5Group meta = RecordingReader::checked_meta(file_);
   every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
@@ -128,7 +129,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   open_outputs();
   cut_after(world.tick());
   open_ = true;
-  guarded([&] { start(); });
+  guarded([&] { start(in_background); });
 }
 
 RecordingWriter::~RecordingWriter() {
@@ -152,6 +153,7 @@ void RecordingWriter::guarded(Work&& work) {
 
 void RecordingWriter::give_up() noexcept {
   open_ = false;
+  thread_.reset();  // it may be writing: not every error is its own
   outputs_.clear();
   frame_outputs_.clear();
   file_.abandon();
@@ -255,28 +257,38 @@ void RecordingWriter::open_outputs() {
 }
 
 void RecordingWriter::add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent) {
-  outputs_.push_back({std::move(dataset), frame_bytes, std::vector(frame_bytes * batch_frames_, absent)});
+  outputs_.push_back({std::move(dataset), frame_bytes});
+  gathered_.state.emplace_back(frame_bytes * batch_frames_, absent);
 }
 
 void RecordingWriter::cut_after(std::uint64_t tick) {
   const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
-  frames_ = static_cast<std::uint64_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
-  next_tick_ = frames_ == 0 ? 0 : ticks[frames_ - 1] + 1;
+  const auto frames = static_cast<std::size_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
+  next_tick_ = frames == 0 ? 0 : ticks[frames - 1] + 1;
   // The next frame that is due must not lie behind the world already.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
     frame_outputs_[0].fail(fmt::format(
         "ends before tick {}, where the run goes on at tick {}: there would be a gap", due, tick));
-  for (Hdf5Dataset& output : frame_outputs_) output.resize(frames_);
-  for (Output& output : outputs_) output.dataset.resize(frames_);
+  for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
+  for (Output& output : outputs_) output.dataset.resize(frames);
 }
 
-void RecordingWriter::start() {
-  ticks_.reserve(batch_frames_);
-  times_s_.reserve(batch_frames_);
-  hashes_.reserve(batch_frames_);
+void RecordingWriter::start(bool in_background) {
   file_.flush();
   file_.start_swmr();
+  if (in_background) {
+    written_ = gathered_;  // every byte that no frame overwrites is absent() in both
+    written_.reserve(batch_frames_);
+    thread_.emplace(1);
+  }
+  gathered_.reserve(batch_frames_);
+}
+
+void RecordingWriter::Batch::reserve(std::size_t frames) {
+  ticks.reserve(frames);
+  times_s.reserve(frames);
+  hashes.reserve(frames);
 }
 
 bool RecordingWriter::due(std::uint64_t tick) const {
@@ -284,35 +296,56 @@ bool RecordingWriter::due(std::uint64_t tick) const {
 }
 
 void RecordingWriter::record(const World& world, std::uint64_t state_hash) {
+  guarded([&] {
+    if (thread_) thread_->rethrow();
+  });
+  if (!open_) return;
   next_tick_ = world.tick() + 1;
-  const std::size_t frame = ticks_.size();
-  auto output = outputs_.begin();
+  const auto frame_of = [&](std::size_t output) {
+    const std::size_t bytes = outputs_[output].frame_bytes;
+    return std::span(gathered_.state[output]).subspan(gathered_.ticks.size() * bytes, bytes);
+  };
+  std::size_t output = 0;
   std::vector<std::span<std::byte>> fields;
   for (const RecordedComponent& component : components_) {
     fields.clear();
-    for (std::size_t f = 0; f < component.fields.size(); ++f, ++output)
-      fields.push_back(std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes));
+    for (std::size_t f = 0; f < component.fields.size(); ++f) fields.push_back(frame_of(output++));
     gather(world, component, fields);
   }
   if (world.has_lives()) {
-    const std::span<std::byte> alive =
-        std::span(output->batch).subspan(frame * output->frame_bytes, output->frame_bytes);
+    const std::span<std::byte> alive = frame_of(output);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       alive[b] = std::byte{world.is_there(world.row(bodies_[b]))};
   }
-  ticks_.push_back(world.tick());
-  times_s_.push_back(world.time_s());
-  hashes_.push_back(state_hash);
-  if (ticks_.size() == batch_frames_) flush();
+  gathered_.ticks.push_back(world.tick());
+  gathered_.times_s.push_back(world.time_s());
+  gathered_.hashes.push_back(state_hash);
+  if (gathered_.ticks.size() == batch_frames_) start_flush();
+}
+
+void RecordingWriter::start_flush() {
+  guarded([&] {
+    if (!thread_) {
+      write(gathered_);
+      return;
+    }
+    thread_->finish();  // so that the other batch is free
+    std::swap(gathered_, written_);
+    thread_->add([this] { write(written_); });
+  });
 }
 
 void RecordingWriter::flush() {
-  guarded([&] { write_batch(); });
+  start_flush();
+  guarded([&] {
+    if (thread_) thread_->finish();
+  });
 }
 
 void RecordingWriter::close() {
+  flush();
   guarded([&] {
-    write_batch();
+    thread_.reset();
     outputs_.clear();
     frame_outputs_.clear();
     file_.flush();
@@ -321,26 +354,26 @@ void RecordingWriter::close() {
   });
 }
 
-void RecordingWriter::write_batch() {
-  const std::size_t frames = ticks_.size();
+void RecordingWriter::write(Batch& batch) {
+  const std::size_t frames = batch.ticks.size();
   if (frames == 0) return;
-  for (Output& output : outputs_) {
+  for (std::size_t o = 0; o < outputs_.size(); ++o) {
+    Output& output = outputs_[o];
     if (output.frame_bytes == 0)
       output.dataset.resize(output.dataset.rows() + frames);
     else
-      output.dataset.append_bytes(std::span(output.batch).first(frames * output.frame_bytes));
+      output.dataset.append_bytes(std::span(batch.state[o]).first(frames * output.frame_bytes));
   }
   for (Output& output : outputs_) output.dataset.flush();
-  frame_outputs_[1].append(std::span<const double>(times_s_));
+  frame_outputs_[1].append(std::span<const double>(batch.times_s));
   frame_outputs_[1].flush();
-  frame_outputs_[2].append(std::span<const std::uint64_t>(hashes_));
+  frame_outputs_[2].append(std::span<const std::uint64_t>(batch.hashes));
   frame_outputs_[2].flush();
-  frame_outputs_[0].append(std::span<const std::uint64_t>(ticks_));
+  frame_outputs_[0].append(std::span<const std::uint64_t>(batch.ticks));
   frame_outputs_[0].flush();
-  frames_ += frames;
-  ticks_.clear();
-  times_s_.clear();
-  hashes_.clear();
+  batch.ticks.clear();
+  batch.times_s.clear();
+  batch.hashes.clear();
 }
 
 }  // namespace troupe::worldio

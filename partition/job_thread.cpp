@@ -1,0 +1,93 @@
+#include "partition/job_thread.hpp"
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace troupe::partition {
+
+struct JobThread::Impl {
+  explicit Impl(std::size_t most_waiting) : most_waiting(most_waiting), thread([this] { run(); }) {}
+  ~Impl() {
+    {
+      const std::lock_guard lock(mutex);
+      jobs.clear();
+      is_over = true;
+    }
+    changed.notify_all();
+    thread.join();
+  }
+
+  void run() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      changed.wait(lock, [this] { return !jobs.empty() || is_over; });
+      if (jobs.empty()) return;
+      const std::function<void()> job = std::move(jobs.front());
+      jobs.pop_front();
+      is_busy = true;
+      lock.unlock();
+      changed.notify_all();  // there is room
+      std::exception_ptr thrown;
+      try {
+        job();
+      } catch (...) {
+        thrown = std::current_exception();
+      }
+      lock.lock();
+      is_busy = false;
+      if (thrown) {
+        failure = thrown;
+        jobs.clear();
+        is_over = true;
+      }
+      changed.notify_all();
+    }
+  }
+
+  void throw_if_failed(std::unique_lock<std::mutex>& lock) {
+    if (!failure) return;
+    const std::exception_ptr thrown = failure;
+    lock.unlock();
+    std::rethrow_exception(thrown);
+  }
+
+  const std::size_t most_waiting;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<std::function<void()>> jobs;
+  bool is_busy = false;
+  bool is_over = false;
+  std::exception_ptr failure;
+  std::thread thread;  // the last: it uses all others
+};
+
+JobThread::JobThread(std::size_t most_waiting) : impl_(std::make_unique<Impl>(most_waiting)) {}
+
+JobThread::~JobThread() = default;
+
+void JobThread::add(std::function<void()> job) {
+  {
+    std::unique_lock lock(impl_->mutex);
+    impl_->changed.wait(lock, [this] { return impl_->jobs.size() < impl_->most_waiting || impl_->failure; });
+    impl_->throw_if_failed(lock);
+    impl_->jobs.push_back(std::move(job));
+  }
+  impl_->changed.notify_all();
+}
+
+void JobThread::finish() {
+  std::unique_lock lock(impl_->mutex);
+  impl_->changed.wait(lock, [this] { return (impl_->jobs.empty() && !impl_->is_busy) || impl_->failure; });
+  impl_->throw_if_failed(lock);
+}
+
+void JobThread::rethrow() {
+  std::unique_lock lock(impl_->mutex);
+  impl_->throw_if_failed(lock);
+}
+
+}  // namespace troupe::partition
