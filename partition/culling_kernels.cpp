@@ -33,39 +33,83 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-enum class Beams { mirrored, common, apart };
+/// Where the beams of a fan start, and whether the second half looks in the opposite directions of the first.
+struct Shape {
+  bool common_origin;
+  bool mirrored;
+};
+
+/// The parts of beams that are still to be seen, as circles are held against them. Of a circle whose middle
+/// lies at p, relative to the reference: |p x d - aside| from the beam's line, and past the ends of the part by
+/// |p . d - middle| - half. A part ends where no circle is looked at any more, `high` away from the reference, so
+/// that rounding does not grow with a beam's length.
+struct Parts {
+  alignas(64) float aside[k_most_beams];   // of the origin
+  alignas(64) float middle[k_most_beams];  // of the part, along the beam
+  alignas(64) float half[k_most_beams];    // of its length
+
+  HWY_INLINE Parts(const Fan& fan, const float* limits, float high) {
+    for (std::size_t i = 0; i < fan.count; i += Lanes(k_f)) {
+      const Floats dx = LoadU(k_f, fan.dx + i);
+      const Floats dy = LoadU(k_f, fan.dy + i);
+      const Floats ox = LoadU(k_f, fan.ox + i);
+      const Floats oy = LoadU(k_f, fan.oy + i);
+      const Floats end = Add(Set(k_f, high), Add(Abs(ox), Abs(oy)));
+      const Floats length = Mul(Set(k_f, 0.5f), Min(LoadU(k_f, limits + i), end));
+      Store(Sub(Mul(ox, dy), Mul(oy, dx)), k_f, aside + i);
+      Store(Add(Add(Mul(ox, dx), Mul(oy, dy)), length), k_f, middle + i);
+      Store(length, k_f, half + i);
+    }
+  }
+};
 
 /// For a vector of circles relative to the reference, a bit for each beam that may meet it.
-template <Beams kBeams>
+template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
-                                              const Fan& fan, const float* limits) {
-  auto beams = Zero(k_u);
-  const auto note = [&](const Floats& outside, std::size_t beam) {
-    const auto meets = RebindMask(k_u, Le(outside, radius));
-    beams = Or(beams, IfThenElseZero(meets, Set(k_u, std::uint32_t{1} << beam)));
+                                              const Fan& fan, const Parts& parts) {
+  const auto bit = Set(k_u, 1);
+  // Bits enter from below, so that none needs a constant of its own.
+  const auto note = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
+    const auto meets = RebindMask(k_u, Le(Max(aside, past), radius));
+    beams = Or(Add(beams, beams), IfThenElseZero(meets, bit));
   };
-  const std::size_t lines = kBeams == Beams::mirrored ? fan.count / 2 : fan.count;
-  for (std::size_t b = 0; b < lines; ++b) {
+  const std::size_t lines = kShape.mirrored ? fan.count / 2 : fan.count;
+  auto forwards = Zero(k_u);
+  auto backwards = Zero(k_u);
+  for (std::size_t b = lines; b-- > 0;) {
     const Floats dx = Set(k_f, fan.dx[b]);
     const Floats dy = Set(k_f, fan.dy[b]);
-    const Floats ex = kBeams == Beams::apart ? Sub(x, Set(k_f, fan.ox[b])) : x;
-    const Floats ey = kBeams == Beams::apart ? Sub(y, Set(k_f, fan.oy[b])) : y;
-    // How far the circle's middle lies outside the part of the beam that is still to be seen.
-    const Floats aside = Abs(Sub(Mul(ex, dy), Mul(ey, dx)));
-    const Floats along = Add(Mul(ex, dx), Mul(ey, dy));
-    note(Max(aside, Max(Sub(along, Set(k_f, limits[b])), Neg(along))), b);
-    if constexpr (kBeams == Beams::mirrored)
-      note(Max(aside, Max(Sub(Neg(along), Set(k_f, limits[b + lines])), along)), b + lines);
+    const Floats aside = Sub(Mul(x, dy), Mul(y, dx));
+    const Floats along = Add(Mul(x, dx), Mul(y, dy));
+    const auto past = [&](const Floats& from_middle, std::size_t beam) {
+      return Sub(Abs(from_middle), Set(k_f, parts.half[beam]));
+    };
+    if constexpr (kShape.common_origin) {
+      const Floats off = Abs(aside);
+      note(forwards, off, past(Sub(along, Set(k_f, parts.middle[b])), b));
+      if constexpr (kShape.mirrored)
+        note(backwards, off, past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
+    } else {
+      note(forwards, Abs(Sub(aside, Set(k_f, parts.aside[b]))),
+           past(Sub(along, Set(k_f, parts.middle[b])), b));
+      if constexpr (kShape.mirrored)
+        note(backwards, Abs(Add(aside, Set(k_f, parts.aside[b + lines]))),
+             past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
+    }
   }
-  return beams;
+  if constexpr (kShape.mirrored)
+    return Or(forwards, ShiftLeftSame(backwards, static_cast<int>(lines)));
+  return forwards;
 }
 
-template <Beams kBeams>
-std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
+template <Shape kShape>
+std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, float high, MetCircles& met) {
+  if (count == 0) return 0;
+  const Parts parts(fan, limits, high);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
-    const auto beams = beams_that_meet<kBeams>(LoadU(k_f, &met.x[i]), LoadU(k_f, &met.y[i]),
-                                               LoadU(k_f, &met.radius[i]), fan, limits);
+    const auto beams = beams_that_meet<kShape>(LoadU(k_f, &met.x[i]), LoadU(k_f, &met.y[i]),
+                                               LoadU(k_f, &met.radius[i]), fan, parts);
     const auto meets = Ne(beams, Zero(k_u));
     const auto rows = LoadU(k_u, &met.row[i]);
     StoreU(compress(rows, meets), k_u, &met.row[kept]);
@@ -159,9 +203,11 @@ std::size_t fan_may_meet(const CircleArrays& circles, std::size_t begin, std::si
                          MetCircles& met) {
   const std::size_t count = keep_between(circles, begin, end, reference, low, high, met);
   if (fan.scan != nullptr) return keep_met_by_scan(count, fan, limits, met);
-  if (!fan.common_origin) return keep_met<Beams::apart>(count, fan, limits, met);
-  return fan.mirrored ? keep_met<Beams::mirrored>(count, fan, limits, met)
-                      : keep_met<Beams::common>(count, fan, limits, met);
+  if (!fan.common_origin)
+    return fan.mirrored ? keep_met<Shape{false, true}>(count, fan, limits, high, met)
+                        : keep_met<Shape{false, false}>(count, fan, limits, high, met);
+  return fan.mirrored ? keep_met<Shape{true, true}>(count, fan, limits, high, met)
+                      : keep_met<Shape{true, false}>(count, fan, limits, high, met);
 }
 
 void unpack_runs(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out) {

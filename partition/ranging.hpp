@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <span>
 
 namespace troupe::partition {
@@ -120,24 +119,22 @@ inline BeamSet all_beams(const Fan& fan) {
 }
 
 /// Outlines in the world's frame on their way to a fan: chains of vertices, so that edges share what is
-/// worked out of a vertex. Edge j runs from vertex j to vertex j + 1; where one chain ends and the next
-/// begins there is none, and open(j) is infinite.
+/// worked out of a vertex. Edge j runs from vertex j to vertex j + 1, if it belongs to a piece; between two
+/// chains there is no edge.
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< vertices
   static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: as many as kernels take at a time
-  /// Some edges side by side that one circle encloses.
+  /// Consecutive edges of a chain that one circle encloses.
   struct Piece {
     std::uint32_t first;  ///< vertex with which its first edge begins
+    std::uint32_t edges;  ///< their number, at most k_piece
     BeamSet met_by;       ///< the beams that may meet one of its edges
+    float ranger_return;  ///< of its edges
   };
 
-  EdgeBlock() { open_.fill(k_gap); }  ///< of no vertices
-  /// No vertices are left.
-  void clear() {
-    std::fill_n(open_.begin(), vertices_, k_gap);
-    vertices_ = pieces_count_ = 0;
-  }
+  /// Removes all vertices.
+  void clear() { vertices_ = pieces_count_ = 0; }
   bool empty() const { return vertices_ == 0; }       ///< whether there are none
   std::size_t vertices() const { return vertices_; }  ///< of all chains together
   /// How many edges a chain may have.
@@ -149,39 +146,30 @@ class EdgeBlock {
     double* out = &xy_[2 * vertices_];
     out[0] = first.x();
     out[1] = first.y();
-    for (std::size_t i = 0; i < edges; i += k_piece) {
-      // How many are left is not to be foretold, so always a whole piece: the next one writes over the rest.
-      const std::size_t at = vertices_ + i;
-      std::memcpy(out + 2 + 2 * i, rest[i].data(), 2 * k_piece * sizeof(double));
-      std::memcpy(&open_[at], &k_open_then_gap[k_piece - std::min(edges - i, k_piece)],
-                  k_piece * sizeof(float));
-      std::fill_n(&returns_[at], k_piece, ranger_return);
-      pieces_[pieces_count_++] = {static_cast<std::uint32_t>(at), met_by};
-    }
+    std::size_t done = 0;
+    do {
+      // The number of edges is unpredictable, so a whole piece is copied: the next one overwrites the excess.
+      const std::size_t left = edges - done;
+      std::memcpy(out + 2 + 2 * done, rest[done].data(), 2 * k_piece * sizeof(double));
+      pieces_[pieces_count_++] = {static_cast<std::uint32_t>(vertices_ + done),
+                                  static_cast<std::uint32_t>(std::min(left, k_piece)), met_by, ranger_return};
+      done += k_piece;
+    } while (done < edges);
     vertices_ += edges + 1;
   }
 
   // Kernels read whole vectors, beyond the last vertex too.
-  const double* xy() const { return xy_.data(); }           ///< x and y of each, aligned to 64 bytes
-  const float* open() const { return open_.data(); }        ///< of each edge: 0; NaN where there is none
-  const float* returns() const { return returns_.data(); }  ///< of each edge
+  const double* xy() const { return xy_.data(); }  ///< x and y of each vertex, aligned to 64 bytes
   /// In the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
-  /// Edge j as kernels see it; must be one, see open().
-  RayEdge relative(std::size_t j, const Vec2& reference) const {
+  /// Edge j as kernels see it; must belong to a piece, which has this ranger_return.
+  RayEdge relative(std::size_t j, const Vec2& reference, float ranger_return) const {
     const double* e = &xy_[2 * j];
-    return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, returns_[j]);
+    return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, ranger_return);
   }
 
  private:
-  static constexpr float k_gap = std::numeric_limits<float>::quiet_NaN();
-  static constexpr std::array<float, 2 * k_piece> k_open_then_gap{
-      0, 0, 0, 0, 0, 0, 0, 0, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap, k_gap};
-  static constexpr std::size_t k_size = k_capacity + 3 * k_piece;
-
-  alignas(64) std::array<double, 2 * k_size> xy_{};
-  alignas(64) std::array<float, k_size> open_;
-  std::array<float, k_size> returns_{};
+  alignas(64) std::array<double, 2 * (k_capacity + 3 * k_piece)> xy_{};
   std::array<Piece, k_capacity> pieces_{};
   std::size_t vertices_ = 0;
   std::size_t pieces_count_ = 0;

@@ -34,16 +34,20 @@ struct Relative {
   alignas(64) float x[k_size], y[k_size];    // of vertices
   alignas(64) float ex[k_size], ey[k_size];  // of edges, as all that follows
   alignas(64) float area[k_size], magnitude[k_size];
-  alignas(64) float grazing[k_size];  // NaN where there is no edge, or one that looks tiny: nothing is larger
+  alignas(64) float grazing[k_size];  // NaN of edges that look tiny: nothing is larger
 };
 
-/// Edges relative to the reference. For a common origin `area` becomes its inverse, and no beam meets the
-/// fast way what looks tiny from there.
+/// Edges relative to the reference, and numbers without meaning between chains. For a common origin `area`
+/// becomes its inverse, and no beam meets the fast way what looks tiny from there.
+///
+/// relative_edge() makes an area exactly 0 where it is noise, 2^-50 of its two terms. That is left out here:
+/// such an area is tiny for every beam, whether it is 0 or noise, and the careful way works it out again.
+/// (With an origin apart from the reference by o, and t = o x e: where |t| is so small that noise could shift
+/// A - t, both are below k_tiny; where it is larger, noise is less than half a step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
   const auto ry = Set(k_d, reference.y());
-  const auto noise = Set(k_d, 0x1p-50);
   const std::size_t end = edges.vertices() + EdgeBlock::k_piece;  // pieces reach beyond the last vertex
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
@@ -53,20 +57,15 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
     const auto ay = Sub(from_y, ry);
     const auto bx = Sub(to_x, rx);
     const auto by = Sub(to_y, ry);
-    const auto p = Mul(ax, by);
-    const auto q = Mul(ay, bx);
-    const auto difference = Sub(p, q);
-    const auto on_line = Le(Abs(difference), Mul(noise, Add(Abs(p), Abs(q))));
     Store(DemoteTo(k_half, ax), k_half, out.x + i);
     Store(DemoteTo(k_half, ay), k_half, out.y + i);
     Store(DemoteTo(k_half, Sub(to_x, from_x)), k_half, out.ex + i);
     Store(DemoteTo(k_half, Sub(to_y, from_y)), k_half, out.ey + i);
-    Store(DemoteTo(k_half, IfThenZeroElse(on_line, difference)), k_half, out.area + i);
+    Store(DemoteTo(k_half, Sub(Mul(ax, by), Mul(ay, bx))), k_half, out.area + i);
   }
   for (std::size_t i = 0; i < end; i += Lanes(k_f)) {
     const Floats size = Add(Abs(Load(k_f, out.ex + i)), Abs(Load(k_f, out.ey + i)));
-    const Floats open = Load(k_f, edges.open() + i);
-    const Floats grazing = Add(Mul(Set(k_f, k_grazing), size), open);
+    const Floats grazing = Mul(Set(k_f, k_grazing), size);
     const Floats m =
         Add(Add(Add(Abs(Load(k_f, out.x + i)), Abs(Load(k_f, out.y + i))), Abs(LoadU(k_f, out.x + i + 1))),
             Abs(LoadU(k_f, out.y + i + 1)));
@@ -159,11 +158,11 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// Edges that look tiny, from j on.
-HWY_INLINE Mask<Few> tiny_edges(const EdgeBlock& edges, const Relative& relative, std::size_t j) {
-  const auto may_be_met = Ge(LoadU(k_few, relative.grazing + j), Zero(k_few));
-  return AndNot(may_be_met, Eq(LoadU(k_few, edges.open() + j), Zero(k_few)));
-}
+/// For a piece of n edges, from k_piece - n on: 0 for its edges, NaN for the lanes behind them.
+constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
+alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
+    0,         0,         0,         0,         0,         0,         0,         0,
+    k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge};
 
 /// The nearest that each beam of a fan has met so far, by the edge's place in its piece: so that no beam
 /// waits for the lanes of a vector to be compared.
@@ -180,10 +179,10 @@ struct Nearest {
     clear(inverse, fan.padded() * k_lanes);
     if constexpr (kReturns) clear(returns, fan.padded() * k_lanes);
   }
-  HWY_INLINE void raise(std::size_t at, const Vec<Few>& candidate, const float* from_returns) {
+  HWY_INLINE void raise(std::size_t at, const Vec<Few>& candidate, float ranger_return) {
     const auto before = Load(k_few, inverse + at);
     if constexpr (kReturns) {
-      const auto value = LoadU(k_few, from_returns);
+      const auto value = Set(k_few, ranger_return);
       const auto old = Load(k_few, returns + at);
       const auto level = And(Eq(candidate, before), Gt(candidate, Zero(k_few)));
       Store(IfThenElse(Gt(candidate, before), value, IfThenElse(level, Max(old, value), old)), k_few,
@@ -222,23 +221,25 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
     for (std::size_t lane = 0; lane < EdgeBlock::k_piece; lane += Lanes(k_few)) {
       const std::size_t j = piece.first + lane;
       const Relative& e = relative;
+      const auto none = LoadU(k_few, k_edges_then_none + (EdgeBlock::k_piece - piece.edges) + lane);
+      const auto is_edge = Eq(none, Zero(k_few));
       const EdgeVector<Vec<Few>> few{
           LoadU(k_few, e.x + j),     LoadU(k_few, e.y + j),         LoadU(k_few, e.x + j + 1),
           LoadU(k_few, e.y + j + 1), LoadU(k_few, e.ex + j),        LoadU(k_few, e.ey + j),
-          LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), LoadU(k_few, e.grazing + j)};
-      auto unsure = tiny_edges(edges, relative, j);
+          LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), Add(LoadU(k_few, e.grazing + j), none)};
+      auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // tiny: of a common origin alone
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
         nearest.raise(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, i, unsure),
-                      edges.returns() + j);
+                      piece.ranger_return);
       }
-      unsure = And(unsure, Eq(LoadU(k_few, edges.open() + j), Zero(k_few)));
+      unsure = And(unsure, is_edge);
       if (HWY_LIKELY(AllFalse(k_few, unsure))) continue;
       alignas(64) float marks[EdgeBlock::k_piece];
       Store(IfThenElseZero(unsure, Set(k_few, 1.0f)), k_few, marks);
       for (std::size_t k = 0; k < Lanes(k_few); ++k)
         if (marks[k] != 0)
-          project_carefully(edges.relative(j + k, reference), fan, 0, fan.count, inverse,
+          project_carefully(edges.relative(j + k, reference, piece.ranger_return), fan, 0, fan.count, inverse,
                             kReturns ? returns : nullptr);
     }
   }
@@ -285,9 +286,9 @@ struct Spans {
   std::size_t between_count = 0;
 };
 
-/// Notes the beams that edges span, without a branch: nobody could foretell it.
-HWY_INLINE void note_spans(const EdgeBlock& edges, const Relative& relative, const Fan& fan, Spans& out) {
-  const std::size_t count = edges.vertices();
+/// Notes the beams that edges span, without a branch, which would be unpredictable. Of edges that look tiny, and
+/// where there is no edge, none.
+HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fan& fan, Spans& out) {
   const ScanAngles angles(*fan.scan, fan.count);
   alignas(64) float angle[Relative::k_size];
   for (std::size_t i = 0; i < count; i += Lanes(k_f))
@@ -306,7 +307,7 @@ HWY_INLINE void note_spans(const EdgeBlock& edges, const Relative& relative, con
     const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
     Floats first, last;
     angles.beams(from, to, all, first, last);
-    const auto some = And(Le(first, last), Eq(Load(k_f, edges.open() + i), Zero(k_f)));
+    const auto some = And(Le(first, last), Ge(Load(k_f, relative.grazing + i), Zero(k_f)));
     const auto spans = RebindMask(k_i, some);
     const auto begin = And(ConvertTo(k_i, first), Set(k_i, -few));
     const auto second = Add(begin, Set(k_i, few));
@@ -322,11 +323,28 @@ HWY_INLINE void note_spans(const EdgeBlock& edges, const Relative& relative, con
   out.between_count = between;
 }
 
+/// Marks where there is no edge: `grazing` is below 0 between chains and beyond the last, up to a whole vector.
+/// Sets what each edge returns. Returns the number of vertices.
+template <bool kReturns>
+HWY_INLINE std::size_t part_chains(const EdgeBlock& edges, Relative& relative, float* returns_of) {
+  const std::size_t count = edges.vertices();
+  std::size_t end = 0;  // of the piece before
+  for (const EdgeBlock::Piece& piece : edges.pieces()) {
+    if (piece.first != end) relative.grazing[end] = -1;
+    end = piece.first + piece.edges;
+    if constexpr (kReturns) std::fill_n(returns_of + piece.first, piece.edges, piece.ranger_return);
+  }
+  for (std::size_t i = count - 1; i < count + Lanes(k_f); ++i) relative.grazing[i] = -1;
+  return count;
+}
+
 template <bool kReturns>
 void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse,
                      float* returns) {
   Relative relative;
   relate<true>(edges, reference, relative);
+  float returns_of[kReturns ? Relative::k_size : 1];
+  const std::size_t count = part_chains<kReturns>(edges, relative, returns_of);
   const auto take = [&](std::int32_t step) {
     const std::size_t j = edge_of(step);
     const std::size_t at = beam_of(step);
@@ -339,26 +357,27 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
                                      Zero(k_few)};
     auto unsure = Ne(Zero(k_few), Zero(k_few));
     const auto candidate = inverse_common(k_few, edge, beams, unsure);
-    raise_beams<kReturns>(candidate, kReturns ? edges.returns()[j] : 0, inverse + at,
+    raise_beams<kReturns>(candidate, kReturns ? returns_of[j] : 0, inverse + at,
                           kReturns ? returns + at : nullptr);
     if (HWY_UNLIKELY(!AllFalse(k_few, unsure)))
-      project_carefully(edges.relative(j, reference), fan, at, at + Lanes(k_few), inverse,
-                        kReturns ? returns : nullptr);
+      project_carefully(edges.relative(j, reference, kReturns ? returns_of[j] : 0), fan, at, at + Lanes(k_few),
+                        inverse, kReturns ? returns : nullptr);
   };
   Spans spans;
-  note_spans(edges, relative, fan, spans);
+  note_spans(count, relative, fan, spans);
   for (std::size_t k = 0; k < spans.ends_count; ++k) take(spans.ends[k]);
   const auto next = static_cast<std::int32_t>(Lanes(k_few) << k_edge_bits);
   for (std::size_t k = 0; k < spans.between_count; ++k)
     for (std::int32_t step = spans.between[k]; step < spans.past[k]; step += next) take(step);
 
   // What looks tiny may be met in any direction.
-  for (std::size_t j = 0; j < edges.vertices(); j += Lanes(k_few)) {
-    const auto tiny = tiny_edges(edges, relative, j);
-    if (HWY_LIKELY(AllFalse(k_few, tiny))) continue;
-    for (std::size_t lane = 0; lane < Lanes(k_few); ++lane)
-      if (edges.open()[j + lane] == 0 && std::isnan(relative.grazing[j + lane]))
-        project_carefully(edges.relative(j + lane, reference), fan, 0, fan.count, inverse,
+  for (std::size_t j = 0; j < count; j += Lanes(k_f)) {
+    const Floats grazing = Load(k_f, relative.grazing + j);
+    const auto tiny = AndNot(Eq(grazing, grazing), Eq(Zero(k_f), Zero(k_f)));  // Ne is false of NaN on some targets
+    if (HWY_LIKELY(AllFalse(k_f, tiny))) continue;
+    for (std::size_t k = j; k < j + Lanes(k_f); ++k)
+      if (std::isnan(relative.grazing[k]))
+        project_carefully(edges.relative(k, reference, kReturns ? returns_of[k] : 0), fan, 0, fan.count, inverse,
                           kReturns ? returns : nullptr);
   }
 }

@@ -72,6 +72,7 @@ using hn::Ne;
 using hn::Or;
 using hn::RebindMask;
 using hn::ShiftLeft;
+using hn::ShiftLeftSame;
 using hn::Xor;
 
 using hn::MaxOfLanes;

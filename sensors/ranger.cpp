@@ -167,12 +167,12 @@ void add_extras_of(const engine::Record& record, const Transducer& transducer, s
 }
 
 /// What is the same in every cast.
-void finish(BeamGroup& group, bool common_origin) {
+void finish(BeamGroup& group) {
   if (std::ranges::all_of(group.wobbles, [](double wobble) { return wobble == 0; })) {
     group.headings.clear();
     group.wobbles.clear();
   }
-  group.mirrored = common_origin && group.wobbles.empty() && mirrored(group);
+  group.mirrored = group.wobbles.empty() && mirrored(group);
   const std::size_t padded = partition::padded_beams(group.count);
   for (std::vector<double>* array : {&group.dx, &group.dy, &group.ox, &group.oy})
     array->resize(padded, array->back());
@@ -212,7 +212,7 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
     group_beams(ranger, transducer);
   }
   ranger.reach = ranger.spread + farthest;
-  for (BeamGroup& group : ranger.groups) finish(group, ranger.common_origin);
+  for (BeamGroup& group : ranger.groups) finish(group);
 
   constexpr double k_watts = 0.2;  // a transducer, as in Stage
   out.watts = k_watts * static_cast<double>(transducers.size());

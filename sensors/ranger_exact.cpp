@@ -22,6 +22,8 @@ class Caster {
     world_ = &world;
     joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
     linked_ = std::ranges::any_of(world.types(), [](const auto& type) { return type.is_composite(); });
+    outlines_ = &world.scene().outlines();
+    solids_ = world.scene().solids().data();
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
@@ -128,31 +130,39 @@ class Caster {
   }
 
   void add_fixed(std::uint32_t piece, partition::BeamSet met_by) {
-    const partition::FixedOutlines& outlines = world_->scene().outlines();
-    const partition::FixedSolid& solid = world_->scene().solids()[outlines.solid(piece)];
+    const partition::FixedSolid& solid = solids_[outlines_->solid(piece)];
     if (!solid.solid.z.contains(z_)) return;
-    if (edges_.room() < partition::FixedOutlines::k_most_edges) project();
-    const std::span<const Vec2> chain = outlines.chain(piece);
-    edges_.add(chain.front(), chain.data() + 1, chain.size() - 1, solid.ranger_return, met_by);
+    const std::span<const Vec2> chain = outlines_->chain(piece);
+    add_chain(chain.front(), chain.subspan(1), solid.ranger_return, met_by);
   }
 
   template <bool k_linked>
   void add_body(Row body, partition::BeamSet met_by) {
-    const std::span<const Vec2> vertices = world_->outline(body);
+    const Vec2* vertices = world_->outline(body).data();
     const double base = world_->poses()[body.index()].z;
     for (const engine::RayOutline& outline : world_->type(body).outlines) {
       const double height = k_linked ? base + world_->lift(body, outline.joint) : base;
       if (!outline.z.shifted(height).contains(z_)) continue;
-      const std::span<const Vec2> ring = vertices.subspan(outline.first, outline.count);
-      const Vec2* before = &ring.back();
-      for (std::size_t done = 0; done < ring.size();) {
-        const std::size_t left = ring.size() - done;
-        if (edges_.room() < std::min(left, partition::EdgeBlock::k_piece)) project();
-        const std::size_t edges = std::min(left, edges_.room());
-        edges_.add(*before, &ring[done], edges, outline.ranger_return, met_by);
-        done += edges;
-        before = &ring[done - 1];
-      }
+      const std::span<const Vec2> ring(vertices + outline.first, outline.count);
+      add_chain(ring.back(), ring, outline.ranger_return, met_by);
+    }
+  }
+
+  /// Adds the edges from `first` to rest[0], to rest[1] and so on; projects first what leaves no room for them.
+  void add_chain(const Vec2& first, std::span<const Vec2> rest, float ranger_return, partition::BeamSet met_by) {
+    if (edges_.room() < rest.size()) [[unlikely]]
+      return add_in_parts(first, rest, ranger_return, met_by);
+    edges_.add(first, rest.data(), rest.size(), ranger_return, met_by);
+  }
+  void add_in_parts(const Vec2& first, std::span<const Vec2> rest, float ranger_return,
+                    partition::BeamSet met_by) {
+    const Vec2* before = &first;
+    while (!rest.empty()) {
+      project();
+      const std::span<const Vec2> part = rest.first(std::min(rest.size(), edges_.room()));
+      edges_.add(*before, part.data(), part.size(), ranger_return, met_by);
+      before = &part.back();
+      rest = rest.subspan(part.size());
     }
   }
 
@@ -164,6 +174,8 @@ class Caster {
 
   const engine::World* world_ = nullptr;
   const RangerBeams* ranger_ = nullptr;
+  const partition::FixedOutlines* outlines_ = nullptr;
+  const partition::FixedSolid* solids_ = nullptr;
   float slack_spread_ = 0;
   Surroundings surroundings_;
 
