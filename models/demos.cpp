@@ -24,9 +24,7 @@ constexpr double k_child_m = 0.1;
 struct Dynamic {
   static constexpr bool needs_drive = false;
   static Dynamic make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
@@ -60,12 +58,10 @@ void add_children(const Record& params, std::uint64_t seed, const engine::Regist
 struct LaserNoise {
   static constexpr bool needs_drive = false;
   static LaserNoise make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>&,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
     for (std::size_t d = 0; d < devices.size(); ++d)
-      if (devices[d].kind == "ranger") return {d};  // not claimed: it is for others to read
-    fault = "needs a ranger";
-    return {};
+      if (devices[d].kind == "ranger") return std::vector{d};  // not claimed: it is for others to read
+    return Error{"needs a ranger"};
   }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
@@ -92,11 +88,9 @@ struct Rasterize {
   Memory raster;
 
   static Rasterize make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
 
-  std::string look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
+  Result<> look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
     const PartSpec& part = type.parts[p];
     Box box;
     for (const Solid& solid : part.solids)

@@ -133,7 +133,7 @@ struct Ground {
   }
 };
 
-std::string look(std::any& data, const WorldSpec& world) {
+Result<> look(std::any& data, const WorldSpec& world) {
   std::any_cast<Ground>(&data)->look(world);
   return {};
 }
@@ -239,10 +239,10 @@ DeviceKind ground_kind() {
        .columns = 3},
   }};
   kind.prepare = prepare_sensor;
-  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> std::string {
+  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> Result<> {
     const Ground& ground = *std::any_cast<Ground>(&data);
     if (!ground.points.empty() && !ground.is_odd) return {};
-    return "needs \"points\": x and y of each, one after another";
+    return Error{"needs \"points\": x and y of each, one after another"};
   };
   kind.look = look;
   kind.sense = sense;

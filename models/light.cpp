@@ -29,8 +29,10 @@ struct Blinking {
 };
 
 DeviceKind::Prepared prepare(const Blinking& blinking) {
+  std::vector<engine::StateField> state = engine::memory_fields<LightState>();
+  state.front().look = true;
   return {.data = blinking,
-          .percepts = engine::memory_fields<LightState>(),
+          .percepts = std::move(state),
           .percept_bytes = sizeof(LightState),
           .commands = engine::memory_fields<LightCommand>(),
           .command_bytes = sizeof(LightCommand)};

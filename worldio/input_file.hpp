@@ -1,19 +1,20 @@
 #pragma once
 
+#include "base/result.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <string>
 
 namespace troupe::worldio {
 
 /// The largest text or image that is read: more is no world, but a mistake.
 inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 
-/// Why a file cannot be an input: "there is no such file", "this is a folder", "this is a pipe, no regular
-/// file", ...; empty where it can. Only regular files can: reading a device or a pipe might never end, and
-/// even opening a pipe might wait for ever. Nothing is opened.
-std::string unreadable(const std::filesystem::path& file,
-                       std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
+/// Whether a file can be an input; else "there is no such file", "this is a folder", "this is a pipe, no
+/// regular file", ... Only regular files can: reading a device or a pipe might never end, and even opening a
+/// pipe might wait for ever. Nothing is opened.
+Result<> check_readable(const std::filesystem::path& file,
+                        std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
 
 }  // namespace troupe::worldio

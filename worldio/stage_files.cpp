@@ -33,7 +33,7 @@ std::filesystem::path tidied(const std::filesystem::path& path) {
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  if (!unreadable(path, k_most_input_bytes).empty()) return {};
+  if (!check_readable(path, k_most_input_bytes)) return {};
   std::ifstream in(path, std::ios::binary);
   if (!in) return {};
   std::string text;
