@@ -174,7 +174,11 @@ TEST(Expand, StraightBeforeAWallItTurns) {
 }
 
 TEST(Expand, StagesExamplesKeepTheLastCommandOnAnAxis) {
-  Decision decide(Decision::ring({0}), "expand", preset("expand_swarm"));
+  engine::Record params = preset("expand_swarm");
+  const auto clearances =
+      static_cast<std::size_t>(test::registry().controller("expand")->params.find("clearances"));
+  params[clearances] = std::vector<double>{params[clearances].numbers().front()};  // one for its transducer
+  Decision decide(Decision::ring({0}), "expand", params);
   EXPECT_EQ(decide({1.0f}).x, 9) << "one beam ahead: the sum has no sideways part at all";
 }
 
