@@ -267,9 +267,11 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.empty()) {
-    std::string fault = unknown_name("kind", name, kind_names(registry));
-    if (registry.plugged_controllers) registry.plugged_controllers(name, fault);  // plug-ins know why, too
-    throw InputError("troupe describe: error: " + fault);
+    std::string unknown = unknown_name("kind", name, kind_names(registry));
+    if (registry.plugged_controllers)  // plug-ins know why, too
+      if (const auto found = registry.plugged_controllers(name, unknown); !found)
+        unknown = found.error().text;
+    throw InputError("troupe describe: error: " + unknown);
   }
   if (text.find("\n  key ") != std::string::npos)
     text +=

@@ -39,8 +39,8 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }  // namespace
 
 HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file = file, .entries = {}} {
-  if (const std::string reason = worldio::unreadable(file); !reason.empty())
-    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
+  if (const Result<> readable = worldio::check_readable(file); !readable)
+    throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   stream_.open(file, std::ios::binary);
   if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   std::string line;

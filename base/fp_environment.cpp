@@ -36,18 +36,19 @@ bool reads_denormals() {
 
 }  // namespace
 
-std::string fp_environment_fault() {
-  std::string fault;
-  const auto add = [&fault](const char* text) {
-    if (!fault.empty()) fault += ", ";
-    fault += text;
+Result<> check_fp_environment() {
+  std::string wrong;
+  const auto add = [&wrong](const char* text) {
+    if (!wrong.empty()) wrong += ", ";
+    wrong += text;
   };
   if (!rounds_to_nearest()) add("rounding is not to nearest");
   if (!reads_denormals())
     add("denormal operands are read as zero");
   else if (!keeps_denormal_results())
     add("denormal results are flushed to zero");
-  return fault;
+  if (!wrong.empty()) return Error{wrong};
+  return {};
 }
 
 void restore_fp_environment() { std::fesetenv(FE_DFL_ENV); }

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <string>
+#include "base/result.hpp"
 
 namespace troupe {
 
-/// Empty when the calling thread computes as IEEE 754 asks (round to nearest, denormals kept); otherwise what
-/// is wrong. A library linked with -ffast-math by gcc switches flush-to-zero on for the thread that loads it.
-std::string fp_environment_fault();
+/// Whether the calling thread computes as IEEE 754 asks (round to nearest, denormals kept); else what is
+/// wrong. A library linked with -ffast-math by gcc switches flush-to-zero on for the thread that loads it.
+Result<> check_fp_environment();
 
 /// Restores round-to-nearest and denormals for the calling thread, and with them the rest of the default
 /// environment: exceptions are masked and their flags cleared.

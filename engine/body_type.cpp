@@ -76,8 +76,17 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   type.radius = sqrt(radius2);
 }
 
+/// The kinds that supply others.
+std::vector<std::string_view> supply_names(const Registry& registry) {
+  std::vector<std::string_view> names;
+  for (const DeviceKind& kind : registry.devices)
+    if (kind.is_spent) names.push_back(kind.name);
+  return names;
+}
+
 /// What runs on which supply: that of its own part, or else of the nearest one below.
-void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
+void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& type,
+                      Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
     const BodyType::Device& device = type.devices[d];
@@ -94,8 +103,8 @@ void connect_supplies(const TypeSpec& spec, BodyType& type, Diagnostics& diagnos
     if (!device.kind->is_spent) device.supply = supplies[device.part];
     if (device.kind->needs_supply && !device.supply)
       diagnostics.error(spec.parts[device.part].where,
-                        fmt::format("\"{}\" ({}) needs a power_pack on its part, or on one below it",
-                                    device.name, device.kind->name));
+                        fmt::format("\"{}\" ({}) needs a {} on its part, or on one below it", device.name,
+                                    device.kind->name, fmt::join(supply_names(registry), " or a ")));
   }
   if (type.drive) type.drive->supply = supplies.front();
 }
@@ -127,31 +136,30 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
   double sum = 0;
   for (std::size_t f = 0; f < table.fields.size() && f < params.size(); ++f) {
     const Field& field = table.fields[f];
-    if (field.type == FieldType::integer && field.name == "samples" && params[f].given())
-      sum += static_cast<double>(params[f].integer());
+    if (field.counts_readings && params[f].given()) sum += static_cast<double>(params[f].integer());
     if (field.type == FieldType::records && field.record && params[f].given())
       for (const Record& record : params[f].records()) sum += samples_asked_for(*field.record, record);
   }
   return sum;
 }
 
-DeviceKind::Prepared prepare_device(const DeviceKind& kind, const DeviceSpec& device, const WorldSpec& world,
-                                    const TypeSpec& spec, std::string& fault) {
-  DeviceKind::Prepared prepared;
-  try {
-    prepared = kind.prepare(device.params, device.pose_body_sensor);
-    if (kind.mount) fault = kind.mount(prepared.data, spec, device.part);
-    if (fault.empty() && kind.look) fault = kind.look(prepared.data, world);
-  } catch (...) {
-    fault = fmt::format("({}) {}", kind.name, thrown_text());
-  }
+Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
+                                            const WorldSpec& world, const TypeSpec& spec) try {
+  DeviceKind::Prepared prepared = kind.prepare(device.params, device.pose_body_sensor);
+  if (kind.mount)
+    if (const Result<> mounted = kind.mount(prepared.data, spec, device.part); !mounted)
+      return mounted.error();
+  if (kind.look)
+    if (const Result<> looked = kind.look(prepared.data, world); !looked) return looked.error();
   return prepared;
+} catch (...) {
+  return Error{fmt::format("({}) {}", kind.name, thrown_text())};
 }
 
-ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
-                                            const WorldSpec& world, const TypeSpec& spec,
-                                            const BodyType& type, std::vector<bool>& claimed,
-                                            std::string& fault) try {
+Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
+                                                    const ControllerSpec& controller, const WorldSpec& world,
+                                                    const TypeSpec& spec, const BodyType& type,
+                                                    std::vector<bool>& claimed) try {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
     if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
@@ -166,19 +174,20 @@ ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const Co
                      compose(pose_drive_body, spec.devices[s].pose_body_sensor)});
     claimed_shown.push_back(claimed[s]);
   }
-  ControllerKind::Prepared prepared = kind.prepare(controller.params, infos, claimed_shown, fault);
+  Result<ControllerKind::Prepared> prepared = kind.prepare(controller.params, infos, claimed_shown);
   for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
-  for (std::size_t& s : prepared.devices) {
-    if (s < shown.size())
-      s = shown[s];
-    else
-      fault = fmt::format("chose sensor {} of {}", s, shown.size());  // a slip of its author's
+  if (!prepared) return prepared;
+  for (std::size_t& s : prepared->devices) {
+    if (s >= shown.size())  // a slip of its author's
+      return Error{fmt::format("chose sensor {} of {}", s, shown.size())};
+    s = shown[s];
   }
-  if (fault.empty() && kind.look) fault = kind.look(prepared.data, world, spec, controller.part);
+  if (kind.look)
+    if (const Result<> looked = kind.look(prepared->data, world, spec, controller.part); !looked)
+      return looked.error();
   return prepared;
 } catch (...) {
-  fault = thrown_text();
-  return {};
+  return Error{thrown_text()};
 }
 
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
@@ -210,14 +219,21 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
   if (spec.drive) {
     if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
       const Record& params = spec.drive->params;
-      for (const std::string& fault : {kind->fault(params), localization_fault(kind->params, params)})
-        if (!fault.empty())
-          diagnostics.error(spec.drive->where, fmt::format("drive \"{}\": {}", spec.drive->kind, fault));
-      type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s),
-                    read_localization(kind->params, params)};
-      if (const int at = kind->params.find("pushes"); at >= 0)
+      const auto report = [&](const Result<>& checked) {
+        if (!checked)
+          diagnostics.error(spec.drive->where,
+                            fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text));
+      };
+      report(kind->check(params));
+      type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s), {}};
+      if (kind->localization) {
+        const auto where = std::span(params).subspan(*kind->localization);
+        report(check_localization(where));
+        type.drive->localization = read_localization(where);
+      }
+      if (kind->pushes)
         type.drive->pushes = static_cast<std::uint8_t>(
-            std::clamp<std::int64_t>(params[static_cast<std::size_t>(at)].integer(), 0, k_most_pushed));
+            std::clamp<std::int64_t>(params[*kind->pushes].integer(), 0, k_most_pushed));
       if (type.pushable)
         diagnostics.error(
             spec.drive->where,
@@ -260,15 +276,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
           fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
-    std::string fault;
-    DeviceKind::Prepared prepared = prepare_device(*kind, sensor, world, spec, fault);
-    if (!fault.empty()) {
-      diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, fault));
+    Result<DeviceKind::Prepared> prepared = prepare_device(*kind, sensor, world, spec);
+    if (!prepared) {
+      diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, prepared.error().text));
       continue;
     }
     type.devices.push_back({name,
                             kind,
-                            std::move(prepared),
+                            *std::move(prepared),
                             period_ticks(sensor.period_s, tick_s),
                             sensor.active,
                             sensor.part,
@@ -286,7 +301,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
         spec.parts.front().where,
         fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
                     spec.name, type.joint_reach, k_most_reach));
-  connect_supplies(spec, type, diagnostics);
+  connect_supplies(spec, registry, type, diagnostics);
 
   std::vector<bool> claimed(type.devices.size(), false);
   for (std::size_t c = 0; c < spec.controllers.size(); ++c) {
@@ -302,13 +317,13 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                         fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
       continue;
     }
-    std::string fault;
-    ControllerKind::Prepared prepared =
-        prepare_controller(*kind, controller, world, spec, type, claimed, fault);
-    if (!fault.empty()) {
-      diagnostics.error(controller.where, fmt::format("controller \"{}\" {}", controller.kind, fault));
+    Result<ControllerKind::Prepared> made = prepare_controller(*kind, controller, world, spec, type, claimed);
+    if (!made) {
+      diagnostics.error(controller.where,
+                        fmt::format("controller \"{}\" {}", controller.kind, made.error().text));
       continue;
     }
+    ControllerKind::Prepared& prepared = *made;
     if (prepared.devices.size() > k_most_devices_read) {
       diagnostics.error(controller.where,
                         fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",

@@ -103,20 +103,20 @@ struct BodyType {
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
-/// What a device's memory grows with, known before any is taken: the sum of what its lists of blocks say in
-/// `samples`.
+/// What a device's memory grows with, known before any is taken: the sum of its parameters that count
+/// readings (Field::counts_readings), also in lists of blocks.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Makes a device of a type. What is wrong with it, and what its kind throws, stands in `fault`.
-DeviceKind::Prepared prepare_device(const DeviceKind& kind, const DeviceSpec& device, const WorldSpec& world,
-                                    const TypeSpec& spec, std::string& fault);
+/// Makes a device of a type; or says what is wrong with it, also where its kind throws.
+Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
+                                            const WorldSpec& world, const TypeSpec& spec);
 
 /// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
-/// among them. Why it cannot have what it needs, and what its kind throws, stands in `fault`.
-ControllerKind::Prepared prepare_controller(const ControllerKind& kind, const ControllerSpec& controller,
-                                            const WorldSpec& world, const TypeSpec& spec,
-                                            const BodyType& type, std::vector<bool>& claimed,
-                                            std::string& fault);
+/// among them; or says why it cannot have what it needs, also where its kind throws.
+Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
+                                                    const ControllerSpec& controller, const WorldSpec& world,
+                                                    const TypeSpec& spec, const BodyType& type,
+                                                    std::vector<bool>& claimed);
 
 /// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,

@@ -97,21 +97,21 @@ C make(const Record& params) {
 }
 
 template <class C>
-std::vector<std::size_t> choose(C& controller, std::span<const DeviceInfo> devices,
-                                std::vector<bool>& claimed, std::string& fault) {
-  if constexpr (requires { controller.choose(devices, claimed, fault); }) {
-    return controller.choose(devices, claimed, fault);
+Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInfo> devices,
+                                        std::vector<bool>& claimed) {
+  if constexpr (requires { controller.choose(devices, claimed); }) {
+    return controller.choose(devices, claimed);
   } else {
+    static_assert(
+        !requires { &C::choose; }, "choose takes (std::span<const DeviceInfo>, std::vector<bool>& claimed)");
     std::vector<std::size_t> chosen;
     if constexpr (requires { C::k_uses; }) {
       for (const std::string_view kind : C::k_uses) {
         std::size_t d = 0;
         while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
-        if (d == devices.size()) {
-          fault = chosen.empty() ? "needs, on its robot: " : "needs, on its robot, one more: ";
-          fault += kind;
-          return {};
-        }
+        if (d == devices.size())
+          return Error{(chosen.empty() ? "needs, on its robot: " : "needs, on its robot, one more: ") +
+                       std::string(kind)};
         chosen.push_back(d);
       }
     } else {
@@ -191,11 +191,11 @@ std::vector<StateField> memory_fields() {
 ///     static constexpr bool needs_drive = false;  // else only what drives may have it
 ///     static constexpr bool switches = true;      // it switches devices on and off
 ///     static C make(const Record& params);        // else it is C{}
-///     std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed,
-///                                     std::string& fault);  // else it uses all, and claims none
+///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
+///                                                 // else it uses all, and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///                                                 // without choose: kinds of the devices it uses, in order
-///     std::string look(const WorldSpec&, const TypeSpec&, std::uint32_t part);  // ControllerKind::look
+///     Result<> look(const WorldSpec&, const TypeSpec&, std::uint32_t part);     // ControllerKind::look
 ///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
@@ -206,15 +206,17 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   kind.memory = memory_fields<Memory>();
   kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
-  kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                    std::string& fault) {
+  kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices,
+                    std::vector<bool>& claimed) -> Result<ControllerKind::Prepared> {
     C controller = detail::make<C>(record);
-    std::vector<std::size_t> chosen = detail::choose(controller, devices, claimed, fault);
-    return ControllerKind::Prepared{std::move(controller), std::move(chosen)};
+    Result<std::vector<std::size_t>> chosen = detail::choose(controller, devices, claimed);
+    if (!chosen) return chosen.error();
+    return ControllerKind::Prepared{std::move(controller), *std::move(chosen)};
   };
   if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
   if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) { c.look(world, type, 0u); })
-    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type, std::uint32_t part) {
+    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type,
+                   std::uint32_t part) -> Result<> {
       return std::any_cast<C>(&data)->look(world, type, part);
     };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {

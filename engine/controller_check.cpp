@@ -55,11 +55,10 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
 void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type, std::size_t controller) {
   std::vector<bool> claimed(type.devices.size(), false);  // by those before it
   for (std::size_t c = 0; c <= controller; ++c) {
-    std::string fault;
     spoil_stack();
-    ControllerKind::Prepared prepared =
-        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed, fault);
-    if (c == controller) type.controllers[c].data = std::move(prepared.data);
+    Result<ControllerKind::Prepared> prepared =
+        prepare_controller(*type.controllers[c].kind, spec.controllers[c], world, spec, type, claimed);
+    if (c == controller) type.controllers[c].data = prepared ? std::move(prepared->data) : std::any();
   }
 }
 

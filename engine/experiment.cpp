@@ -68,22 +68,24 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
          a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
          a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
-         a.bearings == b.bearings && a.transducers == b.transducers &&  // as controllers have seen them
-         a.transducer_origins == b.transducer_origins;
+         a.bearings == b.bearings &&  // as controllers have seen them, as are:
+         std::ranges::equal(a.transducers, b.transducers, [](const Transducer& x, const Transducer& y) {
+           return x.first == y.first &&
+                  x.pose_sensor_transducer.position() == y.pose_sensor_transducer.position();
+         });
 }
 
 constexpr std::string_view k_keeps_shape = "what changes while a world runs must keep the shape of its state";
 
-/// What is wrong with new parameters of a drive; empty where nothing is.
-std::string fault_of(const DriveKind& kind, const Record& before, const Record& params) {
-  const auto changes = [&](std::string_view name) {
-    const int i = kind.params.find(name);
-    return i >= 0 && before[static_cast<std::size_t>(i)] != params[static_cast<std::size_t>(i)];
-  };
-  for (const Field& field : localization_fields())
-    if (changes(field.name)) return fmt::format("\"{}\": {}", field.name, k_keeps_shape);
-  if (changes("pushes")) return "\"pushes\" is the same for as long as the world runs";
-  return kind.fault(params);
+/// Whether a drive can go on with new parameters; else what is wrong with them.
+Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
+  const auto name_of = [&](std::size_t param) { return kind.params.fields[param].name; };
+  if (kind.localization)
+    for (std::size_t p = *kind.localization; p < *kind.localization + localization_fields().size(); ++p)
+      if (before[p] != params[p]) return Error{fmt::format("\"{}\": {}", name_of(p), k_keeps_shape)};
+  if (kind.pushes && before[*kind.pushes] != params[*kind.pushes])
+    return Error{fmt::format("\"{}\" is the same for as long as the world runs", name_of(*kind.pushes))};
+  return kind.check(params);
 }
 
 }  // namespace
@@ -158,8 +160,8 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
   };
   if (spec.action == Action::set) {
-    if (const std::string fault = build_setting(*spec.setting, registry, types, intervention); !fault.empty())
-      error(fault);
+    if (const Result<> built = build_setting(*spec.setting, registry, types, intervention); !built)
+      error(built.error().text);
     return;
   }
   if (spec.action == Action::add) {
@@ -181,15 +183,15 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     error(fmt::format("\"{}\" would be put outside of the world's bounds", spec.whom.name));
 }
 
-std::string World::build_setting(const SettingSpec& setting, const Registry& registry,
-                                 std::map<std::uint32_t, TypeSpec>& types,
-                                 Experiment::Intervention& intervention) {
+Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
+                              std::map<std::uint32_t, TypeSpec>& types,
+                              Experiment::Intervention& intervention) {
   TypeSpec& spec = types.try_emplace(setting.type.value, spec_.types[setting.type.index()]).first->second;
   const BodyType& type = types_[setting.type.index()];
   if (setting.of == Of::drive) {
     Record params = changed(spec.drive->params, setting);
-    if (std::string fault = fault_of(*type.drive->kind, spec.drive->params, params); !fault.empty())
-      return fmt::format("drive \"{}\": {}", spec.drive->kind, fault);
+    if (const Result<> checked = check_change(*type.drive->kind, spec.drive->params, params); !checked)
+      return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
     spec.drive->params = std::move(params);
     intervention.data = type.drive->kind->prepare(spec.drive->params);
     return {};
@@ -201,27 +203,26 @@ std::string World::build_setting(const SettingSpec& setting, const Registry& reg
     Record params = changed(device.params, setting);
     // Asked before anything is made of them, which may take all the memory there is.
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
-      return fmt::format("{}: {}", owner, k_keeps_shape);
+      return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     device.params = std::move(params);
-    std::string fault;
-    intervention.device = prepare_device(*now.kind, device, spec_, spec, fault);
-    if (!fault.empty()) return fmt::format("{} {}", owner, fault);
-    return same_shape(intervention.device, now.prepared) ? std::string()
-                                                         : fmt::format("{}: {}", owner, k_keeps_shape);
+    Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, spec_, spec);
+    if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
+    if (!same_shape(*prepared, now.prepared)) return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+    intervention.device = *std::move(prepared);
+    return {};
   }
   Record& params = spec.controllers[setting.index].params;
   params = changed(params, setting);
   std::vector<bool> claimed(type.devices.size(), false);  // by those before it
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];
-    std::string fault;
-    ControllerKind::Prepared prepared = prepare_controller(*registry.controller(controller.kind), controller,
-                                                           spec_, spec, type, claimed, fault);
-    if (!fault.empty()) return fmt::format("controller \"{}\" {}", controller.kind, fault);
+    Result<ControllerKind::Prepared> prepared =
+        prepare_controller(*registry.controller(controller.kind), controller, spec_, spec, type, claimed);
+    if (!prepared) return Error{fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text)};
     if (c < setting.index) continue;
-    if (prepared.devices != type.controllers[c].devices)
-      return fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape);
-    intervention.data = std::move(prepared.data);
+    if (prepared->devices != type.controllers[c].devices)
+      return Error{fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape)};
+    intervention.data = std::move(prepared->data);
   }
   return {};
 }
@@ -251,9 +252,10 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       const auto [known, is_new] =
           faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
       if (is_new) {
-        std::string fault;
-        experiment_.faults.push_back({kind->prepare(ailment.params, types_[t], fault), stream});
-        if (!fault.empty()) diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, fault));
+        const Result<Ailment> made = kind->prepare(ailment.params, types_[t]);
+        if (!made)
+          diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
+        experiment_.faults.push_back({made ? *made : Ailment(), stream});
       }
       const std::uint64_t tick = next_strike(known->second, candidate.body, from);
       experiment_.first_strikes.push_back({tick, known->second, candidate.body, candidate.row, true});

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/fields.hpp"
 
 #include <cstdint>
-#include <string>
 #include <string_view>
 
 namespace troupe::engine {
@@ -28,9 +28,8 @@ struct FaultKind {
   std::string_view name;  ///< as files say it; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// For bodies of this type, once, when the world is built. Why such a body cannot fail so stands in
-  /// `fault`.
-  Ailment (*prepare)(const Record& params, const BodyType& type, std::string& fault) = nullptr;
+  /// For bodies of this type, once, when the world is built; or why such a body cannot fail so.
+  Result<Ailment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 
 }  // namespace troupe::engine

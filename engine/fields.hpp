@@ -98,6 +98,9 @@ struct Field {
   const FieldTable* record = nullptr;     ///< of `record` and `records`; must outlive the field
   /// The lower limit itself is refused (sizes, periods).
   bool above_min = false;
+  /// Of `integer`: how many readings a sensor has for it. What memory a device takes is known by the sum of
+  /// these, before any is taken.
+  bool counts_readings = false;
 };
 
 /// The parameters of one kind. Field names are unique.

@@ -37,24 +37,31 @@ Random DeviceBatch::random(std::size_t i, std::string_view name) const {
   return {world.spec().seed, own, body(i).value, static_cast<std::uint32_t>(world.tick())};
 }
 
+Eigen::Vector3d DeviceView::at(double x, double y, double z) const {
+  const Vec2 p = Transform(pose_world_device) * Vec2(x, y);
+  return {p.x(), p.y(), pose_world_device.z + z};
+}
+
 const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
 const DeviceKind* Registry::device(std::string_view name) const {
-  std::string ignored;
-  return device(name, ignored);
+  const auto found = find_device(name, {});
+  return found ? *found : nullptr;
 }
-const DeviceKind* Registry::device(std::string_view name, std::string& fault) const {
+Result<const DeviceKind*> Registry::find_device(std::string_view name, std::string unknown) const {
   if (const DeviceKind* kind = find(devices, name)) return kind;
-  return plugged_devices ? plugged_devices(name, fault) : nullptr;
+  if (plugged_devices) return plugged_devices(name, std::move(unknown));
+  return Error{std::move(unknown)};
 }
 const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
 const ControllerKind* Registry::controller(std::string_view name) const {
-  std::string ignored;
-  return controller(name, ignored);
+  const auto found = find_controller(name);
+  return found ? *found : nullptr;
 }
-const ControllerKind* Registry::controller(std::string_view name, std::string& fault) const {
+Result<const ControllerKind*> Registry::find_controller(std::string_view name) const {
   if (const ControllerKind* kind = find(controllers, name)) return kind;
-  fault = unknown_name("controller", name, controller_names());
-  return plugged_controllers && !preset(name) ? plugged_controllers(name, fault) : nullptr;
+  std::string unknown = unknown_name("controller", name, controller_names());
+  if (plugged_controllers && !preset(name)) return plugged_controllers(name, std::move(unknown));
+  return Error{std::move(unknown)};
 }
 std::vector<std::string_view> Registry::controller_names() const {
   std::vector<std::string_view> names;

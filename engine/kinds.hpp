@@ -4,7 +4,9 @@
 #include "base/geometry.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
+#include "base/result.hpp"
 #include "engine/effects.hpp"
+#include "engine/energy.hpp"
 #include "engine/fault_kind.hpp"
 #include "engine/fields.hpp"
 #include "engine/localization.hpp"
@@ -26,6 +28,7 @@
 namespace troupe::engine {
 
 class World;
+struct Frame;
 struct Links;
 struct Registry;
 struct TypeSpec;
@@ -101,6 +104,57 @@ struct DeviceBatch {
   }
 };
 
+/// A fan of beams of a ranging sensor, which leave from one place.
+struct Transducer {
+  std::size_t first = 0;        ///< of its readings among the sensor's
+  std::size_t samples = 1;      ///< how many of them are its
+  Pose pose_sensor_transducer;  ///< where the beams start, and their middle's heading; sensor's frame
+  double range_max = 0;         ///< m
+  double fov = 0;               ///< between the first beam and the last, rad; of a single one: how wide it is
+};
+
+/// The pictures that a camera makes: which of its percepts they are.
+struct Camera {
+  std::size_t width = 0;   ///< pixels
+  std::size_t height = 0;  ///< pixels
+  double range_far = 0;    ///< m: the depth of a pixel that shows nothing
+  std::size_t color = 0;   ///< percept: u8 [red green blue opacity] each, row by row from the upper left
+  std::size_t depth = 1;   ///< percept: f32 each, m along the axis of view
+};
+
+/// The marked parts (Returns::fiducial) that a sensor finds.
+struct SoughtMarks {
+  std::int32_t key = 0;       ///< Returns::fiducial_key of what it finds
+  bool at_any_height = true;  ///< else only what its own height meets
+};
+
+/// Flags that a device holds.
+struct HeldFlags {
+  std::size_t count = 0;       ///< that it holds
+  std::uint64_t received = 0;  ///< that others gave it since tick 0
+};
+
+/// The device of one row, for who makes a picture of it.
+struct DeviceView {
+  const World& world;       ///< the last committed state
+  const std::any& data;     ///< what the kind prepared
+  const StateTable& state;  ///< the device's rows, by slot
+  std::size_t slot = 0;     ///< of the row in `state`
+  std::uint32_t body = 0;   ///< index into Frame::mobile
+  Pose pose_world_device;   ///< where joints have carried it
+
+  /// A point of the device's frame, m, in the world's.
+  Eigen::Vector3d at(double x, double y, double z) const;
+};
+
+/// The layer of pictures that shows what devices of a kind do.
+enum class FrameLayer : std::uint8_t {
+  none,    ///< they are not shown
+  sights,  ///< Frame::sights
+  blobs,   ///< Frame::blobs
+  grips,   ///< Frame::grips
+};
+
 /// What a body carries that has a state of its own: sensors, which look at the world, and other devices
 /// (grippers, lights, power packs), which take commands and act on it.
 struct DeviceKind {
@@ -136,19 +190,21 @@ struct DeviceKind {
     double watts = 0;                  ///< drawn from its supply while it runs
     std::vector<Pose> joints;          ///< where its joints are at tick 0; none given: at rest
     double joint_reach_m = 0;          ///< they go no farther from their rest, as far as is known
-    /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers.
+    /// Heading of each reading in the sensor's frame, rad; empty for sensors that are no rangers, as are
+    /// `transducers`. The ranges are their percept 0.
     std::vector<double> bearings;
-    std::vector<std::size_t> transducers;  ///< first reading of each transducer
-    std::vector<Vec2> transducer_origins;  ///< where the beams of each start, m, sensor's frame
+    std::vector<Transducer> transducers;  ///< in the order of the readings: together they have all of them
+    std::optional<Camera> camera;         ///< of a sensor whose readings are pictures
+    std::optional<SoughtMarks> seeks;     ///< of a sensor that finds marked parts
   };
   /// Pure. Throws nothing of its own: parameters are within the bounds of their table.
   Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
   /// Once behind `prepare`, where more is to be known of what carries it: completes the data from the type
-  /// and its part. What is wrong with them; empty when nothing is. Null: it needs nothing.
-  std::string (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Once behind `mount`, where it must know the world: completes the data. What is wrong, empty when nothing
-  /// is. Null: it need not know.
-  std::string (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  /// and its part, or says what is wrong with them. Null: it needs nothing.
+  Result<> (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
+  /// Once behind `mount`, where it must know the world: completes the data, or says what is wrong. Null: it
+  /// need not know.
+  Result<> (*look)(std::any& data, const WorldSpec& world) = nullptr;
   /// Sets the state of a row as its life begins, at tick 0 or later; all bytes are 0. Null: that is right.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// In the sense phase: writes the percepts of every row it is given (all of one type); reads S(k) only.
@@ -173,6 +229,18 @@ struct DeviceKind {
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< it is of no use where nothing supplies it
+  /// What a row stores. Null: it stores no energy.
+  Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
+  /// What a row holds. Null: it holds no flags.
+  HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
+
+  /// Its state begins with the colour that its part shows: three f32, red, green and blue, called
+  /// k_shown_color (engine/shown_color.hpp), by which recordings find it.
+  bool shows_color = false;
+  FrameLayer layer = FrameLayer::none;  ///< in which `show` shows its rows
+  /// Adds to `layer` what pictures show of a row. Sensors are asked where they have looked and run. Null
+  /// where there is no layer.
+  void (*show)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True where it does nothing but look: what people call a sensor.
   bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
@@ -221,12 +289,21 @@ struct DriveKind {
   FieldTable params;      ///< its parameters
   /// Parameters -> what the others are given as `data`.
   std::any (*prepare)(const Record& params);
-  /// What is wrong with the parameters taken together; empty when nothing is.
-  std::string (*fault)(const Record& params);
+  /// Whether the parameters fit together; else what is wrong with them.
+  Result<> (*check)(const Record& params);
   /// Velocities of a batch from their commands, bounds applied.
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// With which a robot moves until its drive is due for the first time. Null: it stands.
   Velocity (*start)(const std::any& data) = nullptr;
+  /// Parameters that the engine carries out itself, by their place in `params`.
+  ///@{
+  /// The first of localization_fields(), which follow one another. Not given: its robots know their true
+  /// poses.
+  std::optional<std::size_t> localization = {};
+  /// An integer, 0 to k_most_pushed: how many pushable bodies it pushes at once, the same for as long as the
+  /// world runs. Not given: it pushes none.
+  std::optional<std::size_t> pushes = {};
+  ///@}
 };
 
 /// Sensors and other devices that one controller can use.
@@ -404,14 +481,13 @@ struct ControllerKind {
     std::vector<std::size_t> devices;
   };
   /// Chooses among the devices of the type those that no controller before it has `claimed`, and marks its
-  /// own. Returns an error text in `fault` where the type lacks what the controller needs.
-  Prepared (*prepare)(const Record& params, std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                      std::string& fault);
+  /// own; or says what the type lacks that the controller needs.
+  Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
+                              std::vector<bool>& claimed);
   /// Once behind `prepare`, where it must know the world: where a model stands, what the floor plan is, what
-  /// its own part looks like. Completes the data; what is wrong, empty when nothing is. Null: it need not
-  /// know.
-  std::string (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
-                      std::uint32_t part) = nullptr;
+  /// its own part looks like. Completes the data, or says what is wrong. Null: it need not know.
+  Result<> (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                   std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries, though its file cannot say so.
   std::vector<std::string_view> brings;
   /// For all robots of the batch. make_controller_kind makes it from what decides for one.
@@ -436,25 +512,25 @@ struct Registry {
   };
   std::vector<Preset> presets;  ///< apart from the controllers' names
 
-  /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). Null:
-  /// there is none of this name; `fault` comes as what is said of an unknown name, and leaves with all that
-  /// is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
-  std::function<const ControllerKind*(std::string_view name, std::string& fault)> plugged_controllers;
+  /// Controllers that stand in no list, nor among the presets: those of plug-ins (troupe/plugins.hpp). An
+  /// error where there is none of this name: `unknown`, which is what is said of an unknown name, and what
+  /// more is known of it. Kinds live as long as the registry and its copies. Empty: there are no others.
+  std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
+      plugged_controllers;
   /// The same of sensors and other devices.
-  std::function<const DeviceKind*(std::string_view name, std::string& fault)> plugged_devices;
+  std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
 
   /// The kind of this name; null where there is none. Valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
-  /// The same. `fault` comes as what is said of an unknown name; where there is none, it leaves with all that
-  /// is known of it.
-  const DeviceKind* device(std::string_view name, std::string& fault) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   ///@}
-  /// The same; where there is none, `fault` says why: `unknown controller "hover"; known: expand, ...`.
-  const ControllerKind* controller(std::string_view name, std::string& fault) const;
+  /// The same, never null; where there is none, why. unknown: what is said of an unknown name.
+  Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
+  /// The same: `unknown controller "hover"; known: expand, ...`.
+  Result<const ControllerKind*> find_controller(std::string_view name) const;
   /// Names of the controllers and presets that stand in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
   const Preset* preset(std::string_view name) const;        ///< null where there is none

@@ -9,10 +9,8 @@ namespace {
 constexpr double k_way_error = 0.03;
 constexpr double k_turn_error = 0.05;
 
-const Value* find(const FieldTable& table, const Record& params, std::string_view name) {
-  const int at = table.find(name);
-  return at < 0 ? nullptr : &params[static_cast<std::size_t>(at)];
-}
+/// localization_fields(), in their order.
+enum Param : std::size_t { k_kind, k_origin, k_origin_heading, k_error, k_heading };
 
 }  // namespace
 
@@ -79,27 +77,23 @@ std::vector<Field> localization_fields() {
   };
 }
 
-Localization read_localization(const FieldTable& table, const Record& params) {
+Localization read_localization(std::span<const Value> params) {
   Localization how;
-  if (const Value* kind = find(table, params, "localization"); kind && kind->text() == "odom")
-    how.kind = Localization::Kind::odom;
-  if (const Value* at = find(table, params, "localization_origin"); at && at->numbers().size() == 2)
-    how.origin = Pose{at->numbers()[0], at->numbers()[1], 0,
-                      get(table, params, "localization_origin_heading").number()};
-  if (const Value* error = find(table, params, "odom_error"); error && error->numbers().size() == 3)
-    how.error = {error->numbers()[0], error->numbers()[1], error->numbers()[2]};
-  if (const Value* heading = find(table, params, "odom_heading"))
-    how.along_new_heading = heading->text() == "new";
+  if (params[k_kind].text() == "odom") how.kind = Localization::Kind::odom;
+  const std::vector<double>& at = params[k_origin].numbers();
+  if (at.size() == 2) how.origin = Pose{at[0], at[1], 0, params[k_origin_heading].number()};
+  const std::vector<double>& error = params[k_error].numbers();
+  if (error.size() == 3) how.error = {error[0], error[1], error[2]};
+  how.along_new_heading = params[k_heading].text() == "new";
   return how;
 }
 
-std::string localization_fault(const FieldTable& table, const Record& params) {
-  if (const Value* at = find(table, params, "localization_origin");
-      at && !at->numbers().empty() && at->numbers().size() != 2)
-    return "localization_origin needs two numbers, [x, y], or none";
-  if (const Value* error = find(table, params, "odom_error");
-      error && !error->numbers().empty() && error->numbers().size() != 3)
-    return "odom_error needs three numbers, [forward, left, turn], or none";
+Result<> check_localization(std::span<const Value> params) {
+  const std::size_t at = params[k_origin].numbers().size();
+  if (at != 0 && at != 2) return Error{"localization_origin needs two numbers, [x, y], or none"};
+  const std::size_t errors = params[k_error].numbers().size();
+  if (errors != 0 && errors != 3)
+    return Error{"odom_error needs three numbers, [forward, left, turn], or none"};
   return {};
 }
 

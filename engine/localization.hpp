@@ -2,12 +2,12 @@
 
 #include "base/ids.hpp"
 #include "base/pose.hpp"
+#include "base/result.hpp"
 #include "engine/fields.hpp"
 
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace troupe::engine {
@@ -68,9 +68,9 @@ struct Estimates {
 
 /// The parameters that say it, for the tables of drives.
 std::vector<Field> localization_fields();
-/// What they say; a table without them means gps.
-Localization read_localization(const FieldTable& table, const Record& params);
-/// What is wrong with them taken together; empty when nothing is.
-std::string localization_fault(const FieldTable& table, const Record& params);
+/// What they say. params: their values, one each, in their order.
+Localization read_localization(std::span<const Value> params);
+/// Whether they fit together; else what is wrong with them. params: the same.
+Result<> check_localization(std::span<const Value> params);
 
 }  // namespace troupe::engine

@@ -4,9 +4,7 @@ namespace troupe::engine {
 
 const BodyType::Device* color_device(const BodyType& type, std::uint32_t part) {
   for (const BodyType::Device& device : type.devices)
-    if (device.part == part && !device.prepared.percepts.empty() &&
-        device.prepared.percepts.front().name == k_shown_color)
-      return &device;
+    if (device.part == part && device.kind->shows_color) return &device;
   return nullptr;
 }
 

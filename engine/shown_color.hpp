@@ -9,9 +9,8 @@
 
 namespace troupe::engine {
 
-/// A device whose state begins with this field, three f32 for red, green and blue, gives the part that
-/// carries it that colour, whatever the world says: to blob finders and cameras, on the ground, and in
-/// pictures.
+/// The field of a device that gives the part that carries it a colour (DeviceKind::shows_color), whatever the
+/// world says: to blob finders and cameras, on the ground, and in pictures. Recordings find it by this name.
 inline constexpr std::string_view k_shown_color = "shown_color";
 
 /// The device of a part that gives it its colour; null where none does. Of several the first.

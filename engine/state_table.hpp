@@ -58,6 +58,8 @@ struct StateField {
   /// Optional state: where it is zero, byte for byte, the hash is that of an entity without it. So a world
   /// that does not use it keeps the hashes it had before there was such a field.
   bool sparse = false;
+  /// It says how a body looks, beside where it is, and is recorded wherever poses are.
+  bool look = false;
 };
 /// The fields of a component that is optional as a whole: a row that is all zero adds nothing to the hash.
 std::vector<StateField> sparse(std::vector<StateField> fields);

@@ -286,8 +286,15 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
+  Pushables pushables = pushables_;  // as types have them: with joints at rest, and nothing carried
+  if (pushables.any())
+    for (const std::uint32_t row : links_.composites) {
+      if (row_pushable_[row] == 0) continue;
+      pushables.radius = std::max(pushables.radius, row_shapes_[row]->radius);
+      pushables.thinnest = std::min(pushables.thinnest, row_shapes_[row]->thinnest);
+    }
   conflicts_.settle({poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_,
-                     bounds(), pushables_},
+                     bounds(), pushables},
                     scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();

@@ -415,9 +415,9 @@ class World {
   /// types: those that settings have changed so far, as they are then.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
-  /// What is wrong with it; empty where nothing is.
-  std::string build_setting(const SettingSpec& setting, const Registry& registry,
-                            std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
+  /// Or says what is wrong with it.
+  Result<> build_setting(const SettingSpec& setting, const Registry& registry,
+                         std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
   /// By id; none, and reported, where nobody is called so.

@@ -99,10 +99,10 @@ struct DeviceSpec {
 
 /// How bodies of a type move by themselves.
 struct DriveSpec {
-  std::string kind = "diff";  ///< of Registry::drives
-  Record params;              ///< one for each field of the kind's table: FieldTable::defaults()
-  double period_s = 0;        ///< 0: every tick
-  Where where;                ///< for messages
+  std::string kind;     ///< of Registry::drives
+  Record params;        ///< one for each field of the kind's table: FieldTable::defaults()
+  double period_s = 0;  ///< 0: every tick
+  Where where;          ///< for messages
 };
 
 /// What decides for bodies of a type.

@@ -1,5 +1,6 @@
 #include "sensors/blobfinder.hpp"
 
+#include "engine/frame.hpp"
 #include "engine/sight.hpp"
 
 #include <algorithm>
@@ -23,6 +24,7 @@ struct Finder {
   int height = 60;
   double range = 12;
   double fov = 0;
+  double pan = 0;             ///< from the sensor's heading to where it looks
   std::vector<Color> colors;  ///< that are reported; none: all
   bool use_blob_return = true;
   std::size_t most_blobs = 16;
@@ -134,6 +136,7 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                 .height = static_cast<int>(params[1].integer()),
                 .range = params[2].number(),
                 .fov = params[3].number(),
+                .pan = params[4].number(),
                 .use_blob_return = params[6].boolean(),
                 .most_blobs = static_cast<std::size_t>(params[7].integer())};
   const std::vector<double>& colors = params[5].numbers();
@@ -157,6 +160,31 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                        {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
           .reach_m = reach,
           .watts = 2};  // as in Stage
+}
+
+void show(const engine::DeviceView& view, engine::Frame& frame) {
+  const Finder& finder = *std::any_cast<Finder>(&view.data);
+  const auto columns = static_cast<double>(finder.width);
+  const std::span<const std::int32_t> left = view.state.cell<std::int32_t>(view.slot, k_blob_left);
+  const std::span<const std::int32_t> right = view.state.cell<std::int32_t>(view.slot, k_blob_right);
+  const std::span<const float> ranges = view.state.cell<float>(view.slot, k_blob_range);
+  const std::span<const std::uint8_t> colors = view.state.cell<std::uint8_t>(view.slot, k_blob_color);
+  const std::size_t count =
+      std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_blob_count)[0], ranges.size());
+  // The image's columns count from the left, each as wide as the angle from one ray to the next.
+  const auto end = [&](double column, double range) {
+    const double bearing = columns > 1 ? finder.fov * (0.5 - column / columns) : 0;
+    const Vec2 way = Rotation(finder.pan + bearing) * Vec2(range, 0);
+    return view.at(way.x(), way.y(), 0);
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto part = [&](std::size_t i) { return static_cast<float>(colors[4 * k + i]) / 255; };
+    frame.blobs.push_back({view.body,
+                           view.at(0, 0, 0),
+                           end(right[k] + 1.0, ranges[k]),
+                           end(left[k], ranges[k]),
+                           {part(0), part(1), part(2), 1}});
+  }
 }
 
 }  // namespace
@@ -214,6 +242,8 @@ DeviceKind blobfinder_kind() {
   }};
   kind.prepare = prepare;
   kind.sense = sense;
+  kind.layer = engine::FrameLayer::blobs;
+  kind.show = show;
   return kind;
 }
 

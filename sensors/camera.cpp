@@ -281,14 +281,20 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
                        {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
           .reach_m = pose_body_sensor.position().norm() + farthest,
-          .watts = 100};  // as Stage's manual says
+          .watts = 100,  // as Stage's manual says
+          .camera = engine::Camera{.width = lens.width,
+                                   .height = lens.height,
+                                   .range_far = lens.far,
+                                   .color = k_camera_color,
+                                   .depth = k_camera_depth}};
 }
 
 /// What its limits cannot say: that it sees something.
-std::string check(std::any& data, const engine::TypeSpec&, std::uint32_t) {
+Result<> check(std::any& data, const engine::TypeSpec&, std::uint32_t) {
   const Lens& lens = *std::any_cast<Lens>(&data);
   if (lens.near < lens.far) return {};
-  return fmt::format("needs a range_near below its range_far; here are {} m and {} m", lens.near, lens.far);
+  return Error{
+      fmt::format("needs a range_near below its range_far; here are {} m and {} m", lens.near, lens.far)};
 }
 
 }  // namespace

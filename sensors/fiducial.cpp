@@ -1,5 +1,6 @@
 #include "sensors/fiducial.hpp"
 
+#include "engine/frame.hpp"
 #include "engine/lookout.hpp"
 
 #include <algorithm>
@@ -206,7 +207,16 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                        {"heading", Element::f32, n, "rad", "of each, sensor frame"},
                        {"size", Element::f32, 3 * n, "m", "of each: x, y, z"},
                        {"pose", Element::f64, 4 * n, "m, rad", "of each: x, y, z, heading, world frame"}},
-          .reach_m = pose_body_sensor.position().norm() + finder.range_max};
+          .reach_m = pose_body_sensor.position().norm() + finder.range_max,
+          .seeks = engine::SoughtMarks{finder.key, finder.ignore_zloc}};
+}
+
+void show(const engine::DeviceView& view, engine::Frame& frame) {
+  const std::span<const double> poses = view.state.cell<double>(view.slot, k_fiducial_pose);
+  const std::size_t count =
+      std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_fiducial_count)[0], poses.size() / 4);
+  for (std::size_t k = 0; k < count; ++k)
+    frame.sights.push_back({view.body, view.at(0, 0, 0), {poses[4 * k], poses[4 * k + 1], poses[4 * k + 2]}});
 }
 
 }  // namespace
@@ -264,6 +274,8 @@ DeviceKind fiducial_kind() {
   }};
   kind.prepare = prepare;
   kind.sense = sense;
+  kind.layer = engine::FrameLayer::sights;
+  kind.show = show;
   return kind;
 }
 

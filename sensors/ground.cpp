@@ -193,12 +193,12 @@ DeviceKind ground_kind() {
        .columns = 3},
   }};
   kind.prepare = prepare_sensor;
-  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> std::string {
+  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> Result<> {
     const GroundSensor& sensor = *std::any_cast<GroundSensor>(&data);
     if (!sensor.points.empty() && !sensor.is_odd) return {};
-    return "needs \"points\": x and y of each, one after another";
+    return Error{"needs \"points\": x and y of each, one after another"};
   };
-  kind.look = [](std::any& data, const WorldSpec& world) -> std::string {
+  kind.look = [](std::any& data, const WorldSpec& world) -> Result<> {
     std::any_cast<GroundSensor>(&data)->ground.look(world);
     return {};
   };

@@ -809,13 +809,13 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_radio) 
 }
 
 /// Radios are found by the circles of their bodies.
-std::string mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
+Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
   const Radio& radio = *std::any_cast<Radio>(&data);
   if (!(radio.sensitivity < radio.power))
-    return fmt::format(
-        "hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
-        "its power, {:g} dBm",
-        radio.sensitivity, radio.power);
+    return Error{
+        fmt::format("hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
+                    "its power, {:g} dBm",
+                    radio.sensitivity, radio.power)};
   double radius2 = 0;
   for (const engine::PartSpec& part : type.parts)
     for (const Solid& solid : part.solids)
@@ -823,10 +823,10 @@ std::string mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
         for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
   const Vec2 place = radio.pose_body_radio.position();
   if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
-  return fmt::format(
-      "stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
-      "there",
-      place.norm(), sqrt(radius2));
+  return Error{
+      fmt::format("stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
+                  "there",
+                  place.norm(), sqrt(radius2))};
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ const FieldTable& transducer_fields() {
        .fallback = 1,
        .min = 1,
        .max = 100000,
-       .text = "beams of the transducer"},
+       .text = "beams of the transducer",
+       .counts_readings = true},
       {.name = "noise_stddev",
        .unit = Unit::meters,
        .fallback = 0.0,
@@ -196,8 +197,11 @@ engine::DeviceKind::Prepared prepare(const engine::Record& params, const Pose& p
                                 record[3].number(), static_cast<std::size_t>(record[4].integer()),
                                 record[7].number()};
     add_extras_of(record, transducer, out.bearings.size(), ranger);
-    out.transducers.push_back(out.bearings.size());
-    out.transducer_origins.push_back(pose_sensor_transducer.position());
+    out.transducers.push_back({.first = out.bearings.size(),
+                               .samples = transducer.samples,
+                               .pose_sensor_transducer = pose_sensor_transducer,
+                               .range_max = transducer.range_max,
+                               .fov = transducer.fov});
     for (std::size_t i = 0; i < transducer.samples; ++i)
       out.bearings.push_back(pose_sensor_transducer.heading + transducer.bearing(i));
     farthest = std::max(farthest, transducer.range_max);

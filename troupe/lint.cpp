@@ -2,7 +2,6 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
-#include "sensors/fiducial.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -106,9 +105,9 @@ class Lint {
   void check_sensors();
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
-  void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor);
+  void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
   void check_floor_plans();
-  std::string why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const;
+  Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
 
   const engine::World& world_;
@@ -136,7 +135,7 @@ void Lint::check_sensors() {
       if (levels_[t].empty()) continue;
       const engine::DeviceSpec& sensor = spec_.types[t].devices[s];
       check_ranger(t, world_.types()[t].devices[s], sensor.where, visible);
-      if (sensor.kind == "fiducial") check_finder(t, sensor);
+      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks) check_finder(t, sensor, *sought);
     }
 }
 
@@ -161,17 +160,14 @@ std::string called_text(std::string_view sensor, std::string_view type) {
 }
 
 /// Whether anything that another body has is marked for the finder, and stands at its height.
-void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor) {
-  const auto param = [&, params = sensors::fiducial_kind().params ](std::string_view name) -> const auto& {
-    return sensor.params[static_cast<std::size_t>(params.find(name))];
-  };
-  const std::int64_t key = param("key").integer();
+void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
+                        const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
   Heights marked, own;
   bool is_any_marked = false;
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
     for (const engine::PartSpec& part : spec_.types[t].parts) {
-      if (part.returns.fiducial == 0 || part.returns.fiducial_key != key) continue;
+      if (part.returns.fiducial == 0 || part.returns.fiducial_key != sought.key) continue;
       std::size_t bodies = 0;
       for (const auto& [z, count] : levels_[t]) {
         bodies += count;
@@ -183,11 +179,12 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor) {
       is_any_marked = is_any_marked || bodies > (t == type ? 1U : 0U);
     }
   if (!is_any_marked) {
-    diagnostics_.warning(sensor.where,
-                         called + fmt::format("no other body has a fiducial_return with its key, {}", key));
+    diagnostics_.warning(
+        sensor.where,
+        called + fmt::format("no other body has a fiducial_return with its key, {}", sought.key));
     return;
   }
-  if (param("ignore_zloc").boolean() || sensor.joint != engine::k_rigid) return;
+  if (sought.at_any_height || sensor.joint != engine::k_rigid) return;
   marked.sort();
   own.sort();
   ZInterval looks = k_no_heights;
@@ -232,9 +229,9 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
   diagnostics_.warning(where, called + missed_text(visible, looks, "nothing else", "what could be seen"));
 }
 
-/// Why no robot is ever stopped by it; empty where one can be.
-std::string Lint::why_it_stops_nobody(const engine::BodySpec& body, const engine::PartSpec& plan) const {
-  if (!plan.returns.obstacle) return "it is no obstacle";
+/// Whether it can ever block a robot; else why not.
+Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
+  if (!plan.returns.obstacle) return Error{"it is no obstacle"};
   const double height = body.pose_world_body.z;
   ZInterval robots = k_no_heights;
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
@@ -248,11 +245,11 @@ std::string Lint::why_it_stops_nobody(const engine::BodySpec& body, const engine
         robots = united(robots, z);
       }
   }
-  if (robots == k_no_heights) return "no robot is an obstacle";
+  if (robots == k_no_heights) return Error{"no robot is an obstacle"};
   ZInterval walls = robots;
   if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
-  return fmt::format("it stands from {:.4g} to {:.4g} m, the robots from {:.4g} to {:.4g} m", walls.min,
-                     walls.max, robots.min, robots.max);
+  return Error{fmt::format("it stands from {:.4g} to {:.4g} m, the robots from {:.4g} to {:.4g} m", walls.min,
+                           walls.max, robots.min, robots.max)};
 }
 
 void Lint::check_floor_plans() {
@@ -263,10 +260,10 @@ void Lint::check_floor_plans() {
     if (world_.row(BodyId(b)).valid()) continue;
     for (const engine::PartSpec& part : spec_.types[body.type.index()].parts) {
       if (!part.floor_plan) continue;
-      const std::string why = why_it_stops_nobody(body, part);
-      if (why.empty()) continue;
-      diagnostics_.warning(body.where,
-                           fmt::format("floor plan \"{}\" blocks nothing: {}", spec_.name(BodyId(b)), why));
+      const Result<> blocks = can_block(body, part);
+      if (blocks) continue;
+      diagnostics_.warning(body.where, fmt::format("floor plan \"{}\" blocks nothing: {}",
+                                                   spec_.name(BodyId(b)), blocks.error().text));
       if (!part.returns.obstacle) open.push_back(BodyId(b));
       break;
     }

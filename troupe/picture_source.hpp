@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/fields.hpp"
 #include "engine/frame.hpp"
 
@@ -48,11 +49,11 @@ class PictureSource {
   /// The id of the body of this name; nothing where there is none.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// The value of that name, for FrameWishes. Where there is no such thing `fault` says so, and what there
+  /// The value of that name, for FrameWishes. Where there is no such thing the error says so, and what there
   /// is.
-  virtual std::optional<ChosenValue> find_value(const std::string& name, std::string& fault) const = 0;
-  /// What of the wishes cannot be had here, and why, as the end of an error; empty: all can.
-  virtual std::string missing(const FrameWishes& wishes) const = 0;
+  virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
+  /// Whether all of the wishes can be had here; else which cannot, and why.
+  virtual Result<> check(const FrameWishes& wishes) const = 0;
 
   // The state where it stands.
   virtual double time_s() const = 0;             ///< world time

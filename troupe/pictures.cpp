@@ -75,21 +75,21 @@ std::vector<LayerSwitch> switches_of(std::string_view list) {
 
 std::span<const PictureLayer> picture_layers() { return k_layers; }
 
-std::string layers_fault(const std::string& layers) {
+Result<> check_layers(const std::string& layers) {
   for (const LayerSwitch& layer : switches_of(layers)) {
     if (std::ranges::find(k_layers, layer.name, &PictureLayer::name) != k_layers.end()) continue;
     std::vector<std::string_view> known;
     for (const PictureLayer& one : k_layers) known.push_back(one.name);
-    return unknown_name("layer", std::string(layer.name), known);
+    return Error{unknown_name("layer", std::string(layer.name), known)};
   }
   return {};
 }
 
-std::string camera_fault(const std::string& camera) {
+Result<> check_camera(const std::string& camera) {
   const std::vector<std::string_view> known = {"follow:NAME", "perspective", "top", "window"};
   const bool follows = camera.starts_with(k_follow) && camera.size() > k_follow.size();
   if (follows || std::ranges::find(known.begin() + 1, known.end(), camera) != known.end()) return {};
-  return unknown_name("camera", camera, known);
+  return Error{unknown_name("camera", camera, known)};
 }
 
 #ifdef TROUPE_HAS_RENDER
@@ -193,8 +193,8 @@ struct Pictures::Impl {
 
   Impl(const PictureSource& source, PictureOptions wanted)
       : options(std::move(wanted)), file(source.file()), trails(source.tick_s()), scene(source.scene()) {
-    if (const std::string fault = camera_fault(options.camera); !fault.empty()) refuse(fault);
-    if (const std::string fault = layers_fault(options.layers); !fault.empty()) refuse(fault);
+    require(check_camera(options.camera));
+    require(check_layers(options.layers));
     set_camera(source);
     for (const LayerSwitch& layer : switches_of(options.layers))
       *switch_of(view.layers, layer.name) = layer.on;
@@ -209,11 +209,16 @@ struct Pictures::Impl {
               shown.names,
               std::nullopt};
     if (!options.color_by.empty()) {
-      std::string fault;
-      wishes.value = source.find_value(options.color_by, fault);
-      if (!wishes.value) refuse(fault);
+      Result<ChosenValue> value = source.find_value(options.color_by);
+      require(value);
+      wishes.value = *std::move(value);
     }
-    if (const std::string fault = source.missing(wishes); !fault.empty()) refuse(fault);
+    require(source.check(wishes));
+  }
+
+  template <class T>
+  void require(const Result<T>& result) const {
+    if (!result) refuse(result.error().text);
   }
 
   [[noreturn]] void refuse(const std::string& message) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "troupe/simulation.hpp"
 
 #include <array>
@@ -47,10 +48,10 @@ struct PictureLayer {
 };
 /// All that there are.
 std::span<const PictureLayer> picture_layers();
-/// What is wrong with a list of layers: `unknown layer "scan"; known: ...`; empty when nothing is.
-std::string layers_fault(const std::string& layers);
-/// What is wrong with the name of a camera, whatever the world.
-std::string camera_fault(const std::string& camera);
+/// Whether all of a list of layers are known; else `unknown layer "scan"; known: ...`.
+Result<> check_layers(const std::string& layers);
+/// Whether a camera may have this name, whatever the world; else which there are.
+Result<> check_camera(const std::string& camera);
 
 /// Pictures of one simulation, any number:
 ///

@@ -52,6 +52,7 @@ using engine::Sighting;
 using engine::SightRay;
 using engine::StateField;
 using engine::StateTable;
+using engine::Transducer;
 using engine::TypeSpec;
 using engine::Unit;
 using engine::Value;

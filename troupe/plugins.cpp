@@ -51,55 +51,58 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Why a file is not loaded at all: loading runs code of it. Empty where it may be.
-std::string why_not_ours(std::string_view bytes) {
-  if (!bytes.starts_with("\177ELF")) return "is no shared library";
-  if (!is_whole(bytes)) return "is cut off";
+/// Whether a file may be loaded, which runs code of it.
+Result<> check_contents(std::string_view bytes) {
+  if (!bytes.starts_with("\177ELF")) return Error{"is no shared library"};
+  if (!is_whole(bytes)) return Error{"is cut off"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
-    return fmt::format(
+    return Error{fmt::format(
         "is a controller of Stage (it has Init, and no {}): these are written against Stage itself; "
         "docs/controllers.md tells how to write one for Troupe",
-        plugin::k_symbol);
-  return fmt::format(
+        plugin::k_symbol)};
+  return Error{fmt::format(
       "is no plug-in of Troupe: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE make",
-      plugin::k_symbol);
+      plugin::k_symbol)};
 }
 
-/// Why what was loaded cannot be used. Only what stands first in every version is read before that is known.
-std::string why_unlike(const plugin::Library& library) {
+/// Whether what was loaded can be used. Only what stands first in every version is read before that is known.
+Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
-    return fmt::format(
+    return Error{fmt::format(
         "was built for troupe {} (interface {}), this is troupe {} (interface {}): build it again",
-        library.version, library.interface, k_version, plugin::k_interface);
+        library.version, library.interface, k_version, plugin::k_interface)};
   if (std::string_view(library.build) != plugin::k_build)
-    return fmt::format(
-        "was built with {}, Troupe with {}: link it with troupe::plugin, which brings the flags",
-        library.build, plugin::k_build);
+    return Error{
+        fmt::format("was built with {}, Troupe with {}: link it with troupe::plugin, which brings the flags",
+                    library.build, plugin::k_build)};
   if (library.layout != plugin::layout())
-    return fmt::format("was built with the headers of another state of troupe {}: build it again", k_version);
+    return Error{
+        fmt::format("was built with the headers of another state of troupe {}: build it again", k_version)};
   if (library.contracts())
-    return "was compiled so that a * b + c is rounded once, which gives other bits: link it with "
-           "troupe::plugin, which brings -ffp-contract=off";
+    return Error{
+        "was compiled so that a * b + c is rounded once, which gives other bits: link it with "
+        "troupe::plugin, "
+        "which brings -ffp-contract=off"};
   return {};
 }
 
 /// `cannot be loaded: undefined symbol: ...`. The system's words name the file once more.
-std::string why_not_loaded(const fs::path& file) {
+Error load_error(const fs::path& file) {
   const char* said = dlerror();
   std::string_view reason = said ? said : "for no reason that the system tells";
   const std::string prefix = file.string() + ": ";
   if (reason.starts_with(prefix)) reason.remove_prefix(prefix.size());
-  return fmt::format("cannot be loaded: {}{}", reason,
-                     reason.find("N6troupe") == reason.npos ? "" : " (link it with troupe::plugin)");
+  return {fmt::format("cannot be loaded: {}{}", reason,
+                      reason.find("N6troupe") == reason.npos ? "" : " (link it with troupe::plugin)")};
 }
 
 }  // namespace
 
 struct Plugins::Loaded : Library {
-  std::string missing;  ///< there is no such file: where it was looked for
-  std::string broken;   ///< it cannot be used: why
-  bool is_usable() const { return missing.empty() && broken.empty(); }
+  Result<> found;   ///< else where it was looked for
+  Result<> opened;  ///< whether a library that was found can be used
+  bool is_usable() const { return found && opened; }
 
   template <class K>
   struct Kinds {
@@ -125,45 +128,42 @@ Plugins::Plugins(std::vector<fs::path> path, const engine::Registry& registry) :
 }
 Plugins::~Plugins() = default;
 
-const engine::ControllerKind* Plugins::controller(std::string_view name, std::string& fault) {
-  return find(name, &Loaded::controllers, fault);
+Result<const engine::ControllerKind*> Plugins::controller(std::string_view name, std::string unknown) {
+  return find(name, &Loaded::controllers, std::move(unknown));
 }
 
-const engine::DeviceKind* Plugins::device(std::string_view name, std::string& fault) {
-  return find(name, &Loaded::devices, fault);
+Result<const engine::DeviceKind*> Plugins::device(std::string_view name, std::string unknown) {
+  return find(name, &Loaded::devices, std::move(unknown));
 }
 
 template <class Kinds>
-auto Plugins::find(std::string_view name, Kinds Loaded::*kinds, std::string& fault) -> const
-    typename Kinds::Kind* {
+auto Plugins::find(std::string_view name, Kinds Loaded::*kinds, std::string unknown)
+    -> Result<const typename Kinds::Kind*> {
   const std::size_t colon = name.find(':');
   const std::string_view library_name = name.substr(0, colon);
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
-  if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return nullptr;
+  if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return Error{std::move(unknown)};
   Loaded& library = loaded(library_name);
-  if (!library.missing.empty()) fault += "; " + library.missing;
+  if (!library.found) return Error{fmt::format("{}; {}", unknown, library.found.error().text)};
   const Kinds& own = library.*kinds;
-  if (!library.broken.empty()) fault = fmt::format("{} \"{}\": {}", own.what, name, library.broken);
-  if (!library.is_usable()) return nullptr;
+  if (!library.opened)
+    return Error{fmt::format("{} \"{}\": {}", own.what, name, library.opened.error().text)};
 
   const std::string full_name = own_name == library_name ? std::string(own_name) : std::string(name);
   const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Kinds::Kind::name);
   if (kind != own.kinds.end()) return &*kind;
   const std::vector<std::string_view> known = own.known();
-  fault = fmt::format("{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
-                      known.empty() ? library.has_else() : comma_list(known), did_you_mean(name, known));
-  return nullptr;
+  return Error{fmt::format("{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
+                           known.empty() ? library.has_else() : comma_list(known),
+                           did_you_mean(name, known))};
 }
 
-const Plugins::Library* Plugins::load(std::string_view name, std::string& fault) {
-  if (!plugin::is_name(name)) {
-    fault = fmt::format("\"{}\" is no name of a plug-in", name);
-    return nullptr;
-  }
+Result<const Plugins::Library*> Plugins::load(std::string_view name) {
+  if (!plugin::is_name(name)) return Error{fmt::format("\"{}\" is no name of a plug-in", name)};
   const Loaded& library = loaded(name);
-  if (library.is_usable()) return &library;
-  fault = library.missing + library.broken;
-  return nullptr;
+  if (!library.found) return library.found.error();
+  if (!library.opened) return library.opened.error();
+  return &library;
 }
 
 std::vector<Plugins::Library> Plugins::libraries() const {
@@ -184,83 +184,76 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   for (const fs::path& folder : path_)
     if (library.file.empty() && is_file(folder / file_name)) library.file = folder / file_name;
   if (!library.file.empty()) {
-    open(library);
-    if (!library.broken.empty()) library.broken = fmt::format("{} {}", library.file.string(), library.broken);
+    if (const Result<> opened = open(library); !opened)
+      library.opened = Error{fmt::format("{} {}", library.file.string(), opened.error().text)};
     return library;
   }
   if (path_.empty()) {
-    library.missing = fmt::format("no --plugin-path says where to look for {}", file_name);
+    library.found = Error{fmt::format("no --plugin-path says where to look for {}", file_name)};
     return library;
   }
   std::vector<std::string> folders;
   for (const fs::path& folder : path_) folders.push_back(folder.string());
-  library.missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
+  std::string missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
   for (const fs::path& folder : path_)
     if (is_file(folder / ("lib" + file_name)))
-      library.missing +=
+      missing +=
           fmt::format(" (a plug-in's name has no \"lib\": {})", (folder / ("lib" + file_name)).string());
+  library.found = Error{std::move(missing)};
   return library;
 }
 
-void Plugins::open(Loaded& library) {
+/// Loads it and takes its kinds.
+Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
-  library.broken = bytes ? why_not_ours(*bytes) : "cannot be read";
-  if (!library.broken.empty()) return;
+  if (!bytes) return Error{"cannot be read"};
+  if (Result<> ours = check_contents(*bytes); !ours) return ours;
   library.contents = hash_text(*bytes);
 
   const fs::path absolute = fs::absolute(library.file);  // a bare name would be looked for elsewhere
-  const bool was_right = fp_environment_fault().empty();
+  const bool was_right = static_cast<bool>(check_fp_environment());
   void* const handle = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (const std::string fault = fp_environment_fault(); was_right && !fault.empty()) {
+  if (const Result<> is_right = check_fp_environment(); was_right && !is_right) {
     restore_fp_environment();
     warnings_.push_back(
         fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "
                     "that loaded it ({}); it "
                     "was changed back",
-                    library.file.string(), fault));
+                    library.file.string(), is_right.error().text));
   }
-  if (!handle) {
-    library.broken = why_not_loaded(absolute);
-    return;
-  }
+  if (!handle) return load_error(absolute);
   const auto symbol = reinterpret_cast<plugin::Symbol>(dlsym(handle, plugin::k_symbol));
-  if (!symbol) {
-    library.broken = fmt::format("is no plug-in of Troupe: it has no symbol {}", plugin::k_symbol);
-    return;
-  }
+  if (!symbol) return Error{fmt::format("is no plug-in of Troupe: it has no symbol {}", plugin::k_symbol)};
   // From here on code of the plug-in's author runs, which may throw anything.
   try {
     const plugin::Library* const described = symbol();
-    library.broken =
-        described ? why_unlike(*described) : fmt::format("cannot be used: {} returns null", plugin::k_symbol);
-    if (!library.broken.empty()) return;
+    if (!described) return Error{fmt::format("cannot be used: {} returns null", plugin::k_symbol)};
+    if (Result<> fits = check_build(*described); !fits) return fits;
     std::uint64_t before = 0;
-    if (!described->contents->compare_exchange_strong(before, library.contents) &&
-        before != library.contents) {
-      library.broken = "was built again since this process loaded it: start it again";
-      return;
-    }
-    read_kinds(library, described->list);
+    if (!described->contents->compare_exchange_strong(before, library.contents) && before != library.contents)
+      return Error{"was built again since this process loaded it: start it again"};
+    return read_kinds(library, described->list);
   } catch (...) {
-    library.broken = fmt::format("cannot say what it holds: it {}", engine::thrown_text());
+    return Error{fmt::format("cannot say what it holds: it {}", engine::thrown_text())};
   }
 }
 
-void Plugins::read_kinds(Loaded& library, List list) const {
+Result<> Plugins::read_kinds(Loaded& library, List list) const {
   std::vector<engine::ControllerKind> controllers;
   std::vector<engine::DeviceKind> devices;
   list(controllers, devices);
-  const auto keep = [&library](auto kinds, const std::vector<std::string>& taken, auto& own) {
+  Result<> all_right;
+  const auto keep = [&](auto kinds, const std::vector<std::string>& taken, auto& own) {
     std::ranges::sort(kinds, {}, [](const auto& kind) { return kind.name; });  // the linker's order before
     for (auto& kind : kinds) {
       std::string name(kind.name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
-      if (!kind.prepare) library.broken = fmt::format("has a {} \"{}\" without `prepare`", own.what, name);
+      if (!kind.prepare) all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
       if (std::ranges::find(own.names, name) != own.names.end())
-        library.broken = fmt::format("has two of the name \"{}\", each a {}", name, own.what);
+        all_right = Error{fmt::format("has two of the name \"{}\", each a {}", name, own.what)};
       if (std::ranges::find(taken, name) != taken.end())
-        library.broken =
-            fmt::format("has a {} \"{}\", a name that Troupe's own has: give it another", own.what, name);
+        all_right = Error{
+            fmt::format("has a {} \"{}\", a name that Troupe's own has: give it another", own.what, name)};
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);
@@ -268,16 +261,17 @@ void Plugins::read_kinds(Loaded& library, List list) const {
   keep(std::move(controllers), taken_controllers_, library.controllers);
   keep(std::move(devices), taken_devices_, library.devices);
   if (library.controllers.kinds.empty() && library.devices.kinds.empty())
-    library.broken = "has no controller, sensor or device";
+    all_right = Error{"has no controller, sensor or device"};
+  return all_right;
 }
 
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path) {
   auto plugins = std::make_shared<Plugins>(std::move(path), registry);
-  registry.plugged_controllers = [plugins](std::string_view name, std::string& fault) {
-    return plugins->controller(name, fault);
+  registry.plugged_controllers = [plugins](std::string_view name, std::string unknown) {
+    return plugins->controller(name, std::move(unknown));
   };
-  registry.plugged_devices = [plugins](std::string_view name, std::string& fault) {
-    return plugins->device(name, fault);
+  registry.plugged_devices = [plugins](std::string_view name, std::string unknown) {
+    return plugins->device(name, std::move(unknown));
   };
   return plugins;
 }

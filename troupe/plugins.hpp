@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -36,12 +37,12 @@ class Plugins {
   Plugins& operator=(const Plugins&) = delete;
 
   /// Registry::plugged_controllers.
-  const engine::ControllerKind* controller(std::string_view name, std::string& fault);
+  Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
   /// Registry::plugged_devices.
-  const engine::DeviceKind* device(std::string_view name, std::string& fault);
-  /// The library of this name, loaded; null where there is none that can be used, with the reason in `fault`:
+  Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
+  /// The library of this name, loaded, never null; where there is none that can be used, why:
   /// `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
-  const Library* load(std::string_view name, std::string& fault);
+  Result<const Library*> load(std::string_view name);
 
   /// Those in use, in the order of their names.
   std::vector<Library> libraries() const;
@@ -51,11 +52,12 @@ class Plugins {
  private:
   struct Loaded;
   Loaded& loaded(std::string_view name);
-  void open(Loaded& library);
+  Result<> open(Loaded& library);
   using List = void (*)(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&);
-  void read_kinds(Loaded& library, List list) const;
+  Result<> read_kinds(Loaded& library, List list) const;
   template <class Kinds>
-  auto find(std::string_view name, Kinds Loaded::*kinds, std::string& fault) -> const typename Kinds::Kind*;
+  auto find(std::string_view name, Kinds Loaded::*kinds, std::string unknown)
+      -> Result<const typename Kinds::Kind*>;
 
   std::vector<std::filesystem::path> path_;
   std::vector<std::string> taken_controllers_, taken_devices_;

@@ -391,14 +391,11 @@ std::optional<std::uint32_t> RecordedRun::find_body(std::string_view name) const
   return std::nullopt;
 }
 
-std::optional<ChosenValue> RecordedRun::find_value(const std::string& name, std::string& fault) const {
+Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   for (ChosenValue& reading : readings_of(name)) {
     for (const Array& array : impl_->reader.arrays()) {
       if (array.field.name != reading.field || !has_name(array, reading.component)) continue;
-      if (reading.column >= array.field.columns) {
-        fault = columns_fault(reading, array.field.columns);
-        return std::nullopt;
-      }
+      if (reading.column >= array.field.columns) return no_such_column(reading, array.field.columns);
       reading.text = with_unit(name, array.field.unit);
       return reading;
     }
@@ -406,14 +403,14 @@ std::optional<ChosenValue> RecordedRun::find_value(const std::string& name, std:
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", array.component, array.field.name));
-  fault = fmt::format("{}; --record-fields chooses what is recorded",
-                      unknown_name("value", name, {known.begin(), known.end()}));
-  return std::nullopt;
+  return Error{fmt::format("{}; --record-fields chooses what is recorded",
+                           unknown_name("value", name, {known.begin(), known.end()}))};
 }
 
-std::string RecordedRun::missing(const FrameWishes& wishes) const {
+Result<> RecordedRun::check(const FrameWishes& wishes) const {
   const auto not_recorded = [](std::string_view what, std::string_view field) {
-    return fmt::format("the recording has no {}: record them with --record-fields pose,{}", what, field);
+    return Error{
+        fmt::format("the recording has no {}: record them with --record-fields pose,{}", what, field)};
   };
   const bool has_ranges = std::ranges::any_of(impl_->readings, [](const Array* a) { return a != nullptr; });
   if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");
@@ -426,7 +423,8 @@ std::string RecordedRun::missing(const FrameWishes& wishes) const {
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
                                       std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
-      return fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer);
+      return Error{
+          fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer)};
   return {};
 }
 

@@ -42,8 +42,8 @@ class RecordedRun : public PictureSource {
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
   /// Of what was recorded.
-  std::optional<ChosenValue> find_value(const std::string& name, std::string& fault) const override;
-  std::string missing(const FrameWishes& wishes) const override;
+  Result<ChosenValue> find_value(const std::string& name) const override;
+  Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;
   std::uint64_t state_hash() const override;
   engine::Frame frame(const FrameWishes& wishes) const override;

@@ -7,8 +7,6 @@
 #include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "models/devices/flags.hpp"
-#include "models/devices/power.hpp"
 #include "models/drives/wheels.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
@@ -64,11 +62,11 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
   for (const auto& [key, contents] : checkpoint.header()) {
     if (!key.starts_with(k_plugin)) continue;
     const std::string name = key.substr(k_plugin.size());
-    std::string fault;
-    const Plugins::Library* library = plugins.load(name, fault);
-    if (!library)
+    const Result<const Plugins::Library*> loaded = plugins.load(name);
+    if (!loaded)
       throw InputError(fmt::format("{}: error: the run needs plug-in \"{}\": {}", checkpoint.file().string(),
-                                   name, fault));
+                                   name, loaded.error().text));
+    const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =
         fmt::format("{} is another build of plug-in \"{}\" than the one that the run was saved with",
@@ -87,17 +85,13 @@ void append(std::vector<std::string>& lines, const std::vector<std::string>& mor
   lines.insert(lines.end(), more.begin(), more.end());
 }
 
-/// The device of a kind that a part carries itself; null where it carries none.
+/// The first device that a part carries itself and whose kind declares this; null where it carries none.
+template <class Capability>
 const engine::BodyType::Device* device_on(const engine::BodyType& type, std::size_t part,
-                                          std::string_view kind) {
+                                          Capability engine::DeviceKind::*declared) {
   for (const engine::BodyType::Device& device : type.devices)
-    if (device.part == part && device.kind->name == kind) return &device;
+    if (device.part == part && device.kind->*declared) return &device;
   return nullptr;
-}
-
-const models::PowerPackState& pack_state(const engine::World& world, const engine::BodyType::Device& pack,
-                                         Row row) {
-  return world.percepts(pack).as<models::PowerPackState>(world.slot(row));
 }
 
 std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
@@ -436,20 +430,16 @@ std::optional<Model::Energy> Model::energy() const {
   const engine::World& world = *place_->world;
   const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[place_->body.index()].type.index()];
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
-    if (const auto* pack = device_on(place_->type(), part, "power_pack")) {
-      const models::PowerPackState& state = pack_state(world, *pack, place_->row());
-      return Energy{state.stored, state.capacity,      state.dissipated,   state.received,
-                    state.given,  state.infinite != 0, state.charging != 0};
-    }
+    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
+      return pack->kind->energy(world.percepts(*pack), world.slot(place_->row()));
     if (part == 0) return {};
   }
 }
 
 std::size_t Model::flag_count() const {
   const engine::World& world = *place_->world;
-  const auto* flags = device_on(place_->type(), place_->part, "flags");
-  if (flags == nullptr) return 0;
-  return world.percepts(*flags).cell<std::uint32_t>(world.slot(place_->row()), models::k_flag_count)[0];
+  const auto* holder = device_on(place_->type(), place_->part, &engine::DeviceKind::flags);
+  return holder ? holder->kind->flags(world.percepts(*holder), world.slot(place_->row())).count : 0;
 }
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options)
@@ -599,7 +589,7 @@ void Simulation::step() {
   impl_->refuse_in_callbacks("step()");
   Model::refuse_in_for_each(*impl_->world, "step()");
   // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
-  if (const std::string fault = fp_environment_fault(); !fault.empty()) restore_fp_environment();
+  if (!check_fp_environment()) restore_fp_environment();
   impl_->world->step();
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
@@ -836,15 +826,15 @@ Model::Energy Simulation::energy() const {
     const Row row = w.row(BodyId(b));
     if (!row.valid()) continue;
     for (const engine::BodyType::Device& device : w.type(row).devices) {
-      if (device.kind->name != "power_pack") continue;
-      const models::PowerPackState& state = pack_state(w, device, row);
-      sum.stored_j += state.stored;
-      sum.capacity_j += state.capacity;
-      sum.dissipated_j += state.dissipated;
-      sum.received_j += state.received;
-      sum.given_j += state.given;
-      sum.infinite = sum.infinite || state.infinite != 0;
-      sum.charging = sum.charging || state.charging != 0;
+      if (!device.kind->energy) continue;
+      const Model::Energy pack = device.kind->energy(w.percepts(device), w.slot(row));
+      sum.stored_j += pack.stored_j;
+      sum.capacity_j += pack.capacity_j;
+      sum.dissipated_j += pack.dissipated_j;
+      sum.received_j += pack.received_j;
+      sum.given_j += pack.given_j;
+      sum.infinite = sum.infinite || pack.infinite;
+      sum.charging = sum.charging || pack.charging;
     }
   }
   return sum;

@@ -3,6 +3,7 @@
 #include "base/ids.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
+#include "engine/energy.hpp"
 #include "engine/phase.hpp"
 #include "engine/ranging_engine.hpp"
 #include "engine/state_table.hpp"
@@ -204,15 +205,7 @@ class Model {
   Asked asked(std::string_view device);  ///< std::out_of_range where no device of this name takes commands
 
   /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
-  struct Energy {
-    double stored_j = 0;      ///< what it holds
-    double capacity_j = 0;    ///< what it can hold
-    double dissipated_j = 0;  ///< by all that runs on it
-    double received_j = 0;    ///< from others, by contact
-    double given_j = 0;       ///< to others, by contact
-    bool infinite = false;    ///< it never runs out; stored_j stays 0
-    bool charging = false;    ///< it was given something in the last tick
-  };
+  using Energy = engine::Energy;
   /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs
   /// on none.
   std::optional<Energy> energy() const;

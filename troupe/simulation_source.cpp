@@ -29,11 +29,11 @@ std::optional<std::uint32_t> SimulationSource::find_body(std::string_view name) 
   return body.valid() ? std::optional(body.value) : std::nullopt;
 }
 
-std::optional<ChosenValue> SimulationSource::find_value(const std::string& name, std::string& fault) const {
-  return troupe::find_value(simulation_.world(), name, fault);
+Result<ChosenValue> SimulationSource::find_value(const std::string& name) const {
+  return troupe::find_value(simulation_.world(), name);
 }
 
-std::string SimulationSource::missing(const FrameWishes&) const { return {}; }
+Result<> SimulationSource::check(const FrameWishes&) const { return {}; }
 double SimulationSource::time_s() const { return simulation_.time_s(); }
 std::uint64_t SimulationSource::state_hash() const { return simulation_.state_hash(); }
 
@@ -41,9 +41,9 @@ Frame SimulationSource::frame(const FrameWishes& wishes) const {
   const engine::World& world = simulation_.world();
   Frame frame = world.frame();
   if (wishes.scans) add_scans(world, frame);
-  if (wishes.sights) add_sights(world, frame);
-  if (wishes.blobs) add_blobs(world, frame);
-  if (wishes.grips) add_grips(world, frame);
+  if (wishes.sights) add_layer(world, engine::FrameLayer::sights, frame);
+  if (wishes.blobs) add_layer(world, engine::FrameLayer::blobs, frame);
+  if (wishes.grips) add_layer(world, engine::FrameLayer::grips, frame);
   if (wishes.links) add_links(world, frame);
   if (wishes.charges) add_charges(world, frame);
   if (wishes.names) add_names(world, frame);

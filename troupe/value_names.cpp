@@ -36,9 +36,9 @@ std::string with_unit(const std::string& name, std::string_view unit) {
   return unit.empty() ? name : fmt::format("{} ({})", name, unit);
 }
 
-std::string columns_fault(const ChosenValue& value, std::size_t columns) {
-  if (columns == 0) return fmt::format("\"{}.{}\" is empty", value.component, value.field);
-  return fmt::format("\"{}.{}\" has the columns 0 to {}", value.component, value.field, columns - 1);
+Error no_such_column(const ChosenValue& value, std::size_t columns) {
+  if (columns == 0) return {fmt::format("\"{}.{}\" is empty", value.component, value.field)};
+  return {fmt::format("\"{}.{}\" has the columns 0 to {}", value.component, value.field, columns - 1)};
 }
 
 }  // namespace troupe

@@ -15,7 +15,7 @@ std::vector<ChosenValue> readings_of(const std::string& name);
 
 /// "velocity.x (m/s)".
 std::string with_unit(const std::string& name, std::string_view unit);
-/// What is wrong with a column beyond a field's.
-std::string columns_fault(const ChosenValue& value, std::size_t columns);
+/// What is said of a column beyond a field's. columns: the field's.
+Error no_such_column(const ChosenValue& value, std::size_t columns);
 
 }  // namespace troupe

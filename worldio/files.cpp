@@ -11,25 +11,25 @@
 
 namespace troupe::worldio {
 
-std::string unreadable(const std::filesystem::path& file, std::uintmax_t most_bytes) {
+Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_bytes) {
   const auto system_reason = [] {
-    return fmt::format("cannot be read: {}", std::generic_category().message(errno));
+    return Error{fmt::format("cannot be read: {}", std::generic_category().message(errno))};
   };
   struct stat status {};
   if (stat(file.c_str(), &status) != 0)
-    return errno == ENOENT || errno == ENOTDIR ? "there is no such file" : system_reason();
-  if (S_ISDIR(status.st_mode)) return "this is a folder";
-  if (S_ISFIFO(status.st_mode)) return "this is a pipe, no regular file";
-  if (S_ISSOCK(status.st_mode)) return "this is a socket, no regular file";
-  if (!S_ISREG(status.st_mode)) return "this is a device, no regular file";
+    return errno == ENOENT || errno == ENOTDIR ? Error{"there is no such file"} : system_reason();
+  if (S_ISDIR(status.st_mode)) return Error{"this is a folder"};
+  if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, no regular file"};
+  if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, no regular file"};
+  if (!S_ISREG(status.st_mode)) return Error{"this is a device, no regular file"};
   if (access(file.c_str(), R_OK) != 0) return system_reason();
   if (static_cast<std::uintmax_t>(status.st_size) > most_bytes)
-    return fmt::format("it has {} bytes; at most {} are read", status.st_size, most_bytes);
+    return Error{fmt::format("it has {} bytes; at most {} are read", status.st_size, most_bytes)};
   return {};
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  if (!unreadable(path, k_most_input_bytes).empty()) return {};
+  if (!check_readable(path, k_most_input_bytes)) return {};
   std::ifstream in(path, std::ios::binary);
   if (!in) return {};
   std::string text;

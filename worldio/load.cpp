@@ -8,39 +8,39 @@
 namespace troupe::worldio {
 namespace {
 
-engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnostics,
-                       const std::string& message) {
-  diagnostics.error({diagnostics.files()->add(file.string()), 0}, message);
+engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnostics, const Error& error) {
+  diagnostics.error({diagnostics.files()->add(file.string()), 0}, error.text);
   engine::WorldSpec spec;
   spec.files = diagnostics.files();
   return spec;
 }
 
-/// What is wrong with a world's ending; empty when nothing is.
-std::string ending_fault(const std::filesystem::path& file) {
+/// Whether a world's name ends as it must.
+Result<> check_ending(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".world" || ending == ".json") return {};
-  return fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending);
+  return Error{
+      fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending)};
 }
 
 }  // namespace
 
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
-  if (const std::string fault = ending_fault(file); !fault.empty()) return fail(file, diagnostics, fault);
+  if (const Result<> ending = check_ending(file); !ending) return fail(file, diagnostics, ending.error());
   const auto found = find_stage_file(file, options.search_path);
-  if (!found) return fail(file, diagnostics, unreadable(file));
-  if (const std::string reason = unreadable(*found, k_most_input_bytes); !reason.empty())
-    return fail(file, diagnostics, reason);
+  if (!found) return fail(file, diagnostics, check_readable(file).error());
+  if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable)
+    return fail(file, diagnostics, readable.error());
   auto text = read_file(*found);
-  if (!text) return fail(file, diagnostics, "cannot be read");
+  if (!text) return fail(file, diagnostics, {"cannot be read"});
   return load_world_text(*found, std::move(*text), registry, options, diagnostics);
 }
 
 engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string text,
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics) {
-  if (const std::string fault = ending_fault(file); !fault.empty()) return fail(file, diagnostics, fault);
+  if (const Result<> ending = check_ending(file); !ending) return fail(file, diagnostics, ending.error());
   return file.extension() == ".world"
              ? load_stage_world(file, std::move(text), registry, options, diagnostics)
              : load_json_world(file, text, registry, options, diagnostics);

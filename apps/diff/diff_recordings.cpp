@@ -163,7 +163,7 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
 }  // namespace
 
 bool is_hdf5(const std::filesystem::path& file) {
-  if (!worldio::unreadable(file).empty()) return false;
+  if (!worldio::check_readable(file)) return false;
   std::string head(worldio::k_hdf5_signature.size(), '\0');
   std::ifstream(file, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
   return head == worldio::k_hdf5_signature;
@@ -172,7 +172,7 @@ bool is_hdf5(const std::filesystem::path& file) {
 ExitCode diff_recordings(const DiffOptions& options) {
   for (const auto& [one, other] :
        {std::pair(options.first, options.second), std::pair(options.second, options.first)})
-    if (!is_hdf5(one) && worldio::unreadable(one).empty())
+    if (!is_hdf5(one) && worldio::check_readable(one))
       throw InputError(fmt::format("{}: error: this is no recording, and {} is one (troupe run --record)",
                                    one.string(), other.string()));
   try {

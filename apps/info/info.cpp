@@ -44,8 +44,8 @@ Examples:
 constexpr std::size_t k_start_bytes = 4096;
 
 std::string start_of(const fs::path& file) {
-  if (const std::string reason = worldio::unreadable(file); !reason.empty())
-    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
+  if (const Result<> readable = worldio::check_readable(file); !readable)
+    throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   std::ifstream stream(file, std::ios::binary);
   std::string start(k_start_bytes, '\0');
   stream.read(start.data(), k_start_bytes);
@@ -55,8 +55,8 @@ std::string start_of(const fs::path& file) {
 }
 
 std::string all_of(const fs::path& file) {
-  if (const std::string reason = worldio::unreadable(file, worldio::k_most_input_bytes); !reason.empty())
-    throw InputError(fmt::format("{}: error: {}", file.string(), reason));
+  if (const Result<> readable = worldio::check_readable(file, worldio::k_most_input_bytes); !readable)
+    throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad() || !stream.is_open())

@@ -3,7 +3,6 @@
 #include "apps/outputs.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
-#include "sensors/camera.hpp"
 #include "worldio/images/png.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +15,6 @@
 #include <set>
 #include <span>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -26,38 +24,26 @@ namespace {
 
 using Text = std::vector<std::pair<std::string, std::string>>;
 
-/// A camera of a robot, and what of its parameters a picture needs.
-struct Camera {
+/// A camera of a robot.
+struct RobotCamera {
   std::string name;  ///< "r0.eye"
   const engine::BodyType::Device* device;
   std::size_t slot;
-  int width;
-  int height;
-  double range_far;  ///< m
+  engine::Camera pictures;
 };
 
-const engine::Value& parameter(const Simulation& simulation, const engine::DeviceSpec& spec,
-                               std::string_view name) {
-  return engine::get(simulation.registry().device(spec.kind)->params, spec.params, name);
-}
-
 /// The cameras that run, by the ids of their bodies.
-std::vector<Camera> running_cameras(const Simulation& simulation) {
+std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
-  std::vector<Camera> cameras;
+  std::vector<RobotCamera> cameras;
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
     const Row row = world.row(BodyId(b));
     if (!row.valid()) continue;
-    const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[b].type.index()];
     for (const engine::BodyType::Device& device : world.type(row).devices) {
-      if (device.kind->name != "camera" || !world.senses(row, device)) continue;
-      const auto d = static_cast<std::size_t>(&device - world.type(row).devices.data());
+      if (!device.prepared.camera || !world.senses(row, device)) continue;
       const std::string body = world.spec().name(BodyId(b));
       cameras.push_back({device.name.empty() ? body : fmt::format("{}.{}", body, device.name), &device,
-                         world.slot(row),
-                         static_cast<int>(parameter(simulation, spec.devices[d], "width").integer()),
-                         static_cast<int>(parameter(simulation, spec.devices[d], "height").integer()),
-                         parameter(simulation, spec.devices[d], "range_far").number()});
+                         world.slot(row), *device.prepared.camera});
     }
   }
   return cameras;
@@ -81,8 +67,8 @@ std::string time_of(const Simulation& simulation) {
 
 /// Millimetres, as depth cameras are usually recorded: 0 where nothing is seen, and what is too far for 16
 /// bits at their largest number.
-worldio::DepthImage depth_image(const Camera& camera, std::span<const float> depths) {
-  worldio::DepthImage image{camera.width, camera.height, {}};
+worldio::DepthImage depth_image(const engine::Camera& camera, std::span<const float> depths) {
+  worldio::DepthImage image{static_cast<int>(camera.width), static_cast<int>(camera.height), {}};
   const auto far = static_cast<float>(camera.range_far);
   constexpr double k_most = std::numeric_limits<std::uint16_t>::max();
   for (const float depth : depths) {
@@ -105,20 +91,24 @@ void CameraPictures::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
   if (tick == 0 || tick % every_ticks_ != 0) return;
   std::set<std::string> taken;
-  for (const Camera& camera : running_cameras(simulation)) {
+  for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);
     if (tick < camera.device->period) continue;  // it has not looked yet
     const engine::StateTable& state = simulation.world().percepts(*camera.device);
-    const auto color = state.cell<std::uint8_t>(camera.slot, sensors::k_camera_color);
+    const engine::Camera& pictures = camera.pictures;
+    const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);
     const std::string name = fmt::format("{}-{}", stem, time_of(simulation));
     Text text{{"camera", camera.name},
               {"tick", fmt::format("{}", tick)},
               {"time_s", fmt::format("{}", simulation.time_s())}};
     worldio::write_png(folder_ / (name + "-color.png"),
-                       worldio::Image{camera.width, camera.height, {color.begin(), color.end()}}, text);
+                       worldio::Image{static_cast<int>(pictures.width),
+                                      static_cast<int>(pictures.height),
+                                      {color.begin(), color.end()}},
+                       text);
     text.emplace_back("unit", "mm along the axis of view; 0: nothing is seen");
     worldio::write_png(folder_ / (name + "-depth.png"),
-                       depth_image(camera, state.cell<float>(camera.slot, sensors::k_camera_depth)), text);
+                       depth_image(pictures, state.cell<float>(camera.slot, pictures.depth)), text);
   }
 }
 

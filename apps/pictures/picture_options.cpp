@@ -154,8 +154,8 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--camera", "C", "top (default), perspective, window (the world's own), or follow:NAME",
             [&look](const std::string& text) {
               look.camera = text;
-              if (const std::string fault = camera_fault(text); !fault.empty())
-                throw CLI::ValidationError("--camera", fault);
+              if (const Result<> known = check_camera(text); !known)
+                throw CLI::ValidationError("--camera", known.error().text);
             });
   add_value(app, "--center", "X,Y", "What is in the middle, m (default: everything is in the picture)",
             [&look](const std::string& text) { set_center(look, text); });
@@ -168,8 +168,8 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--layers", "A,-B,...", "What is drawn beside the robots, and what is not; listed below",
             [&look](const std::string& text) {
               look.layers = text;
-              const std::string fault = text.empty() ? "an empty list" : layers_fault(text);
-              if (!fault.empty()) throw CLI::ValidationError("--layers", fault);
+              const Result<> known = text.empty() ? Error{"an empty list"} : check_layers(text);
+              if (!known) throw CLI::ValidationError("--layers", known.error().text);
             });
   add_value(app, "--color-by", "COMPONENT.FIELD", "Robots have the colour of a value of the state",
             [&look](const std::string& text) { look.color_by = text; });

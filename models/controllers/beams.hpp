@@ -26,17 +26,18 @@ inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const Transform pose_drive_sensor(device.pose);
   std::vector<Beam> beams(layout.bearings.size());
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    const auto next = std::ranges::upper_bound(layout.transducers, i);
+    const auto next = std::ranges::upper_bound(layout.transducers, i, {}, &engine::Transducer::first);
     const auto after = static_cast<std::size_t>(next - layout.transducers.begin());
     const std::size_t transducer = after > 0 ? after - 1 : 0;
     const double heading = device.pose.heading + layout.bearings[i];
-    beams[i] = {.reading = i,
-                .transducer = transducer,
-                .bearing = wrap_angle(heading),
-                .direction = sincos(heading),
-                .origin = transducer < layout.transducer_origins.size()
-                              ? pose_drive_sensor * layout.transducer_origins[transducer]
-                              : pose_drive_sensor.position};
+    beams[i] = {
+        .reading = i,
+        .transducer = transducer,
+        .bearing = wrap_angle(heading),
+        .direction = sincos(heading),
+        .origin = transducer < layout.transducers.size()
+                      ? pose_drive_sensor * layout.transducers[transducer].pose_sensor_transducer.position()
+                      : pose_drive_sensor.position};
   }
   return beams;
 }

@@ -66,8 +66,8 @@ struct BrazilNut {
             p[4].number(), p[5].number(), p[6].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     std::size_t count = 0;
     const bool has_eye = choice.take([&](const engine::DeviceInfo& device) {
@@ -75,18 +75,15 @@ struct BrazilNut {
       count = device.prepared.percepts[k_light_brightness].columns;
       return count >= k_least_directions;
     });
-    if (!has_eye) {
-      fault = "needs a light sensor of three directions or more";
-      return {};
-    }
+    if (!has_eye) return Error{"needs a light sensor of three directions or more"};
     const double heading = devices[choice.chosen().front()].pose.heading;
     for (std::size_t k = 0; k < count; ++k)
       directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
-    if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
-    if (has_radio) radio_heading = devices[choice.chosen().back()].pose.heading;
+    if (!has_radio) return Error{"needs a radio with a payload of 4 bytes or more"};
+    radio_heading = devices[choice.chosen().back()].pose.heading;
     return choice.chosen();
   }
 

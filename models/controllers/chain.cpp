@@ -96,19 +96,20 @@ struct Chain {
             p[3].number(),         p[4].number(),         p[5].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= 2;
     });
-    if (!has_radio) fault = "needs a radio with a payload of 2 bytes or more";
-    if (has_radio) radio_heading = devices[choice.chosen().front()].pose.heading;
-    if (has_radio && !is_nest && !is_prey) {
-      scanner = choice.take_scanner(4);
-      if (!scanner.is_usable()) fault = choice.scanner_fault();
+    if (!has_radio) return Error{"needs a radio with a payload of 2 bytes or more"};
+    radio_heading = devices[choice.chosen().front()].pose.heading;
+    if (!is_nest && !is_prey) {
+      const Result<Scanner> taken = choice.take_scanner(4);
+      if (!taken) return taken.error();
+      scanner = *taken;
     }
-    if (fault.empty() && choice.take_kind("led")) led = choice.chosen().size() - 1;
+    if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
   }
 

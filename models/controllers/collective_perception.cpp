@@ -86,11 +86,13 @@ struct CollectivePerception {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].text() == "majority", p[4].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    scanner = choice.take_ground_radio_scanner(4, fault);
-    has_led = fault.empty() && choice.take_kind("led");
+    const Result<Scanner> taken = choice.take_ground_radio_scanner(4);
+    if (!taken) return taken.error();
+    scanner = *taken;
+    has_led = choice.take_kind("led");
     return choice.chosen();
   }
 

@@ -87,9 +87,8 @@ struct Collector {
     return collector;
   }
 
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault);
-  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
+  Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -116,23 +115,20 @@ struct Collector {
                 engine::Actions& actions) const;
 };
 
-std::vector<std::size_t> Collector::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                           std::string& fault) {
+Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> devices,
+                                                   std::vector<bool>& claimed) {
   DeviceChoice choice(devices, claimed);
-  scanner = choice.take_scanner(k_evasion.window_share);
-  if (!scanner.is_usable())
-    fault = choice.scanner_fault();
-  else if (!choice.take_kind("fiducial"))
-    fault = "needs a fiducial finder";
-  else if (!choice.take_kind("gripper"))
-    fault = "needs a gripper";
-  if (!fault.empty()) return {};
+  const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
+  if (!taken) return taken.error();
+  scanner = *taken;
+  if (!choice.take_kind("fiducial")) return Error{"needs a fiducial finder"};
+  if (!choice.take_kind("gripper")) return Error{"needs a gripper"};
   sights = FiducialReadings(devices[choice.chosen()[k_finder]]);
   has_pack = choice.take_kind("power_pack");
   return choice.chosen();
 }
 
-std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (!world.starts(BodyId(b))) continue;
     const engine::BodySpec& body = world.bodies[b];
@@ -145,7 +141,8 @@ std::string Collector::look(const WorldSpec& world, const engine::TypeSpec&, std
         break;
       }
   }
-  if (sinks.empty()) return fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink);
+  if (sinks.empty())
+    return Error{fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink)};
   std::vector<Box> boxes;
   for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
   sinks_about = partition::BoxGrid(boxes);

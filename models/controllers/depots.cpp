@@ -13,15 +13,14 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 
-std::vector<std::size_t> choose_flags(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                      std::string& fault) {
+Result<std::vector<std::size_t>> choose_flags(std::span<const DeviceInfo> devices,
+                                              std::vector<bool>& claimed) {
   for (std::size_t d = 0; d < devices.size(); ++d)
     if (devices[d].kind == "flags" && !claimed[d]) {
       claimed[d] = true;
-      return {d};
+      return std::vector{d};
     }
-  fault = "needs a device of kind \"flags\"";
-  return {};
+  return Error{"needs a device of kind \"flags\""};
 }
 
 struct Source {
@@ -30,12 +29,11 @@ struct Source {
   std::uint32_t capacity = 0;
 
   static Source make(const Record& params) { return {static_cast<std::uint32_t>(params[0].integer())}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
-    std::vector<std::size_t> chosen = choose_flags(devices, claimed, fault);
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
+    const Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
     // Of what a list can hold a source fills no more than there is.
-    if (!chosen.empty())
-      capacity = std::min(capacity, devices[chosen[0]].prepared.percepts[k_flag_colors].columns);
+    if (chosen)
+      capacity = std::min(capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);
     return chosen;
   }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
@@ -53,9 +51,8 @@ struct Sink {
   static constexpr std::array<std::string_view, 1> brings{"flags"};
 
   static Sink make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
-    return choose_flags(devices, claimed, fault);
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
+    return choose_flags(devices, claimed);
   }
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
     memory.delivered = percept.devices[0].field<std::uint64_t>(k_flag_received)[0];

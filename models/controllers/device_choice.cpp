@@ -2,19 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+
 namespace troupe::models {
 
 bool DeviceChoice::has_fan(const engine::DeviceInfo& device) {
-  const std::vector<std::size_t>& first = device.prepared.transducers;
-  for (std::size_t t = 0; t < first.size(); ++t) {
-    const std::size_t end = t + 1 < first.size() ? first[t + 1] : device.prepared.bearings.size();
-    if (end - first[t] >= k_least_samples) return true;
-  }
-  return false;
+  return std::ranges::any_of(device.prepared.transducers, [](const engine::Transducer& transducer) {
+    return transducer.samples >= k_least_samples;
+  });
 }
 
-std::string DeviceChoice::scanner_fault() const {
-  std::string fault = fmt::format(
+Error DeviceChoice::no_scanner() const {
+  std::string text = fmt::format(
       "needs a scanner: a ranger with {} or more beams, in one transducer or several, one of them within 30 "
       "degrees of straight ahead",
       k_least_samples);
@@ -26,9 +26,9 @@ std::string DeviceChoice::scanner_fault() const {
     const std::string_view why = claimed_[d]                ? "is read by another controller"
                                  : beams >= k_least_samples ? "looks elsewhere"
                                                             : "has too few";
-    fault += fmt::format("; \"{}\" ({}) {}", devices_[d].name, beams, why);
+    text += fmt::format("; \"{}\" ({}) {}", devices_[d].name, beams, why);
   }
-  return has_ranger ? fault : fault + "; the robot has no ranger";
+  return {has_ranger ? text : text + "; the robot has no ranger"};
 }
 
 }  // namespace troupe::models

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/kinds.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
 #include <cstddef>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,9 +35,9 @@ class DeviceChoice {
   }
   /// Claims an unclaimed ranger by which a controller sees ahead (Scanner::is_usable): the first one
   /// with a fan of k_least_samples or more, as in Stage; else the first one whose transducers have as many
-  /// together. Where there is none, the scanner is not usable, and scanner_fault() says why.
+  /// together. Where there is none, the error tells why each ranger of the robot is none.
   /// share: see Scanner.
-  Scanner take_scanner(std::size_t share) {
+  Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
     const auto is_usable = [&](const engine::DeviceInfo& device) {
       scanner = Scanner(device, share);
@@ -46,30 +46,22 @@ class DeviceChoice {
     const bool has_one =
         take([&](const engine::DeviceInfo& device) { return has_fan(device) && is_usable(device); }) ||
         take(is_usable);
-    return has_one ? scanner : Scanner();
-  }
-  /// What a controller says that needs a scanner and has found none.
-  std::string scanner_fault() const;
-  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order. Where one of them is
-  /// missing the scanner is not usable, and `fault` says which.
-  Scanner take_ground_radio_scanner(std::size_t share, std::string& fault) {
-    if (!take_kind("ground")) {
-      fault = "needs a ground sensor";
-      return {};
-    }
-    if (!take_kind("radio")) {
-      fault = "needs a radio";
-      return {};
-    }
-    Scanner scanner = take_scanner(share);
-    if (!scanner.is_usable()) fault = scanner_fault();
+    if (!has_one) return no_scanner();
     return scanner;
+  }
+  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order; or which of them is
+  /// missing.
+  Result<Scanner> take_ground_radio_scanner(std::size_t share) {
+    if (!take_kind("ground")) return Error{"needs a ground sensor"};
+    if (!take_kind("radio")) return Error{"needs a radio"};
+    return take_scanner(share);
   }
   /// Indices of what was taken, in this order.
   const std::vector<std::size_t>& chosen() const { return chosen_; }
 
  private:
   static bool has_fan(const engine::DeviceInfo& device);
+  Error no_scanner() const;
 
   std::span<const engine::DeviceInfo> devices_;
   std::vector<bool>& claimed_;

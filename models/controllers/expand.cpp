@@ -92,25 +92,22 @@ struct Expand {
     return left - right < k_pi;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> sensors, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> sensors,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(sensors, claimed);
     // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
-    if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); })) {
-      fault = "needs a ranger that no other controller of the robot reads";
-      return {};
-    }
+    if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
+      return Error{"needs a ranger that no other controller of the robot reads"};
     const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
-    if (const std::size_t count = ranger.prepared.transducers.size(); clearances.size() > count) {
-      fault = fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(), count,
-                          ranger.name);
-    }
     const std::vector<Beam> beams = beams_of(ranger);
     if (!can_point_ahead(beams))
-      fault = fmt::format(
-          "needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
-          "sum of those of \"{}\" never points ahead",
-          ranger.name);
+      return Error{
+          fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
+                      "sum of those of \"{}\" never points ahead",
+                      ranger.name)};
+    if (const std::size_t count = ranger.prepared.transducers.size(); clearances.size() > count)
+      return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(), count,
+                               ranger.name)};
     for (const Beam& beam : beams) {
       const double demand = clearances.empty()                    ? clearance * beam.direction.cos
                             : beam.transducer < clearances.size() ? clearances[beam.transducer]

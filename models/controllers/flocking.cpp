@@ -61,17 +61,15 @@ struct Flocking {
            any([](const Sonar& s) { return s.direction.sin < -k_tolerance; });
   }
 
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     const auto is_ring = [](const DeviceInfo& d) {
       return d.prepared.transducers.size() >= k_ring && is_usable(d);
     };
     if (!choice.take(is_ring) && !choice.take(is_usable))
-      fault = "needs a ranger with beams to the left, to the right and within 30 degrees of straight ahead";
-    else if (!choice.take_kind("fiducial"))
-      fault = "needs a fiducial finder";
-    if (!fault.empty()) return {};
+      return Error{
+          "needs a ranger with beams to the left, to the right and within 30 degrees of straight ahead"};
+    if (!choice.take_kind("fiducial")) return Error{"needs a fiducial finder"};
     finder = FiducialReadings(devices[choice.chosen()[1]]);
     sonars = front_of(devices[choice.chosen()[0]]);
     return choice.chosen();

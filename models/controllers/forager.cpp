@@ -109,9 +109,8 @@ struct Forager {
   Goal zone;
   double zone_radius = 0;
 
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault);
-  std::string look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
+  Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -130,13 +129,13 @@ struct Forager {
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
 };
 
-std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                         std::string& fault) {
+Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> devices,
+                                                 std::vector<bool>& claimed) {
   DeviceChoice choice(devices, claimed);
-  scanner = choice.take_scanner(k_evasion.window_share);
-  if (!scanner.is_usable()) fault = choice.scanner_fault();
-  if (fault.empty() && !choice.take_kind("flags")) fault = "needs a device of kind \"flags\"";
-  if (!fault.empty()) return {};
+  const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
+  if (!taken) return taken.error();
+  scanner = *taken;
+  if (!choice.take_kind("flags")) return Error{"needs a device of kind \"flags\""};
   const auto last = [&] { return choice.chosen().size() - 1; };
   if (choice.take_kind("power_pack")) pack = last();
   if (choice.take_kind("fiducial")) {
@@ -146,7 +145,7 @@ std::vector<std::size_t> Forager::choose(std::span<const DeviceInfo> devices, st
   return choice.chosen();
 }
 
-std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   const FloorPlan plan = FloorPlan::of_world(world, map);
   const auto goal = [&](BodyId body) {
     const Vec2 at = world.bodies[body.index()].pose_world_body.position();
@@ -157,7 +156,7 @@ std::string Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::
     const BodyId from = find_body(world, source);
     const BodyId to = find_body(world, sink);
     if (!from.valid() || !to.valid())
-      return fmt::format("needs a model \"{}\"", from.valid() ? sink : source);
+      return Error{fmt::format("needs a model \"{}\"", from.valid() ? sink : source)};
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
@@ -344,10 +343,9 @@ struct Fasr2 : Forager {
     forager.abandons = true;
     return forager;
   }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
-    if (names.empty()) fault = "needs a task: of \"red\" the models are red_source and red_sink";
-    return fault.empty() ? Forager::choose(devices, claimed, fault) : std::vector<std::size_t>();
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
+    if (names.empty()) return Error{"needs a task: of \"red\" the models are red_source and red_sink"};
+    return Forager::choose(devices, claimed);
   }
 };
 

@@ -78,16 +78,16 @@ struct Gradient {
             static_cast<std::uint32_t>(p[4].integer())};
   }
 
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    if (!choice.take_kind("radio")) fault = "needs a radio";
+    if (!choice.take_kind("radio")) return Error{"needs a radio"};
     if (!beacon) {
-      scanner = choice.take_scanner(3);
+      const Result<Scanner> taken = choice.take_scanner(3);
       // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say
       // why.
-      for (std::size_t d = 0; d < devices.size() && !scanner.is_usable() && fault.empty(); ++d)
-        if (!claimed[d] && !devices[d].prepared.bearings.empty()) fault = choice.scanner_fault();
+      for (std::size_t d = 0; d < devices.size() && !taken; ++d)
+        if (!claimed[d] && !devices[d].prepared.bearings.empty()) return taken.error();
+      if (taken) scanner = *taken;
     }
     if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();

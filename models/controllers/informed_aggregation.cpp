@@ -85,10 +85,12 @@ struct InformedAggregation {
             p[3].number(),          p[4].number(),          p[5].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    scanner = choice.take_ground_radio_scanner(4, fault);
+    const Result<Scanner> taken = choice.take_ground_radio_scanner(4);
+    if (!taken) return taken.error();
+    scanner = *taken;
     return choice.chosen();
   }
 

@@ -74,8 +74,8 @@ std::string_view take_last(std::string_view& rest) {
 }
 
 /// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS, where the device's name may hold
-/// colons; what is wrong with it in `fault`.
-std::optional<Step> read_step(std::string_view entry, std::string& fault) {
+/// colons.
+Result<Step> read_step(std::string_view entry) {
   std::string_view time = entry;
   std::string_view device = take_first('@', time);
   const std::optional<double> at_s = number_of(time);
@@ -90,30 +90,29 @@ std::optional<Step> read_step(std::string_view entry, std::string& fault) {
     name = take_last(device);
   }
   const std::optional<double> value = number_of(number);
-  if (!at_s || *at_s < 0 || !has_colon) {
-    fault = fmt::format(
-        "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry);
-  } else if (!is_order(name)) {
-    fault = fmt::format("has a plan with an {}", unknown_name("order", name, k_orders));
-  } else {
-    const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
-    if (takes_value(order) == value.has_value())
-      return Step{*at_s, std::string(device), order, value.value_or(0)};
-    fault = fmt::format("has a plan with \"{}\": that order {}", entry,
-                        takes_value(order) ? "needs a number" : "takes no number");
-  }
-  return {};
+  if (!at_s || *at_s < 0 || !has_colon)
+    return Error{fmt::format(
+        "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry)};
+  if (!is_order(name))
+    return Error{fmt::format("has a plan with an {}", unknown_name("order", name, k_orders))};
+  const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
+  if (takes_value(order) != value.has_value())
+    return Error{fmt::format("has a plan with \"{}\": that order {}", entry,
+                             takes_value(order) ? "needs a number" : "takes no number")};
+  return Step{*at_s, std::string(device), order, value.value_or(0)};
 }
 
 struct Operate {
   std::vector<Step> steps;
-  std::string fault_of_plan;
+  Result<> readable;  // whether all of the plan is
 
   static Operate make(const Record& p) {
     Operate operate;
-    for (std::string_view plan = p[0].text(); !plan.empty() && operate.fault_of_plan.empty();)
-      if (const auto step = read_step(take_first(',', plan), operate.fault_of_plan))
+    for (std::string_view plan = p[0].text(); !plan.empty() && operate.readable;)
+      if (const Result<Step> step = read_step(take_first(',', plan)))
         operate.steps.push_back(*step);
+      else
+        operate.readable = step.error();
     for (const Record& r : p[1].records())
       operate.steps.push_back(
           {r[0].number(), r[1].text(),
@@ -122,31 +121,26 @@ struct Operate {
     return operate;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>&,
-                                  std::string& fault) {
-    fault = fault_of_plan;
-    if (!fault.empty()) return {};
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>&) {
+    if (!readable) return readable.error();
     std::vector<std::size_t> chosen;
     for (Step& step : steps) {
       const auto device = std::ranges::find(devices, step.device, &engine::DeviceInfo::name);
       if (device == devices.end()) {
         std::vector<std::string_view> names;
         for (const engine::DeviceInfo& other : devices) names.push_back(other.name);
-        fault = fmt::format("has an order for {}", unknown_name("device", step.device, names));
-        return {};
+        return Error{fmt::format("has an order for {}", unknown_name("device", step.device, names))};
       }
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
-      if (device->kind != wanted) {
-        fault = fmt::format("has an order \"{}\" for \"{}\", which is no {}",
-                            k_orders[static_cast<std::size_t>(step.order)], step.device, wanted);
-        return {};
-      }
+      if (device->kind != wanted)
+        return Error{fmt::format("has an order \"{}\" for \"{}\", which is no {}",
+                                 k_orders[static_cast<std::size_t>(step.order)], step.device, wanted)};
       const auto index = static_cast<std::size_t>(device - devices.begin());
       const auto known = std::ranges::find(chosen, index);
       step.chosen = static_cast<std::size_t>(known - chosen.begin());
       if (known == chosen.end()) chosen.push_back(index);
     }
-    if (steps.empty()) fault = "needs orders: it does nothing without them";
+    if (steps.empty()) return Error{"needs orders: it does nothing without them"};
     return chosen;
   }
 

@@ -59,14 +59,14 @@ struct RadioFlocking {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
-    if (!has_radio) fault = "needs a radio with a payload of 4 bytes or more";
-    if (has_radio) radio_heading = devices[choice.chosen().front()].pose.heading;
+    if (!has_radio) return Error{"needs a radio with a payload of 4 bytes or more"};
+    radio_heading = devices[choice.chosen().front()].pose.heading;
     if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       beams = beams_of(devices[choice.chosen().back()]);
     return choice.chosen();

@@ -20,11 +20,9 @@ struct Rasterize {
   Memory raster;
 
   static Rasterize make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
 
-  std::string look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
+  Result<> look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
     const PartSpec& part = type.parts[p];
     Box box;
     for (const Solid& solid : part.solids)

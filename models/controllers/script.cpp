@@ -61,13 +61,13 @@ struct Script {
     return script;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     for (std::size_t i = 1; i < legs.size(); ++i)
       if (legs[i].until_s <= legs[i - 1].until_s)
-        fault = "has a leg that ends before it begins: `until` must rise";
-    if (law == Law::timed && legs.empty()) fault = "needs legs: the law `timed` drives nothing without them";
-    return {};
+        return Error{"has a leg that ends before it begins: `until` must rise"};
+    if (law == Law::timed && legs.empty())
+      return Error{"needs legs: the law `timed` drives nothing without them"};
+    return std::vector<std::size_t>();
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {

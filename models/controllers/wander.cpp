@@ -46,11 +46,12 @@ struct Wander {
     return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
+                                          std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    scanner = choice.take_scanner(3);
-    if (!scanner.is_usable()) fault = choice.scanner_fault();
+    const Result<Scanner> taken = choice.take_scanner(3);
+    if (!taken) return taken.error();
+    scanner = *taken;
     return choice.chosen();
   }
 

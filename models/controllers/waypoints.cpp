@@ -105,19 +105,19 @@ struct Waypoints {
     return waypoints;
   }
 
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
-                                  std::string& fault) const {
-    if (goals.empty()) fault = "needs goals: without them it has nowhere to go";
-    return {};
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
+    if (goals.empty()) return Error{"needs goals: without them it has nowhere to go"};
+    return std::vector<std::size_t>();
   }
 
-  std::string look(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
+  Result<> look(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
     if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
     if (std::ranges::none_of(goals, &Goal::is_tracked)) return {};
     const engine::DriveKind omni = omni_drive();
     if (!type.drive || type.drive->kind != omni.name)
-      return "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where "
-             "they are sent";
+      return Error{
+          "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where they "
+          "are sent"};
     const auto limit = [&](std::string_view name) {
       return engine::get(omni.params, type.drive->params, name).number();
     };
@@ -125,10 +125,10 @@ struct Waypoints {
                           -limit("velocity_min_y")});
     turn_max = std::min(limit("turn_max"), -limit("turn_min"));
     if (!(speed_max > 0 && turn_max > 0))
-      return "has goals with `at` or `speed`, and its drive does not go in every direction";
+      return Error{"has goals with `at` or `speed`, and its drive does not go in every direction"};
     for (std::size_t i = 0; i < goals.size(); ++i)
-      if (const std::string fault = fault_of(i); !fault.empty())
-        return fmt::format("has a goal {} {}", i + 1, fault);
+      if (const Result<> kept = can_keep(i); !kept)
+        return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
     return {};
   }
 
@@ -213,23 +213,25 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// What cannot be kept of a goal that it is to keep to.
-  std::string fault_of(std::size_t i) const {
+  /// Whether it can do all that a goal says; else what it cannot.
+  Result<> can_keep(std::size_t i) const {
     const Goal& goal = goals[i];
-    if (goal.at_s > 0 && goal.speed > 0) return "with both `at` and `speed`: one follows from the other";
+    if (goal.at_s > 0 && goal.speed > 0)
+      return Error{"with both `at` and `speed`: one follows from the other"};
     if (goal.speed > speed_max)
-      return fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction", goal.speed,
-                         speed_max);
+      return Error{fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction",
+                               goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
-      return fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s);
+      return Error{
+          fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s)};
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
-      return fmt::format(
-          "{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction", way,
-          std::max(time_s, 0.0), speed_max);
+      return Error{
+          fmt::format("{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction",
+                      way, std::max(time_s, 0.0), speed_max)};
     return {};
   }
 };

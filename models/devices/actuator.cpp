@@ -23,7 +23,7 @@ struct Actuator {
   double max = 1;
   double max_speed = 1;
   double start = 0;
-  std::string fault;
+  Result<> range;  // whether its ends are in order
 
   Pose at(double position) const {
     if (rotational) return {0, 0, 0, position};
@@ -51,9 +51,9 @@ Actuator read(const Record& params) {
   actuator.min = params[2].number();
   actuator.max = std::max(actuator.min, params[3].number());
   if (params[3].number() < actuator.min)
-    actuator.fault =
-        fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
-                    actuator.min, params[3].number());
+    actuator.range =
+        Error{fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
+                          actuator.min, params[3].number())};
   actuator.max_speed = params[4].number();
   actuator.start = std::clamp(params[5].number(), actuator.min, actuator.max);
   return actuator;
@@ -127,7 +127,7 @@ DeviceKind actuator_kind() {
                                 .joint_reach_m = actuator.reach()};
   };
   kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) {
-    return std::any_cast<Actuator>(&data)->fault;
+    return std::any_cast<Actuator>(&data)->range;
   };
   kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
     state.as<ActuatorState>(slot).position = std::any_cast<Actuator>(&data)->start;

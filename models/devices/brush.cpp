@@ -64,7 +64,7 @@ DeviceKind brush_kind() {
         .command_bytes = sizeof(BrushCommand),
         .most_effects = 1};
   };
-  kind.look = [](std::any& data, const engine::WorldSpec& world) -> std::string {
+  kind.look = [](std::any& data, const engine::WorldSpec& world) -> Result<> {
     std::any_cast<Brush>(&data)->ground.look(world);
     return {};
   };

@@ -135,6 +135,10 @@ DeviceKind flags_kind() {
   };
   kind.act = act;
   kind.apply = apply;
+  kind.flags = [](const StateTable& state, std::size_t slot) {
+    return engine::HeldFlags{.count = state.cell<std::uint32_t>(slot, k_flag_count)[0],
+                             .received = state.cell<std::uint64_t>(slot, k_flag_received)[0]};
+  };
   return kind;
 }
 

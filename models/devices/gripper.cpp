@@ -1,5 +1,6 @@
 #include "models/devices/gripper.hpp"
 
+#include "engine/frame.hpp"
 #include "engine/world.hpp"
 #include "partition/placed_shape.hpp"
 
@@ -292,6 +293,24 @@ void apply(World& world, const std::any& data, const engine::Effect& effect) {
   finish(state);
 }
 
+/// The beams between its paddles, and what it holds.
+void show(const engine::DeviceView& view, engine::Frame& frame) {
+  using engine::FrameTie;
+  const Gripper& gripper = *std::any_cast<Gripper>(&view.data);
+  const auto& state = view.state.as<GripperState>(view.slot);
+  const double face = gripper.face(state.paddle_position);
+  const double height = state.lift_position * gripper.rise();
+  for (const auto& [behind_tips, broken] :
+       {std::pair(k_beams[1], state.beam_outer), std::pair(k_beams[0], state.beam_inner)}) {
+    const double x = gripper.size.x() * (0.5 - behind_tips);
+    frame.grips.push_back({broken != 0 ? FrameTie::Kind::broken_beam : FrameTie::Kind::beam,
+                           view.at(x, face, height), view.at(x, -face, height)});
+  }
+  if (state.held == 0) return;
+  const Pose held = view.world.pose(BodyId(std::size_t{state.held} - 1));
+  frame.grips.push_back({FrameTie::Kind::holds, view.at(0, 0, height), {held.x, held.y, held.z}});
+}
+
 }  // namespace
 
 DeviceKind gripper_kind() {
@@ -357,6 +376,8 @@ DeviceKind gripper_kind() {
   kind.act = act;
   kind.settled = settled;
   kind.apply = apply;
+  kind.layer = engine::FrameLayer::grips;
+  kind.show = show;
   return kind;
 }
 

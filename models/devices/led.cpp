@@ -38,8 +38,10 @@ DeviceKind led_kind() {
     const std::vector<double>& parts = params[0].numbers();
     const std::array<float, 3> color{static_cast<float>(parts[0]), static_cast<float>(parts[1]),
                                      static_cast<float>(parts[2])};
+    std::vector<engine::StateField> state = engine::memory_fields<LedState>();
+    state.front().look = true;
     return DeviceKind::Prepared{.data = color,
-                                .percepts = engine::memory_fields<LedState>(),
+                                .percepts = std::move(state),
                                 .percept_bytes = sizeof(LedState),
                                 .commands = engine::memory_fields<LedCommand>(),
                                 .command_bytes = sizeof(LedCommand)};
@@ -48,6 +50,7 @@ DeviceKind led_kind() {
     state.as<LedState>(slot).shown_color = *std::any_cast<std::array<float, 3>>(&data);
   };
   kind.act = act;
+  kind.shows_color = true;
   return kind;
 }
 

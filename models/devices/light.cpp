@@ -23,8 +23,10 @@ bool is_lit(const LightSource& light, double time_s) {
 }
 
 DeviceKind::Prepared prepare(const LightSource& light) {
+  std::vector<engine::StateField> state = engine::memory_fields<LightState>();
+  state.front().look = true;
   return {.data = light,
-          .percepts = engine::memory_fields<LightState>(),
+          .percepts = std::move(state),
           .percept_bytes = sizeof(LightState),
           .commands = engine::memory_fields<LightCommand>(),
           .command_bytes = sizeof(LightCommand)};

@@ -111,13 +111,13 @@ void apply(World& world, const std::any& data, const Effect& effect) {
   taker.charging = 1;
 }
 
-std::string mount(std::any& data, const engine::TypeSpec& type, std::uint32_t part) {
+Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t part) {
   std::vector<ConvexPrism> pieces;
   try {
     for (const Solid& solid : type.parts[part].solids)
       for (ConvexPrism& piece : convex_pieces(solid)) pieces.push_back(std::move(piece));
-  } catch (const std::length_error& fault) {
-    return fault.what();
+  } catch (const std::length_error& error) {
+    return Error{error.what()};
   }
   std::any_cast<Contact>(&data)->shape = partition::make_obstacle_shape(pieces);
   return {};

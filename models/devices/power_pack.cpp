@@ -158,6 +158,11 @@ DeviceKind power_pack_kind() {
   };
   kind.act = act;
   kind.apply = apply;
+  kind.energy = [](const engine::StateTable& rows, std::size_t slot) {
+    const auto& state = rows.as<PowerPackState>(slot);
+    return engine::Energy{state.stored, state.capacity,      state.dissipated,   state.received,
+                          state.given,  state.infinite != 0, state.charging != 0};
+  };
   kind.is_spent = [](const std::any& data, const engine::StateTable& state, std::size_t slot) {
     return std::any_cast<Pack>(&data)->stops && state.as<PowerPackState>(slot).is_empty();
   };

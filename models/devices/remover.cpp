@@ -71,7 +71,7 @@ void act(const DeviceBatch& batch) {
   }
 }
 
-std::string look(std::any& data, const engine::WorldSpec& world) {
+Result<> look(std::any& data, const engine::WorldSpec& world) {
   auto& remover = *std::any_cast<Remover>(&data);
   if (remover.of.empty()) return {};
   remover.types.assign(world.types.size(), 0);
@@ -83,7 +83,8 @@ std::string look(std::any& data, const engine::WorldSpec& world) {
     remover.types[t] = world.types[t].name == remover.of;
     is_known = is_known || remover.types[t] != 0;
   }
-  return is_known ? "" : fmt::format("removes {}", unknown_name("type", remover.of, known));
+  if (is_known) return {};
+  return Error{fmt::format("removes {}", unknown_name("type", remover.of, known))};
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "base/math.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "models/devices/flags.hpp"
 
 #include <fmt/format.h>
 
@@ -44,8 +43,7 @@ std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_perio
 std::uint64_t flags_received(const World& world, Row row) {
   std::uint64_t sum = 0;
   for (const BodyType::Device& device : world.type(row).devices)
-    if (device.kind->name == "flags")
-      sum += world.percepts(device).cell<std::uint64_t>(world.slot(row), k_flag_received)[0];
+    if (device.kind->flags) sum += device.kind->flags(world.percepts(device), world.slot(row)).received;
   return sum;
 }
 
@@ -98,14 +96,15 @@ void born(World& world, const std::any&, const engine::Effect& effect, const eng
   }
 }
 
-std::string mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
+Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
   if (std::any_cast<Spawner>(&data)->per_flags == 0) return {};
   const bool has_flags = std::ranges::any_of(
       type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
-  return has_flags ? "" : "counts flags, and its body has no device \"flags\" that others could give them to";
+  if (has_flags) return {};
+  return Error{"counts flags, and its body has no device \"flags\" that others could give them to"};
 }
 
-std::string look(std::any& data, const engine::WorldSpec& world) {
+Result<> look(std::any& data, const engine::WorldSpec& world) {
   auto& spawner = *std::any_cast<Spawner>(&data);
   const auto found = std::ranges::find(world.reserves, spawner.population, &engine::ReserveSpec::population);
   if (found != world.reserves.end()) {
@@ -115,8 +114,9 @@ std::string look(std::any& data, const engine::WorldSpec& world) {
   std::vector<std::string_view> known;
   for (const engine::ReserveSpec& reserve : world.reserves) known.push_back(reserve.population);
   if (known.empty())
-    return fmt::format("bears \"{}\", and no population of this world has a \"reserve\"", spawner.population);
-  return fmt::format("bears {}", unknown_name("population with a reserve", spawner.population, known));
+    return Error{
+        fmt::format("bears \"{}\", and no population of this world has a \"reserve\"", spawner.population)};
+  return Error{fmt::format("bears {}", unknown_name("population with a reserve", spawner.population, known))};
 }
 
 }  // namespace

@@ -39,6 +39,9 @@ constexpr double k_arrived_m = 0.02;       // along both axes
 constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives on once the goal lies within this
 constexpr double k_car_steers = 2;         // 1/s: a car turns by this much of what it is off course
 
+constexpr std::string_view k_pushes = "pushes";
+
+/// What any drive takes: at the end localization_fields().
 std::vector<engine::Field> drive_fields() {
   constexpr double k_quarter_turn = radians(90);
   std::vector<engine::Field> fields{
@@ -91,7 +94,7 @@ std::vector<engine::Field> drive_fields() {
        .fallback = 0.0,
        .text = "the same of the turn"},
   };
-  fields.push_back({.name = "pushes",
+  fields.push_back({.name = k_pushes,
                     .type = engine::FieldType::integer,
                     .fallback = std::int64_t{4},
                     .min = 0,
@@ -135,7 +138,7 @@ Drive read(const FieldTable& table, const Record& params) {
           .wheelbase = table.find("wheelbase") < 0 ? 1 : number("wheelbase")};
 }
 
-std::string fault(const FieldTable& table, const Record& params) {
+Result<> check(const FieldTable& table, const Record& params) {
   constexpr std::array<std::array<std::string_view, 3>, 6> k_bounds{{
       {"velocity_min_x", "velocity_max_x", "velocity_x"},
       {"velocity_min_y", "velocity_max_y", "velocity_y"},
@@ -146,7 +149,8 @@ std::string fault(const FieldTable& table, const Record& params) {
   }};
   for (const auto& [low, high, name] : k_bounds)
     if (engine::get(table, params, low).number() > engine::get(table, params, high).number())
-      return fmt::format("the bounds of {} stand the wrong way round: the lower must come first", name);
+      return Error{
+          fmt::format("the bounds of {} stand the wrong way round: the lower must come first", name)};
   return {};
 }
 
@@ -263,13 +267,16 @@ const FieldTable& table_of(bool car) { return car ? car_table() : drive_table();
 template <class Law>
 engine::DriveKind make_drive(std::string_view name, std::string_view text) {
   constexpr bool k_is_car = std::is_same_v<Law, Car>;
+  const FieldTable& table = table_of(k_is_car);
   return {.name = name,
           .text = text,
-          .params = table_of(k_is_car),
+          .params = table,
           .prepare = [](const Record& params) { return std::any(read(table_of(k_is_car), params)); },
-          .fault = [](const Record& params) { return fault(table_of(k_is_car), params); },
+          .check = [](const Record& params) { return check(table_of(k_is_car), params); },
           .drive = drive_all<Law>,
-          .start = [](const std::any& data) { return std::any_cast<const Drive&>(data).start; }};
+          .start = [](const std::any& data) { return std::any_cast<const Drive&>(data).start; },
+          .localization = table.fields.size() - engine::localization_fields().size(),
+          .pushes = static_cast<std::size_t>(table.find(k_pushes))};
 }
 
 }  // namespace

@@ -39,10 +39,9 @@ const FieldTable& table() {
                      .fallback = std::string("diff"),
                      .text = "how it drives",
                      .choices = {"diff", "omni", "car"}}}};
-    const std::vector<Field> left_out = engine::localization_fields();
-    for (const Field& field : drives().back().params.fields)
-      if (std::ranges::find(left_out, field.name, &Field::name) == left_out.end() && field.name != "pushes")
-        all.fields.push_back(field);
+    const DriveKind& any = drives().back();
+    for (std::size_t f = 0; f < *any.localization; ++f)  // these come last
+      if (f != any.pushes) all.fields.push_back(any.params.fields[f]);
     return all;
   }();
   return fields;
@@ -51,8 +50,8 @@ const FieldTable& table() {
 struct Wheels {
   const DriveKind* kind = nullptr;
   std::any data;
-  std::string fault;  // of the parameters
-  Pose rest;          // of the part, body frame
+  Result<> bounds;  // whether the parameters fit together
+  Pose rest;        // of the part, body frame
 
   void drive(const Command& command, const Pose& at, double elapsed_s, Velocity& v) const {
     engine::DriveBatch batch{
@@ -65,12 +64,12 @@ struct Wheels {
 Wheels read(const Record& params, const Pose& rest) {
   const std::string& name = params[0].text();
   Wheels wheels{
-      .kind = &*std::ranges::find(drives(), name, &DriveKind::name), .data = {}, .fault = {}, .rest = rest};
+      .kind = &*std::ranges::find(drives(), name, &DriveKind::name), .data = {}, .bounds = {}, .rest = rest};
   Record own = wheels.kind->params.defaults();
   for (std::size_t f = 0; f < own.size(); ++f)
     if (const int at = table().find(wheels.kind->params.fields[f].name); at >= 0)
       own[f] = params[static_cast<std::size_t>(at)];
-  wheels.fault = wheels.kind->fault(own);
+  wheels.bounds = wheels.kind->check(own);
   wheels.data = wheels.kind->prepare(own);
   return wheels;
 }
@@ -121,9 +120,10 @@ DeviceKind wheels_kind() {
                                 .commands = engine::command_fields(),
                                 .command_bytes = sizeof(Command)};
   };
-  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) {
-    const std::string& fault = std::any_cast<Wheels>(&data)->fault;
-    return fault.empty() ? fault : fmt::format("has drive parameters that contradict one another: {}", fault);
+  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> Result<> {
+    const Result<>& bounds = std::any_cast<Wheels>(&data)->bounds;
+    if (bounds) return {};
+    return Error{fmt::format("has drive parameters that contradict one another: {}", bounds.error().text)};
   };
   kind.act = act;
   kind.settled = settled;

@@ -33,32 +33,25 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-Ailment dead_sensors(const Record& params, const BodyType& type, std::string& fault) {
+Result<Ailment> dead_sensors(const Record& params, const BodyType& type) {
   Ailment ailment;
   std::vector<std::string_view> sensors;  // of the type
   for (const BodyType::Device& device : type.devices)
     if (device.kind->is_sensor()) sensors.push_back(device.name);
   std::vector<std::string_view> wanted = words_of(params[0].text());
   if (wanted.empty()) wanted = sensors;
-  if (wanted.empty()) fault = fmt::format("bodies of type \"{}\" have no sensor", type.name);
+  if (wanted.empty()) return Error{fmt::format("bodies of type \"{}\" have no sensor", type.name)};
   for (const std::string_view name : wanted) {
     const auto device = std::ranges::find(type.devices, name, &BodyType::Device::name);
-    if (device == type.devices.end() || !device->kind->is_sensor()) {
-      fault = unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors);
-      continue;
-    }
+    if (device == type.devices.end() || !device->kind->is_sensor())
+      return Error{unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors)};
     const auto d = static_cast<std::size_t>(device - type.devices.begin());
-    if (d < engine::k_most_fallible)
-      ailment.dead |= std::uint32_t{1} << d;
-    else
-      fault = fmt::format("\"{}\" is device {} of type \"{}\", and the first {} can fail", name, d + 1,
-                          type.name, engine::k_most_fallible);
+    if (d >= engine::k_most_fallible)
+      return Error{fmt::format("\"{}\" is device {} of type \"{}\", and the first {} can fail", name, d + 1,
+                               type.name, engine::k_most_fallible)};
+    ailment.dead |= std::uint32_t{1} << d;
   }
   return ailment;
-}
-
-std::string no_drive(const BodyType& type) {
-  return type.drive ? std::string() : fmt::format("bodies of type \"{}\" have no drive", type.name);
 }
 
 }  // namespace
@@ -80,8 +73,8 @@ engine::FaultKind slow_wheels_fault() {
                    .max = 1,
                    .text = "what its speeds are multiplied by",
                    .above_min = true}}};
-  kind.prepare = [](const Record& params, const BodyType& type, std::string& fault) {
-    fault = no_drive(type);
+  kind.prepare = [](const Record& params, const BodyType& type) -> Result<Ailment> {
+    if (!type.drive) return Error{fmt::format("bodies of type \"{}\" have no drive", type.name)};
     return Ailment{.speed = params[0].number()};
   };
   return kind;
@@ -102,7 +95,7 @@ engine::FaultKind drop_out_fault() {
                    .min = 0,
                    .max = 1e9,
                    .text = "how long it is out; then it works again, until the next time; 0: for good"}}};
-  kind.prepare = [](const Record& params, const BodyType&, std::string&) {
+  kind.prepare = [](const Record& params, const BodyType&) -> Result<Ailment> {
     return Ailment{.drops_out = true, .per_s = params[0].number(), .lasts_s = params[1].number()};
   };
   return kind;

@@ -69,9 +69,9 @@ struct Counter {
   double step;
 
   static Counter make(const Record& params) { return {params[0].number()}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string& fault) const {
-    if (step < 0) fault = "cannot count down";
-    return {};
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>&) const {
+    if (step < 0) return Error{"cannot count down"};
+    return std::vector<std::size_t>();
   }
   void operator()(Memory& memory, const Percept&, Random&, Actions& actions) const {
     ++memory.calls;
@@ -80,9 +80,7 @@ struct Counter {
 };
 struct Forgetful {
   static Forgetful make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) const {
-    return {2, 0};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) const { return {2, 0}; }
   void operator()(const Percept& percept, Random&, Actions& actions) const {
     actions.command.turn = percept.tick_s;
   }
@@ -101,26 +99,24 @@ TEST(ControllerKind, KeepsItsMemoryInTheTable) {
   EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 10u) << "members start as the struct says";
 
   std::vector<bool> claimed;
-  std::string fault;
-  const ControllerKind::Prepared prepared = kind.prepare({Value(2.0)}, {}, claimed, fault);
-  EXPECT_EQ(fault, "");
+  const Result<ControllerKind::Prepared> prepared = kind.prepare({Value(2.0)}, {}, claimed);
+  ASSERT_TRUE(prepared);
   Command command;
   const std::uint64_t before = table.hash_row(1);
   const std::vector<Row> rows{Row(0)};
   const std::vector<BodyId> ids{BodyId(9)};
   const std::vector<std::uint32_t> slots{1};
-  kind.decide(prepared.data, {.rows = rows,
-                              .ids = ids,
-                              .slots = slots,
-                              .commands = {&command, 1},
-                              .memories = {table.row(0), table.row_bytes()}});
+  kind.decide(prepared->data, {.rows = rows,
+                               .ids = ids,
+                               .slots = slots,
+                               .commands = {&command, 1},
+                               .memories = {table.row(0), table.row_bytes()}});
   EXPECT_EQ(command.x, 22);
   EXPECT_EQ(table.cell<std::uint32_t>(1, 0)[0], 11u);
   EXPECT_EQ(table.cell<std::uint32_t>(0, 0)[0], 10u) << "a robot's memory is its own";
   EXPECT_NE(table.hash_row(1), before);
 
-  kind.prepare({Value(-1.0)}, {}, claimed, fault);
-  EXPECT_EQ(fault, "cannot count down");
+  EXPECT_EQ(kind.prepare({Value(-1.0)}, {}, claimed).error().text, "cannot count down");
 }
 
 TEST(ControllerKind, NeedsNoMemory) {
@@ -128,14 +124,14 @@ TEST(ControllerKind, NeedsNoMemory) {
   EXPECT_TRUE(kind.memory.empty());
   EXPECT_EQ(kind.memory_bytes, 0u);
   std::vector<bool> claimed;
-  std::string fault;
-  const ControllerKind::Prepared prepared = kind.prepare({}, {}, claimed, fault);
-  EXPECT_EQ(prepared.devices, (std::vector<std::size_t>{2, 0}));
+  const Result<ControllerKind::Prepared> prepared = kind.prepare({}, {}, claimed);
+  ASSERT_TRUE(prepared);
+  EXPECT_EQ(prepared->devices, (std::vector<std::size_t>{2, 0}));
   Command command;
   const std::vector<Row> rows{Row(0)};
   const std::vector<BodyId> ids{BodyId(9)};
   const std::vector<std::uint32_t> slots{0};
-  kind.decide(prepared.data,
+  kind.decide(prepared->data,
               {.tick_s = 0.25, .rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}});
   EXPECT_EQ(command.turn, 0.25);
 }

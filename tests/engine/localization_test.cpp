@@ -1,6 +1,7 @@
 #include "engine/localization.hpp"
 
 #include "engine/controller_check.hpp"
+#include "tests/support/result.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -174,12 +175,15 @@ TEST(Localization, OnlyRobotsWithOdometryHaveSuchAState) {
 }
 
 TEST(Localization, AWrongNumberOfNumbersIsAnError) {
-  const FieldTable& table = test::registry().drive("diff")->params;
-  EXPECT_EQ(localization_fault(table, test::record(table, {{"odom_error", std::vector<double>{1, 2}}})),
+  const FieldTable table{localization_fields()};
+  const auto check = [&](Params params) {
+    return test::error_text(check_localization(test::record(table, params)));
+  };
+  EXPECT_EQ(check({{"odom_error", std::vector<double>{1, 2}}}),
             "odom_error needs three numbers, [forward, left, turn], or none");
-  EXPECT_EQ(localization_fault(table, test::record(table, {{"localization_origin", std::vector<double>{1}}})),
+  EXPECT_EQ(check({{"localization_origin", std::vector<double>{1}}}),
             "localization_origin needs two numbers, [x, y], or none");
-  EXPECT_EQ(localization_fault(table, table.defaults()), "");
+  EXPECT_EQ(check({}), "");
   Robot robot("diff", {{"odom_error", std::vector<double>{1}}});
   Diagnostics diagnostics;
   EXPECT_THROW(World(robot.scene.spec, test::registry(), {}, diagnostics), InputError);

@@ -132,9 +132,7 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
 
 struct Thrower {
   static Thrower make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(const Percept& percept, Random&, Actions&) const {
     if (percept.body >= 40) throw std::runtime_error(std::to_string(percept.body));
   }

@@ -38,8 +38,7 @@ double angle_of(double fov, std::size_t samples, std::size_t i) {
 
 Layout fan(double fov, std::size_t samples) {
   Layout layout;
-  layout.transducers = {0};
-  layout.transducer_origins = {Vec2::Zero()};
+  layout.transducers = {{.first = 0, .samples = samples}};
   for (std::size_t i = 0; i < samples; ++i) layout.bearings.push_back(angle_of(fov, samples, i));
   return layout;
 }
@@ -100,8 +99,7 @@ TEST(Scanner, TheOrderOfTheBeamsDoesNotShow) {
     random.shuffle(all);
     Layout mixed;
     for (std::size_t i = 0; i < n; ++i) {
-      mixed.transducers.push_back(i);
-      mixed.transducer_origins.push_back(Vec2::Zero());
+      mixed.transducers.push_back({.first = i});
       // Some a whole turn on.
       mixed.bearings.push_back(whole.bearings[order[i]] + (i % 3 == 0 ? 2 * k_pi : 0));
     }
@@ -150,8 +148,8 @@ TEST(Scanner, LooksAheadWhereverItsFanIsTurnedTo) {
 TEST(Scanner, ParallelBeamsTellLeftAndRightByWhereTheyStart) {
   Layout grille;
   for (int i = 0; i < 9; ++i) {
-    grille.transducers.push_back(grille.bearings.size());
-    grille.transducer_origins.emplace_back(0, 0.05 * (i - 4));
+    grille.transducers.push_back(
+        {.first = grille.bearings.size(), .pose_sensor_transducer = {0, 0.05 * (i - 4), 0, 0}});
     grille.bearings.push_back(0);
   }
   const Scanner scanner = scanner_of(grille, 3, {0.2, 1, 0, 0});
@@ -168,8 +166,8 @@ TEST(Scanner, ParallelBeamsTellLeftAndRightByWhereTheyStart) {
 
 TEST(Beams, KnowTheirBearingsAndOriginsInTheFrameOfTheDrive) {
   Layout layout;
-  layout.transducers = {0, 2};
-  layout.transducer_origins = {{0.1, 0}, {0, 0.2}};
+  layout.transducers = {{.first = 0, .samples = 2, .pose_sensor_transducer = {0.1, 0, 0, 0}},
+                        {.first = 2, .pose_sensor_transducer = {0, 0.2, 0, 0}}};
   layout.bearings = {-0.5, 0.5, k_pi};
   const auto beams = beams_of({"r", "ranger", layout, {1, 0, 0, k_pi / 2}});
   ASSERT_EQ(beams.size(), 3);

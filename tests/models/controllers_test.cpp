@@ -18,7 +18,7 @@ struct Decision {
   engine::ControllerKind kind;
   engine::ControllerKind::Prepared prepared;
   std::vector<std::byte> memory;
-  std::string fault;
+  std::string error;
   Command command{9, 9, 9};
   std::uint32_t tick = 1;
   double tick_s = 0.1;
@@ -26,16 +26,14 @@ struct Decision {
   static engine::DeviceKind::Prepared ring(const std::vector<double>& headings) {
     engine::DeviceKind::Prepared layout;
     for (const double heading : headings) {
-      layout.transducers.push_back(layout.bearings.size());
-      layout.transducer_origins.push_back(Vec2::Zero());
+      layout.transducers.push_back({.first = layout.bearings.size()});
       layout.bearings.push_back(heading);
     }
     return layout;
   }
   static engine::DeviceKind::Prepared scanner(std::size_t samples) {
     engine::DeviceKind::Prepared layout;
-    layout.transducers = {0};
-    layout.transducer_origins = {Vec2::Zero()};
+    layout.transducers = {{.first = 0, .samples = samples}};
     for (std::size_t i = 0; i < samples; ++i)
       layout.bearings.push_back(k_pi * (static_cast<double>(i) / static_cast<double>(samples - 1) - 0.5));
     return layout;
@@ -45,7 +43,11 @@ struct Decision {
       : layout(std::move(sensor)), kind(*test::registry().controller(name)) {
     const engine::DeviceInfo info{"sensor", "ranger", layout};
     std::vector<bool> claimed(1, false);
-    prepared = kind.prepare(params, {&info, 1}, claimed, fault);
+    Result<engine::ControllerKind::Prepared> made = kind.prepare(params, {&info, 1}, claimed);
+    if (made)
+      prepared = *std::move(made);
+    else
+      error = made.error().text;
     memory.resize(kind.memory_bytes);
     kind.start(memory.data());
   }
@@ -172,15 +174,18 @@ TEST(Expand, StraightBeforeAWallItTurns) {
 }
 
 TEST(Expand, StagesExamplesKeepTheLastCommandOnAnAxis) {
-  Decision decide(Decision::ring({0}), "expand", preset("expand_swarm"));
+  engine::Record params = preset("expand_swarm");
+  const auto clearances =
+      static_cast<std::size_t>(test::registry().controller("expand")->params.find("clearances"));
+  params[clearances] = std::vector<double>{params[clearances].numbers().front()};  // one for its transducer
+  Decision decide(Decision::ring({0}), "expand", params);
   EXPECT_EQ(decide({1.0f}).x, 9) << "one beam ahead: the sum has no sideways part at all";
 }
 
 TEST(Expand, EachBeamOfATransducerHasItsClearance) {
   // Two fans of three beams: only those of the first have a clearance.
   engine::DeviceKind::Prepared fans;
-  fans.transducers = {0, 3};
-  fans.transducer_origins = {Vec2::Zero(), Vec2::Zero()};
+  fans.transducers = {{.first = 0, .samples = 3}, {.first = 3, .samples = 3}};
   fans.bearings = {-0.1, 0, 0.1, -0.3, 0.02, 0.3};
   const engine::Record params =
       test::record(test::registry().controller("expand")->params, {{"clearances", std::vector<double>{0.5}}});
@@ -199,13 +204,13 @@ TEST(Expand, WhatNeverPointsAheadIsAFault) {
   for (const std::vector<double>& headings : {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
     EXPECT_EQ(
         Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
-            .fault,
+            .error,
         fault)
         << headings[0];
   for (const std::vector<double>& headings : {std::vector{0.4}, {1.5, -1.5}, {k_pi, 0.1}})
     EXPECT_EQ(
         Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
-            .fault,
+            .error,
         "")
         << headings[0];
 }
@@ -222,7 +227,7 @@ TEST(Expand, InvertTurnsTheSumAround) {
 
 TEST(Expand, WithoutARangerItSaysWhatItNeeds) {
   Decision decide({}, "expand", preset("expand_swarm"));
-  EXPECT_EQ(decide.fault, "needs a ranger that no other controller of the robot reads");
+  EXPECT_EQ(decide.error, "needs a ranger that no other controller of the robot reads");
 }
 
 TEST(Wander, CruisesWithAFreeWay) {
@@ -261,7 +266,7 @@ TEST(Wander, OutsideTheMiddleThirdNothingObstructs) {
 TEST(Wander, NeedsMoreThanEightSamples) {
   Decision decide(Decision::scanner(8), "wander", test::registry().controller("wander")->params.defaults());
   EXPECT_EQ(
-      decide.fault,
+      decide.error,
       "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
       "30 degrees of straight ahead; \"sensor\" (8) has too few");
 }
@@ -309,17 +314,17 @@ TEST(Script, LegsMustFollowOneAnother) {
       {}, "script",
       test::record(table, {{"legs", std::vector<engine::Record>{test::record(leg, {{"until", 5.0}}),
                                                                 test::record(leg, {{"until", 2.0}})}}}));
-  EXPECT_EQ(decide.fault, "has a leg that ends before it begins: `until` must rise");
+  EXPECT_EQ(decide.error, "has a leg that ends before it begins: `until` must rise");
 }
 
 TEST(Expand, MoreClearancesThanTransducersIsAFault) {
   const Decision decide(Decision::ring({0, 1}), "expand", preset("expand_pioneer"));
-  EXPECT_EQ(decide.fault, "has 7 clearances for the 2 transducers of \"sensor\"");
+  EXPECT_EQ(decide.error, "has 7 clearances for the 2 transducers of \"sensor\"");
 }
 
 TEST(Script, TimedWithoutLegsIsAFault) {
   Decision decide({}, "script", test::registry().controller("script")->params.defaults());
-  EXPECT_EQ(decide.fault, "needs legs: the law `timed` drives nothing without them");
+  EXPECT_EQ(decide.error, "needs legs: the law `timed` drives nothing without them");
 }
 
 /// Of each x, y, z and heading; and, where they are given, time, speed and wait.
@@ -350,10 +355,9 @@ TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
 }
 
 TEST(Waypoints, NeedsGoals) {
-  std::string fault;
   std::vector<bool> claimed;
-  test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed, fault);
-  EXPECT_EQ(fault, "needs goals: without them it has nowhere to go");
+  EXPECT_EQ(test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed).error().text,
+            "needs goals: without them it has nowhere to go");
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

@@ -310,7 +310,7 @@ TEST(Drives, BoundsOfAccelerationsMustNotStandTheWrongWayRound) {
         std::tuple("acceleration_min_y", "acceleration_max_y", "acceleration_y"),
         std::tuple("turn_acceleration_min", "turn_acceleration_max", "turn_acceleration")}) {
     const engine::DriveSpec spec = test::drive("car", {{low, 2.0}, {high, 1.0}});
-    EXPECT_EQ(car_drive().fault(spec.params),
+    EXPECT_EQ(car_drive().check(spec.params).error().text,
               "the bounds of " + std::string(name) + " stand the wrong way round: the lower must come first");
   }
 }

@@ -56,9 +56,7 @@ struct Asker {
     return {static_cast<FlagCommand::Verb>(p[0].integer()), static_cast<std::uint32_t>(p[1].integer()),
             static_cast<std::uint32_t>(p[2].integer())};
   }
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {0};
-  }
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {0}; }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     if (percept.tick == 1) actions.device<FlagCommand>(0).ask(verb, target, {color, 0.1f});
   }

@@ -51,9 +51,7 @@ TEST(Light, BlinksByPeriodAndDutycycle) {
 /// Switches the light on at tick 2 and leaves it to itself from tick 5 on.
 struct Switcher {
   static Switcher make(const engine::Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {0};
-  }
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {0}; }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     seen_lit = percept.devices[0].as<LightState>().lit;
     auto& command = actions.device<LightCommand>(0);

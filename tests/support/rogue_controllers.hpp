@@ -19,8 +19,7 @@
 namespace troupe::test {
 
 struct Parameterless {
-  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&,
-                                  std::string&) const {
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     return {};
   }
 };

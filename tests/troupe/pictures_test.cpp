@@ -44,23 +44,23 @@ class PicturesTest : public test::ScratchTest {
 };
 
 TEST(PictureLayers, AreCheckedByName) {
-  EXPECT_THAT(layers_fault(""), IsEmpty());
-  EXPECT_THAT(layers_fault("scans,-grid,+names"), IsEmpty());
-  EXPECT_THAT(layers_fault("scan"), AllOf(HasSubstr("unknown layer \"scan\"; known: beams, blobs, cells, "),
-                                          HasSubstr("(did you mean \"scans\"?)")));
-  EXPECT_THAT(layers_fault("scans,,grid"), HasSubstr("unknown layer \"\""));
-  for (const PictureLayer& layer : picture_layers())
-    EXPECT_THAT(layers_fault(std::string(layer.name)), IsEmpty());
+  EXPECT_TRUE(check_layers(""));
+  EXPECT_TRUE(check_layers("scans,-grid,+names"));
+  EXPECT_THAT(check_layers("scan").error().text,
+              AllOf(HasSubstr("unknown layer \"scan\"; known: beams, blobs, cells, "),
+                    HasSubstr("(did you mean \"scans\"?)")));
+  EXPECT_THAT(check_layers("scans,,grid").error().text, HasSubstr("unknown layer \"\""));
+  for (const PictureLayer& layer : picture_layers()) EXPECT_TRUE(check_layers(std::string(layer.name)));
 }
 
 TEST(Cameras, AreCheckedByName) {
   for (const char* camera : {"top", "perspective", "window", "follow:r0"})
-    EXPECT_THAT(camera_fault(camera), IsEmpty()) << camera;
-  EXPECT_EQ(camera_fault("perspectiv"),
+    EXPECT_TRUE(check_camera(camera)) << camera;
+  EXPECT_EQ(check_camera("perspectiv").error().text,
             "unknown camera \"perspectiv\"; known: follow:NAME, perspective, top, window (did you mean "
             "\"perspective\"?)");
-  EXPECT_THAT(camera_fault("follow:"), HasSubstr("unknown camera"));
-  EXPECT_THAT(camera_fault("follow:NAME"), IsEmpty());  // a model may be called so
+  EXPECT_THAT(check_camera("follow:").error().text, HasSubstr("unknown camera"));
+  EXPECT_TRUE(check_camera("follow:NAME"));  // a model may be called so
 }
 
 #ifdef TROUPE_HAS_RENDER

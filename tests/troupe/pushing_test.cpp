@@ -10,9 +10,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -67,6 +70,49 @@ TEST_F(Pushing, APuckEndsWhereTheRobotsFrontLeavesIt) {
     EXPECT_NEAR(simulation.find("p").pose().x, 1.40, 1e-6) << "it does not go on by itself";
     drive(simulation, "r", -0.5, 5);
     EXPECT_NEAR(simulation.find("p").pose().x, 1.40, 1e-6) << "nor does it stick";
+  }
+}
+
+// A body with its arm out reaches farther than with its joints at rest. Two robots that are far apart push
+// towards each other what the arm and a puck hand on: whoever goes first, the other one must know.
+TEST_F(Pushing, AnArmThatIsOutHandsOnWhatIsPushed) {
+  constexpr int k_lanes = 24;
+  std::string models;
+  for (int lane = 0; lane < k_lanes; ++lane)
+    for (const auto& [name, type, x, heading] :
+         {std::tuple("a", "robot", 0.0, 0), std::tuple("c", "crane", 0.26, 0),
+          std::tuple("p", "puck", 3.37, 0), std::tuple("b", "robot", 3.63, 180)})
+      models += fmt::format(
+          R"({}{{"name": "{}{}", "type": "{}", "pose": {{"x_m": {}, "y_m": {}, "heading_deg": {}}}}})",
+          models.empty() ? "" : ", ", name, lane, type, x, 10 * lane, heading);
+  const auto file = write("cranes.json", fmt::format(R"({{"troupe": 1, {}, "models": [{}]}})",
+                                                     std::string(k_types).substr(0, k_types.rfind('}')) +
+                                                         R"(,
+    "crane": {"size_m": [0.1, 0.1, 0.1], "pushable": true, "devices": [
+      {"name": "arm", "kind": "actuator", "max_position": 3, "start_position": 3, "size_m": [0.1, 0.1, 0.1]}]}})",
+                                                     models));
+  std::optional<std::vector<double>> first;
+  for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(2u, 0.0), std::pair(2u, 1.0)}) {
+    Simulation simulation(file, {.threads = threads, .tile_size_m = tile_m});
+    std::vector<double> places;
+    for (int tick = 0; tick < 20; ++tick) {
+      for (int lane = 0; lane < k_lanes; ++lane)
+        for (const char* name : {"a", "b"})
+          simulation.find(fmt::format("{}{}", name, lane)).set_speed(0.3, 0, 0);
+      simulation.step();
+      for (int lane = 0; lane < k_lanes; ++lane) {
+        const auto x = [&](const char* name) {
+          return simulation.find(fmt::format("{}{}", name, lane)).pose().x;
+        };
+        constexpr double k_touching_m = 1e-6;
+        EXPECT_GE(x("c") - 0.05, x("a") + 0.2 - k_touching_m) << "tick " << tick << ", lane " << lane;
+        EXPECT_GE(x("p") - 0.05, x("c") + 3.05 - k_touching_m) << "tick " << tick << ", lane " << lane;
+        EXPECT_GE(x("b") - 0.2, x("p") + 0.05 - k_touching_m) << "tick " << tick << ", lane " << lane;
+        for (const char* name : {"a", "c", "p", "b"}) places.push_back(x(name));
+      }
+    }
+    if (!first) first = places;
+    EXPECT_EQ(places, *first) << threads << " threads, tiles of " << tile_m << " m";
   }
 }
 

@@ -590,14 +590,14 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
 }
 
 TEST(JsonWorld, OutlineFaults) {
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}), "");  // need not be convex
-  EXPECT_EQ(outline_fault({{0, 0}, {0, 0}, {2, 1}}), "point 1 repeats point 0");
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 1}, {0, 0}}),
+  EXPECT_TRUE(check_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}));  // need not be convex
+  EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text, "point 1 repeats point 0");
+  EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
             "the last point repeats the first: the outline is closed anyway");
-  EXPECT_EQ(outline_fault({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}), "the outline has no area");
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}),
+  EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
+  EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
             "the outline turns back on itself at point 3");
-  EXPECT_EQ(outline_fault({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}),  // a corner touches an edge
+  EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}).error().text,  // a corner touches an edge
             "the outline crosses or touches itself: the edges from points 0 and 2");
 }
 

@@ -109,7 +109,7 @@ std::vector<Ring> read_contours(const JsonCursor& at) {
 std::vector<Ring> read_outline(const JsonCursor& at) {
   Ring points = read_points(at, 3, k_max_points);
   if (points.empty()) return {};
-  if (const std::string fault = outline_fault(points); !fault.empty()) at.error(fault);
+  if (const Result<> outline = check_outline(points); !outline) at.error(outline.error().text);
   if (signed_area(points) < 0) std::ranges::reverse(points);
   return {std::move(points)};
 }
@@ -152,7 +152,7 @@ JsonNode block_node(const Solid& solid, bool is_in_part_frame) {
   JsonNode::Object object;
   const Ring& ring = solid.contours.front();
   const bool is_plain = solid.contours.size() == 1 && ring.size() >= 3 && ring.size() <= k_max_points &&
-                        solid.z.min < solid.z.max && outline_fault(ring).empty() && signed_area(ring) >= 0;
+                        solid.z.min < solid.z.max && check_outline(ring) && signed_area(ring) >= 0;
   if (is_plain) {
     add_node(object, "points_m", points_node(ring));
   } else {
@@ -332,26 +332,27 @@ std::optional<Box> read_box(JsonObject& object, std::string_view key) {
   return std::nullopt;
 }
 
-std::string outline_fault(const Ring& ring) {
+Result<> check_outline(const Ring& ring) {
   const std::size_t n = ring.size();
   const auto at = [&](std::size_t i) -> const Vec2& { return ring[i % n]; };
   for (std::size_t i = 0; i < n; ++i)
     if (at(i) == at(i + 1))
-      return i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
-                       : std::string("the last point repeats the first: the outline is closed anyway");
+      return Error{i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
+                             : "the last point repeats the first: the outline is closed anyway"};
   constexpr double k_flat = 1e-12;  // rounding, relative to the extent
   const double widest = bounds(ring).size().maxCoeff();
   if (std::ranges::all_of(ring, [&](const Vec2& p) {
         return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
       }))
-    return "the outline has no area";
+    return Error{"the outline has no area"};
   for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
-      return fmt::format("the outline turns back on itself at point {}", (i + 1) % n);
+      return Error{fmt::format("the outline turns back on itself at point {}", (i + 1) % n)};
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n && j + 1 < n + i; ++j)
       if (segments_meet(at(i), at(i + 1), at(j), at(j + 1)))
-        return fmt::format("the outline crosses or touches itself: the edges from points {} and {}", i, j);
+        return Error{
+            fmt::format("the outline crosses or touches itself: the edges from points {} and {}", i, j)};
   return {};
 }
 

@@ -47,9 +47,9 @@ JsonNode points_node(std::span<const Vec2> points);
 /// is reported.
 std::optional<Box> read_box(JsonObject& object, std::string_view key);
 
-/// What is wrong with a ring as the outline of a block: repeated points, crossing edges, no area. Empty:
-/// nothing.
-std::string outline_fault(const Ring& ring);
+/// Whether a ring can be the outline of a block; else what is wrong: repeated points, crossing edges, no
+/// area. The ring has points.
+Result<> check_outline(const Ring& ring);
 
 /// The image that an object names, and how it is to be stretched.
 struct JsonImage {

@@ -24,19 +24,20 @@ double read_period(JsonObject& object, const engine::FieldTable& params) {
   return period.given() ? period.number() : 0;
 }
 
-/// Looks up the `kind` that an object names; null, and reported, where there is none of this name. A `find`
-/// that knows why says so in `fault`.
+/// Looks up the `kind` that an object names; null, and reported, where there is none of this name.
+/// find: name -> a Result of a pointer to the kind.
 template <class Find>
 auto read_kind(JsonObject& object, std::string_view what, const std::vector<std::string_view>& known,
-               Find find, const std::string& fault = {}) -> decltype(find(std::string_view())) {
+               Find find) -> std::remove_cvref_t<decltype(*find(std::string_view()))> {
   const JsonNode* node = object.require("kind", fmt::format("one of {}", comma_list(known)));
   if (!node) return nullptr;
   const JsonCursor cursor(object.at(), "kind", *node);
   const std::string* name = read_text(cursor, fmt::format("the name of a {}", what));
   if (!name) return nullptr;
   const auto kind = find(*name);
-  if (!kind) cursor.error(fault.empty() ? unknown_name(what, *name, known) : fault);
-  return kind;
+  if (kind) return *kind;
+  cursor.error(kind.error().text);
+  return nullptr;
 }
 
 template <class Kinds>
@@ -56,8 +57,12 @@ std::string read_optional_text(JsonObject& object, std::string_view key, std::st
 
 std::optional<engine::DriveSpec> read_drive(const JsonCursor& at, const engine::Registry& registry) {
   JsonObject object(at);
-  const engine::DriveKind* kind = read_kind(object, "drive", names(registry.drives),
-                                            [&](std::string_view name) { return registry.drive(name); });
+  const std::vector<std::string_view> known = names(registry.drives);
+  const auto find = [&](std::string_view name) -> Result<const engine::DriveKind*> {
+    if (const engine::DriveKind* kind = registry.drive(name)) return kind;
+    return Error{unknown_name("drive", name, known)};
+  };
+  const engine::DriveKind* kind = read_kind(object, "drive", known, find);
   if (!kind) return std::nullopt;
   engine::DriveSpec drive{.kind = std::string(kind->name), .where = at.where()};
   drive.period_s = read_period(object, kind->params);
@@ -108,8 +113,8 @@ class TypeReader {
   /// `joint`: what else than the joint of the part around it something moves with; null: with none.
   void read_joint(JsonObject& object, std::int32_t& joint);
   /// These say what is wrong; nothing where all is right.
-  std::string find_joint(const std::string& name, std::int32_t& joint) const;
-  std::string put_on(engine::DeviceSpec& device, const std::string& on) const;
+  Result<> find_joint(const std::string& name, std::int32_t& joint) const;
+  Result<> put_on(engine::DeviceSpec& device, const std::string& on) const;
   void read_order(JsonObject& object);
 
   template <class Read>
@@ -149,9 +154,9 @@ void TypeReader::read_root(JsonObject& object, std::optional<Color>& color) {
   read_contents(object, stand);
   for (const Riding& rider : riding_) {
     engine::DeviceSpec& device = type_.devices[rider.device];
-    const std::string fault =
-        rider.names_joint ? find_joint(rider.on, device.joint) : put_on(device, rider.on);
-    if (!fault.empty()) at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, fault));
+    const Result<> stands = rider.names_joint ? find_joint(rider.on, device.joint) : put_on(device, rider.on);
+    if (!stands)
+      at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
   }
   read_order(object);
   const auto needs_drive = [&](const engine::ControllerSpec& controller) {  // those of parts may have wheels
@@ -227,7 +232,7 @@ void TypeReader::read_contents(JsonObject& object, const Stand& stand) {
 }
 
 /// Puts a device on another, which moves what stands on it.
-std::string TypeReader::put_on(engine::DeviceSpec& device, const std::string& on) const {
+Result<> TypeReader::put_on(engine::DeviceSpec& device, const std::string& on) const {
   std::vector<std::string_view> known;
   for (const engine::DeviceSpec& other : type_.devices) {
     const engine::DeviceKind* kind = registry_.device(other.kind);
@@ -240,8 +245,9 @@ std::string TypeReader::put_on(engine::DeviceSpec& device, const std::string& on
     return {};
   }
   if (known.empty())
-    return fmt::format("\"{}\" is no device before it that moves what stands on it; there is none", on);
-  return unknown_name("device that moves what stands on it", on, known);
+    return Error{
+        fmt::format("\"{}\" is no device before it that moves what stands on it; there is none", on)};
+  return Error{unknown_name("device that moves what stands on it", on, known)};
 }
 
 /// What a device shows of itself: the body of its kind, or one given by `size_m` or `blocks`.
@@ -265,17 +271,15 @@ const engine::DeviceKind* TypeReader::read_device_kind(JsonObject& object, Devic
   const std::vector<std::string_view> known = names(list == DeviceList::sensors   ? registry_.sensors()
                                                     : list == DeviceList::devices ? registry_.other_devices()
                                                                                   : registry_.devices);
-  std::string fault;
-  const auto find = [&](std::string_view name) -> const engine::DeviceKind* {
-    fault = unknown_name(what, name, known);
-    const engine::DeviceKind* kind = registry_.device(name, fault);
-    if (!kind || list == DeviceList::both || kind->is_sensor() == (list == DeviceList::sensors)) return kind;
-    fault = fmt::format("\"{}\" {}", name,
-                        kind->is_sensor() ? "only looks: it belongs under \"sensors\""
-                                          : "does something: it belongs under \"devices\"");
-    return nullptr;
+  const auto find = [&](std::string_view name) -> Result<const engine::DeviceKind*> {
+    const auto kind = registry_.find_device(name, unknown_name(what, name, known));
+    if (!kind || list == DeviceList::both || (*kind)->is_sensor() == (list == DeviceList::sensors))
+      return kind;
+    return Error{fmt::format("\"{}\" {}", name,
+                             (*kind)->is_sensor() ? "only looks: it belongs under \"sensors\""
+                                                  : "does something: it belongs under \"devices\"")};
   };
-  return read_kind(object, what, known, find, fault);
+  return read_kind(object, what, known, find);
 }
 
 void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand& stand) {
@@ -306,9 +310,9 @@ void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand&
   if (const JsonNode* node = object.find("on")) {
     const JsonCursor cursor(at, "on", *node);
     const std::string* on = read_text(cursor, "the name of a device that moves what stands on it");
-    const std::string fault = !on || list == DeviceList::sensors ? std::string() : put_on(device, *on);
-    if (!fault.empty()) cursor.error(fault);
-    stands = on && fault.empty();
+    const Result<> put = !on || list == DeviceList::sensors ? Result<>() : put_on(device, *on);
+    if (!put) cursor.error(put.error().text);
+    stands = on && put;
     if (on && list == DeviceList::sensors)
       riding_.push_back({devices.size(), *on, false, cursor.where(), cursor.pointer()});
   }
@@ -336,13 +340,11 @@ void TypeReader::read_device(const JsonCursor& at, DeviceList list, const Stand&
 void TypeReader::read_controller(const JsonCursor& at, std::uint32_t part) {
   JsonObject object(at);
   const engine::Registry::Preset* preset = nullptr;
-  std::string fault;
   const auto find = [&](std::string_view name) {
     preset = registry_.preset(name);
-    return registry_.controller(preset ? preset->kind : name, fault);
+    return registry_.find_controller(preset ? preset->kind : name);
   };
-  const engine::ControllerKind* kind =
-      read_kind(object, "controller", registry_.controller_names(), find, fault);
+  const engine::ControllerKind* kind = read_kind(object, "controller", registry_.controller_names(), find);
   if (!kind) return;
   engine::ControllerSpec controller{.kind = std::string(kind->name), .part = part, .where = at.where()};
   using Params = std::span<const std::pair<std::string_view, Value>>;
@@ -369,15 +371,15 @@ void TypeReader::read_joint(JsonObject& object, std::int32_t& joint) {
   if (std::holds_alternative<std::monostate>(node->value))
     joint = engine::k_rigid;
   else if (const std::string* name = read_text(at, "the name of a joint, or null: none"))
-    if (const std::string fault = find_joint(*name, joint); !fault.empty()) at.error(fault);
+    if (const Result<> found = find_joint(*name, joint); !found) at.error(found.error().text);
 }
 
-std::string TypeReader::find_joint(const std::string& name, std::int32_t& joint) const {
+Result<> TypeReader::find_joint(const std::string& name, std::int32_t& joint) const {
   const auto found = std::ranges::find(type_.joints, name, &engine::JointSpec::name);
   if (found == type_.joints.end()) {
     std::vector<std::string_view> known;
     for (const engine::JointSpec& one : type_.joints) known.push_back(one.name);
-    return unknown_name("joint", name, std::move(known));
+    return Error{unknown_name("joint", name, std::move(known))};
   }
   joint = static_cast<std::int32_t>(found - type_.joints.begin());
   return {};

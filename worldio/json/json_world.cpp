@@ -378,8 +378,8 @@ void WorldReader::read_region(JsonObject& object, PlacementRule& rule) {
   if (const JsonNode* node = object.find("polygon_m")) {
     const JsonCursor at(object.at(), "polygon_m", *node);
     rule.polygon = read_points(at, 3);
-    if (const std::string fault = rule.polygon.empty() ? "" : outline_fault(rule.polygon); !fault.empty())
-      at.error(fault);
+    if (!rule.polygon.empty())
+      if (const Result<> outline = check_outline(rule.polygon); !outline) at.error(outline.error().text);
     for (const Vec2& corner : rule.polygon) rule.region.extend(corner);
   }
   const bool has_box = object.find("region_m") != nullptr;

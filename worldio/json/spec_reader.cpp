@@ -430,10 +430,9 @@ engine::DeviceSpec SpecReader::sensor(const JsonCursor& at) {
   sensor.active = boolean(object, "active");
   std::vector<std::string_view> known;
   for (const engine::DeviceKind& each : registry_.devices) known.push_back(each.name);
-  std::string fault = unknown_name("sensor", sensor.kind, std::move(known));
-  const engine::DeviceKind* kind = registry_.device(sensor.kind, fault);
-  if (!kind) at.error(fault);
-  sensor.params = params(object, kind ? &kind->params : nullptr);
+  const auto kind = registry_.find_device(sensor.kind, unknown_name("sensor", sensor.kind, std::move(known)));
+  if (!kind) at.error(kind.error().text);
+  sensor.params = params(object, kind ? &(*kind)->params : nullptr);
   sensor.where = where(object);
   object.finish();
   return sensor;
@@ -445,10 +444,9 @@ engine::ControllerSpec SpecReader::controller(const JsonCursor& at) {
   controller.kind = text(object, "kind");
   controller.part = index(object, "part");
   controller.period_s = number(object, "period_s", 0, k_most_s, 0);
-  std::string fault;
-  const engine::ControllerKind* kind = registry_.controller(controller.kind, fault);
-  if (!kind) at.error(fault);
-  controller.params = params(object, kind ? &kind->params : nullptr);
+  const auto kind = registry_.find_controller(controller.kind);
+  if (!kind) at.error(kind.error().text);
+  controller.params = params(object, kind ? &(*kind)->params : nullptr);
   controller.where = where(object);
   object.finish();
   return controller;

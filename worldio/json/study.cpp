@@ -337,8 +337,8 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
   const Where start{diagnostics.files()->add(file.string()), 0};
   const auto text = read_file(file);
   if (!text) {
-    const std::string reason = unreadable(file, k_most_input_bytes);
-    diagnostics.error(start, reason.empty() ? "cannot be read" : reason);
+    const Result<> readable = check_readable(file, k_most_input_bytes);
+    diagnostics.error(start, readable ? "cannot be read" : readable.error().text);
     return {};
   }
   return load_study_text(file, *text, registry, diagnostics);

@@ -106,12 +106,12 @@ hid_t datasets() {
 }
 ///@}
 
-/// Why a dataset is not to be used, though HDF5 can: it lies in other files, or is read by a plug-in of HDF5,
-/// which is code. Empty where nothing is wrong.
-std::string why_foreign(hid_t dataset) {
+/// Whether a dataset may be used. HDF5 can use others: they lie in other files, or are read by a plug-in of
+/// HDF5, which is code.
+Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
-    return "keeps its values in other files, which no file of Troupe does";
+    return Error{"keeps its values in other files, which no file of Troupe does"};
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
@@ -119,8 +119,8 @@ std::string why_foreign(hid_t dataset) {
     const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values,
                                                nullptr, 0, nullptr, nullptr);
     if (filter >= H5Z_FILTER_RESERVED)
-      return fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs",
-                         filter);
+      return Error{fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs",
+                               filter)};
   }
   return {};
 }
@@ -604,8 +604,8 @@ Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
   if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
   Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
-  if (const std::string why = why_foreign(found.get()); !why.empty())
-    fail_with(file_, fmt::format("{} {}", path_of(name), why));
+  if (const Result<> own = check_own(found.get()); !own)
+    fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
   return {std::move(found), file_, path_of(name)};
 }
 
@@ -647,8 +647,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
   if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
     fail_with(file_, fmt::format("{} is no text of fixed length", path_of(name)));
-  if (const std::string why = why_foreign(found.get()); !why.empty())
-    fail_with(file_, fmt::format("{} {}", path_of(name), why));
+  if (const Result<> own = check_own(found.get()); !own)
+    fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
   const std::size_t length = H5Tget_size(type.get());
   const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
   std::error_code unknown;
@@ -706,7 +706,7 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   start_library();
   const LibraryCall call;
-  if (const std::string why = unreadable(file); !why.empty()) fail_with(file, why);
+  if (const Result<> readable = check_readable(file); !readable) fail_with(file, readable.error().text);
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
   if (!found.valid()) fail_with(file, fmt::format("cannot be read: {}", reason()));

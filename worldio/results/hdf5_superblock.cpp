@@ -103,7 +103,7 @@ std::optional<Head> read_head(int fd) {
 }  // namespace
 
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
-  if (!unreadable(file).empty()) return std::nullopt;
+  if (!check_readable(file)) return std::nullopt;
   const std::optional<Head> head = read_head(Descriptor(file, O_RDONLY).get());
   if (!head) return std::nullopt;
   return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end, 8))};

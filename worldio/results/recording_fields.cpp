@@ -1,7 +1,6 @@
 #include "worldio/results/recording_fields.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/shown_color.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -20,14 +19,9 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// What bodies look like beside where they are: colours that devices show (LEDs, also those of zones that
-/// brushes paint), and whether lights are lit.
-bool is_look(const engine::StateField& field) {
-  return field.name == engine::k_shown_color || field.name == "lit";
-}
-
 /// Which names of --record-fields choose all of a table; those of single fields are looked at besides. "pose"
-/// chooses the poses of parts that move, too, and is_look(): a body cannot be drawn without them.
+/// chooses the poses of parts that move, too, and looks (StateField::look): a body cannot be drawn without
+/// them.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
@@ -51,8 +45,8 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const bool chosen = std::ranges::any_of(names, [&](const std::string& name) {
       const engine::StateField& field = table.fields()[f];
-      return chooses(name, table) || (table.group() == HashGroup::sensor &&
-                                      (name == field.name || (name == "pose" && is_look(field))));
+      return chooses(name, table) ||
+             (table.group() == HashGroup::sensor && (name == field.name || (name == "pose" && field.look)));
     });
     if (chosen) fields.push_back(f);
   }

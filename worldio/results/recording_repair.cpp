@@ -90,8 +90,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
 }  // namespace
 
 Repair repair_recording(const fs::path& file) {
-  if (const std::string reason = unreadable(file); !reason.empty())
-    throw Hdf5Error(fmt::format("{}: error: {}", file.string(), reason));
+  if (const Result<> readable = check_readable(file); !readable)
+    throw Hdf5Error(fmt::format("{}: error: {}", file.string(), readable.error().text));
   const std::optional<Hdf5Superblock> head = read_superblock(file);
   if (!head)
     throw Hdf5Error(fmt::format(

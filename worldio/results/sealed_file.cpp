@@ -110,7 +110,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   const auto refuse = [&file](std::string_view reason) {
     throw InputError(fmt::format("{}: error: {}", file.string(), reason));
   };
-  if (const std::string reason = unreadable(file); !reason.empty()) refuse(reason);
+  if (const Result<> readable = check_readable(file); !readable) refuse(readable.error().text);
   Content content;
   try {
     content = content_of(file);
@@ -139,7 +139,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
 }
 
 bool has_seal(const fs::path& file, std::string_view kind) {
-  if (!unreadable(file).empty()) return false;
+  if (!check_readable(file)) return false;
   std::ifstream stream(file, std::ios::binary);
   const std::string mark = first_line(kind);
   std::string text(mark.size(), ' ');

@@ -25,9 +25,7 @@ constexpr double k_child_m = 0.1;
 struct Dynamic {
   static constexpr bool needs_drive = false;
   static Dynamic make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&, std::string&) {
-    return {};
-  }
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
@@ -61,12 +59,10 @@ void add_children(const Record& params, std::uint64_t seed, const engine::Regist
 struct LaserNoise {
   static constexpr bool needs_drive = false;
   static LaserNoise make(const Record&) { return {}; }
-  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>&,
-                                  std::string& fault) {
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
     for (std::size_t d = 0; d < devices.size(); ++d)
-      if (devices[d].kind == "ranger") return {d};  // not claimed: it is for others to read
-    fault = "needs a ranger";
-    return {};
+      if (devices[d].kind == "ranger") return std::vector{d};  // not claimed: it is for others to read
+    return Error{"needs a ranger"};
   }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };

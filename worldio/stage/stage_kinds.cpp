@@ -24,13 +24,14 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   return names;
 }
 
-/// "must be above 0 m": what a number of this field must be; empty when it is.
-std::string limit_broken(const Field& field, double value) {
+/// Whether a number is within a field's limits; else "must be above 0 m".
+Result<> check_limits(const Field& field, double value) {
   const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
   const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
-  if (field.above_min && !(value > field.min)) return fmt::format("must be above {}{}", field.min, unit);
-  if (!(value >= field.min)) return fmt::format("must be at least {}{}", field.min, unit);
-  if (!(value <= field.max)) return fmt::format("must be at most {}{}", field.max, unit);
+  if (field.above_min && !(value > field.min))
+    return Error{fmt::format("must be above {}{}", field.min, unit)};
+  if (!(value >= field.min)) return Error{fmt::format("must be at least {}{}", field.min, unit)};
+  if (!(value <= field.max)) return Error{fmt::format("must be at most {}{}", field.max, unit)};
   return {};
 }
 
@@ -86,11 +87,12 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   // A value is checked against the field's limits, under the name it has in the file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
     const int at = table.find(field_name);
-    const std::string broken = at < 0 ? "" : limit_broken(table.fields[static_cast<std::size_t>(at)], value);
-    if (broken.empty()) return true;
-    values_.error(values_.where(property),
-                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, value));
-    return false;
+    const Result<> kept =
+        at < 0 ? Result<>() : check_limits(table.fields[static_cast<std::size_t>(at)], value);
+    if (!kept)
+      values_.error(values_.where(property),
+                    fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, value));
+    return static_cast<bool>(kept);
   };
   // read(property) -> whether it is right
   const auto read = [&](std::string_view key, auto&& read_property) {
@@ -307,10 +309,10 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
     if (!given) return {};
     const double si = field.unit == engine::Unit::radians ? within_a_turn(*given * to_si) : *given * to_si;
-    const std::string broken = limit_broken(field, si);
-    if (broken.empty()) return si;
+    const Result<> kept = check_limits(field, si);
+    if (kept) return si;
     values_.error(values_.where(property),
-                  fmt::format("\"{}\" {}; here is {}", values_.key(property), broken, *given));
+                  fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, *given));
     return {};
   };
   switch (field.type) {
@@ -525,12 +527,12 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
   }
   const std::string_view name = words[0];
   const engine::Registry::Preset* preset = registry_.preset(name);
-  std::string fault;
-  const engine::ControllerKind* kind = registry_.controller(preset ? preset->kind : name, fault);
-  if (!kind) {
-    values_.error(where, fault);
+  const Result<const engine::ControllerKind*> found = registry_.find_controller(preset ? preset->kind : name);
+  if (!found) {
+    values_.error(where, found.error().text);
     return {};
   }
+  const engine::ControllerKind* kind = *found;
   const std::vector<Field>& fields = kind->params.fields;
   engine::ControllerSpec spec{
       .kind = std::string(kind->name), .params = kind->params.defaults(), .where = where};
@@ -594,8 +596,8 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
       return {};
     }
     const double si = *given * to_si;
-    if (const std::string broken = limit_broken(field, si); !broken.empty()) {
-      refuse(broken);
+    if (const Result<> kept = check_limits(field, si); !kept) {
+      refuse(kept.error().text);
       return {};
     }
     return si;
@@ -632,8 +634,7 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
         const std::optional<double> given = number_of(rest.substr(0, comma));
         if (!given) return refuse("needs numbers, separated by commas without blanks");
         list.push_back(*given * to_si);
-        if (const std::string broken = limit_broken(field, list.back()); !broken.empty())
-          return refuse(broken);
+        if (const Result<> kept = check_limits(field, list.back()); !kept) return refuse(kept.error().text);
         rest.remove_prefix(std::min(rest.size(), comma + 1));
       }
       if (field.columns > 0 && list.size() != field.columns)

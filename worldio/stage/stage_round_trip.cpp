@@ -181,8 +181,7 @@ void RoundTrip::check_controllers() {
     const engine::ControllerSpec& b = back_.controllers[i];
     const std::string owner = fmt::format("controller \"{}\"", a.kind);
     if (a.kind != b.kind) return lacks(a.where, owner);
-    std::string fault;
-    const engine::ControllerKind* kind = registry_.controller(a.kind, fault);
+    const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
     // With a drive, a controller is due when its drive is.

@@ -43,20 +43,17 @@ troupe::DeviceKind::Prepared prepare(const troupe::Record& params, const troupe:
   const troupe::Value* own = &params[ranger().params.fields.size()];
   BeamModel model{own[0].number(), own[1].number(),          own[2].number(),
                   own[3].number(), std::move(prepared.data), {}};
-  const troupe::Field& transducers = ranger().params.fields[0];
-  for (const troupe::Record& transducer : params[0].records())
-    model.farthest.insert(model.farthest.end(),
-                          static_cast<std::size_t>(get(*transducers.record, transducer, "samples").integer()),
-                          static_cast<float>(get(*transducers.record, transducer, "range_max").number()));
+  for (const troupe::Transducer& transducer : prepared.transducers)
+    model.farthest.insert(model.farthest.end(), transducer.samples, static_cast<float>(transducer.range_max));
   prepared.data = std::move(model);
   return prepared;
 }
 
-/// What is wrong with the parameters taken together: an error at the sensor's line of the world file.
-std::string mount(std::any& data, const troupe::TypeSpec&, std::uint32_t) {
+/// Whether the parameters fit together; else an error at the sensor's line of the world file.
+troupe::Result<> mount(std::any& data, const troupe::TypeSpec&, std::uint32_t) {
   const BeamModel& model = *std::any_cast<BeamModel>(&data);
   if (model.short_share + model.max_share + model.random_share <= 1) return {};
-  return "has short_share, max_share and random_share that add up to more than 1";
+  return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
 }
 
 /// Called in the sense phase, on several threads at once: writes the rows that it is given, and nothing else.

@@ -1,0 +1,108 @@
+// What the engine and the library do with a kind follows from what the kind declares (engine/kinds.hpp),
+// never from what it is called: a kind of a plug-in can declare the same.
+
+#include "troupe/registry.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+using Names = std::set<std::string, std::less<>>;
+
+Names kind_names() {
+  const engine::Registry registry = make_registry();
+  Names names;
+  const auto add = [&](const auto& kinds) {
+    for (const auto& kind : kinds) names.emplace(kind.name);
+  };
+  add(registry.devices);
+  add(registry.drives);
+  add(registry.controllers);
+  add(registry.presets);
+  add(registry.faults);
+  return names;
+}
+
+/// `LINE: "ranger"` for each text of a source, comments and includes apart, that is one of these names; and
+/// for each parameter that is looked up by a text.
+std::vector<std::string> names_in(std::string_view source, const Names& names) {
+  static const std::regex text(R"re("((?:[^"\\]|\\.)*)")re");
+  static const std::regex look_up(R"re(((?:\bget|params\.find|fields\.find)\([^;]*?"[a-z_]+"))re");
+  std::vector<std::string> found;
+  std::size_t number = 0;
+  for (std::size_t start = 0; start < source.size();) {
+    const std::size_t end = std::min(source.find('\n', start), source.size());
+    std::string line(source.substr(start, end - start));
+    start = end + 1;
+    ++number;
+    line.resize(std::min(line.size(), line.find("//")));
+    if (line.starts_with("#include")) continue;
+    for (std::sregex_iterator it(line.begin(), line.end(), text), last; it != last; ++it)
+      if (names.contains((*it)[1].str())) found.push_back(fmt::format("{}: {}", number, it->str()));
+    std::smatch match;
+    if (std::regex_search(line, match, look_up)) found.push_back(fmt::format("{}: {}", number, match.str()));
+  }
+  return found;
+}
+
+TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
+  // Names of the same spelling that are no kinds, and the list of kinds itself.
+  const std::set<std::string, std::less<>> allowed{
+      R"(engine/watch_spec.cpp "camera")",       // a parameter of a world's window
+      R"(engine/world_spec.cpp "ground")",       // the type of body 0
+      R"(troupe/pictures.cpp "camera")",         // the same, and the option --camera
+      R"(troupe/recorded_run.cpp "power_pack")"  // what to write behind --record-fields
+  };
+  const std::filesystem::path root(TROUPE_SOURCE_DIR);
+  const Names names = kind_names();
+  std::vector<std::string> found;
+  std::size_t files = 0;
+  for (const char* folder : {"base", "partition", "engine", "troupe"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension().string();
+      const std::string file = std::filesystem::relative(entry.path(), root).generic_string();
+      if (extension != ".cpp" && extension != ".hpp") continue;
+      if (file == "troupe/registry.cpp") continue;  // the list of kinds: presets name their controllers
+      std::ifstream in(entry.path());
+      const std::string source{std::istreambuf_iterator<char>(in), {}};
+      ++files;
+      for (const std::string& finding : names_in(source, names))
+        if (!allowed.contains(file + finding.substr(finding.find(' '))))
+          found.push_back(file + ":" + finding);
+    }
+  }
+  EXPECT_GT(files, 100u);
+  EXPECT_GT(names.size(), 40u);
+  EXPECT_THAT(found, IsEmpty()) << "let the kind declare what is asked of it: docs/extending.md";
+}
+
+TEST(Capabilities, ANameInASourceIsFound) {
+  const Names names{"ranger", "power_pack"};
+  EXPECT_THAT(names_in("if (kind.name == \"ranger\") sees();\n", names), ElementsAre("1: \"ranger\""));
+  EXPECT_THAT(names_in("\n\nfor_each(world, \"power_pack\", [] {});\n", names),
+              ElementsAre("3: \"power_pack\""));
+  EXPECT_THAT(names_in("const int at = kind->params.find(\"pushes\");\n", names),
+              ElementsAre("1: params.find(\"pushes\""));
+  EXPECT_THAT(names_in("engine::get(kind.params, spec.params, \"fov\").number();\n", names),
+              ElementsAre("1: get(kind.params, spec.params, \"fov\""));
+  EXPECT_THAT(names_in("#include \"ranger\"\n// \"ranger\"\nerror(\"needs a ranger\");\n", names), IsEmpty());
+}
+
+}  // namespace
+}  // namespace troupe
