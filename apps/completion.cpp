@@ -1,5 +1,11 @@
 #include "apps/completion.hpp"
 
+#include "apps/command_line.hpp"
+#include "apps/describe.hpp"
+#include "apps/options.hpp"
+#include "troupe/registry.hpp"
+
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -199,6 +205,25 @@ std::string completion(std::string_view shell, const std::vector<Command>& comma
   const std::span<const Command> others = std::span(commands).subspan(1);
   if (shell == "zsh") return zsh(program, others, arguments);
   return shell == "fish" ? fish(program, others, arguments) : bash(program, others, arguments);
+}
+
+void add_completion_options(CLI::App& command, std::string& shell) {
+  add_value(command, "SHELL", " ", "bash, zsh or fish", [&shell](const std::string& text) {
+    if (std::ranges::find(k_shells, text) == k_shells.end()) refuse("SHELL", text, "bash, zsh or fish");
+    shell = text;
+  })->required();
+  command.footer(
+      "\nExamples:\n  source <(troupe completion bash)\n  troupe completion zsh > ~/.zfunc/_troupe\n"
+      "  troupe completion fish > ~/.config/fish/completions/troupe.fish");
+}
+
+ExitCode print_completion(const std::string& shell) {
+  const engine::Registry registry = make_registry();
+  const std::vector<std::string_view> kinds = kind_names(registry);
+  fmt::print("{}", completion(shell, known_commands(),
+                              {{"describe", {kinds.begin(), kinds.end()}},
+                               {"completion", {k_shells.begin(), k_shells.end()}}}));
+  return k_finished;
 }
 
 }  // namespace troupe::apps

@@ -1,12 +1,17 @@
 #pragma once
 
 #include "apps/command_table.hpp"
+#include "apps/exit_code.hpp"
 
 #include <array>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+}  // namespace CLI
 
 namespace troupe::apps {
 
@@ -17,5 +22,10 @@ inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"}
 /// `shell` is one of k_shells.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
+
+/// Adds the options of `completion`; parsing fills `shell`, which must outlive `command`.
+void add_completion_options(CLI::App& command, std::string& shell);
+/// `troupe completion`: prints the script of a shell.
+ExitCode print_completion(const std::string& shell);
 
 }  // namespace troupe::apps

@@ -44,24 +44,21 @@ void check(const ConvertOptions& options) {
 
 }  // namespace
 
-CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
-  CLI::App* command = app.add_subcommand("convert", "Write a world in another format: .world or .json");
-  command->footer(k_convert_footer);
+void add_convert_options(CLI::App& command, ConvertOptions& options) {
+  command.footer(k_convert_footer);
   const auto add_file = [&](const char* name, std::filesystem::path& file, const char* help) {
     command
-        ->add_option_function<std::string>(
+        .add_option_function<std::string>(
             name, [&file](const std::string& text) { file = text; }, help)
         ->option_text(" ")
         ->required();
   };
   add_file("IN", options.in, "World file: Stage's .world, or .json");
   add_file("OUT", options.out, "File to write, in the other format or the same");
-  command->add_flag("--force", options.force, "Replace a file that is there already")
-      ->disable_flag_override();
-  add_set_option(*command, "Change a value on the way: a JSON pointer into the world; repeatable",
+  command.add_flag("--force", options.force, "Replace a file that is there already")->disable_flag_override();
+  add_set_option(command, "Change a value on the way: a JSON pointer into the world; repeatable",
                  options.set);
-  add_plugin_path_option(*command, options.plugin_path);
-  return command;
+  add_plugin_path_option(command, options.plugin_path);
 }
 
 ExitCode convert(const ConvertOptions& options) {

@@ -22,8 +22,8 @@ struct ConvertOptions {
   std::vector<std::filesystem::path> plugin_path;
 };
 
-/// Adds `convert` to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options);
+/// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
+void add_convert_options(CLI::App& command, ConvertOptions& options);
 
 /// Writes a world in another format, or in the normal form of its own, and says so in a line. Throws
 /// InputError where the world cannot be loaded, or not be said in the other format.

@@ -1,9 +1,14 @@
 #include "apps/describe.hpp"
 
+#include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/events.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
 #include "worldio/stage/stage_properties.hpp"
+#include "worldio/json/world_schema.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -277,6 +282,29 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
     text +=
         "Defaults and ranges are in the first unit of a key; those in brackets may take its place in JSON.\n";
   return text;
+}
+
+void add_describe_options(CLI::App& command, DescribeOptions& options) {
+  command
+      .add_option("KIND", options.kind,
+                  "Model, sensor, drive, controller or measure; all of them if not given")
+      ->option_text(" ");
+  command.add_flag("--schema", options.schema, "Print the JSON Schema of worlds, for editors and programs");
+  add_plugin_path_option(command, options.plugin_path);
+  command.footer(
+      "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe follow_wall --plugin-path "
+      "build\n  troupe describe --schema > world.schema.json");
+}
+
+ExitCode describe(const DescribeOptions& options) {
+  engine::Registry registry = make_registry();
+  if (options.schema) {
+    fmt::print("{}", worldio::world_schema(registry));
+    return k_finished;
+  }
+  add_plugins(registry, plugin_path(options.plugin_path));
+  fmt::print("{}", options.kind.empty() ? list_kinds(registry) : describe_kind(registry, options.kind));
+  return k_finished;
 }
 
 }  // namespace troupe::apps

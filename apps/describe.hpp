@@ -3,11 +3,27 @@
 #include "apps/exit_code.hpp"
 #include "engine/kinds.hpp"
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+}  // namespace CLI
+
 namespace troupe::apps {
+
+/// What the command line of `troupe describe` asks for.
+struct DescribeOptions {
+  std::string kind;  ///< empty: all
+  bool schema = false;
+  std::vector<std::filesystem::path> plugin_path;
+};
+/// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
+void add_describe_options(CLI::App& command, DescribeOptions& options);
+/// `troupe describe`: prints a list, a kind or the schema. Throws InputError for a kind that is not known.
+ExitCode describe(const DescribeOptions& options);
 
 /// Every model, sensor, drive, controller, preset, measure and event, a line each.
 std::string list_kinds(const engine::Registry& registry);

@@ -27,16 +27,14 @@ Examples:
 
 }  // namespace
 
-CLI::App* add_lint_command(CLI::App& app, LintOptions& options) {
-  CLI::App* lint = app.add_subcommand("lint", "Look a world over for what is surely not meant");
-  lint->footer(k_lint_footer);
-  lint->add_option_function<std::string>(
+void add_lint_options(CLI::App& lint, LintOptions& options) {
+  lint.footer(k_lint_footer);
+  lint.add_option_function<std::string>(
           "WORLD", [&options](const std::string& text) { options.world = text; },
           "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
-  add_plugin_path_option(*lint, options.plugin_path);
-  return lint;
+  add_plugin_path_option(lint, options.plugin_path);
 }
 
 ExitCode lint_world(const LintOptions& options) {

@@ -17,8 +17,8 @@ struct LintOptions {
   std::vector<std::filesystem::path> plugin_path;
 };
 
-/// Adds `lint` to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_lint_command(CLI::App& app, LintOptions& options);
+/// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.
+void add_lint_options(CLI::App& command, LintOptions& options);
 
 /// Prints what is odd about a world, a line each. Throws InputError where it cannot be loaded.
 ExitCode lint_world(const LintOptions& options);

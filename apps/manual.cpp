@@ -1,5 +1,8 @@
 #include "apps/manual.hpp"
 
+#include "apps/command_line.hpp"
+#include "troupe/version.hpp"
+
 #include <fmt/format.h>
 
 #include <sstream>
@@ -75,6 +78,11 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
       ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n"
       ".TP\n.B TROUPE_SIMD\nInstruction set that finds ranges, as \\-\\-simd takes it.\n";
   return text;
+}
+
+ExitCode print_manual(const ManualOptions&) {
+  fmt::print("{}", manual_page(known_commands(), k_version));
+  return k_finished;
 }
 
 }  // namespace troupe::apps

@@ -1,15 +1,26 @@
 #pragma once
 
 #include "apps/command_table.hpp"
+#include "apps/exit_code.hpp"
 
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+}  // namespace CLI
 
 namespace troupe::apps {
 
 /// The manual page troupe(1) in the man macros of roff: every command with its options, made from what
 /// --help prints. `version` stands at the foot of each page.
 std::string manual_page(const std::vector<Command>& commands, std::string_view version);
+
+/// `troupe manual` has no options.
+struct ManualOptions {};
+inline void add_manual_options(CLI::App&, ManualOptions&) {}
+/// `troupe manual`: prints the page.
+ExitCode print_manual(const ManualOptions& options);
 
 }  // namespace troupe::apps

@@ -74,6 +74,18 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
       ->allow_extra_args(false);
 }
 
+std::filesystem::path file_name(const char* option, const std::string& text) {
+  if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
+  return text;
+}
+
+double positive_seconds(const char* option, const std::string& text, std::string_view what) {
+  const std::optional<double> seconds = finite(text);
+  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
+  return *seconds;
+}
+
 unsigned thread_count(std::string_view text) {
   const auto threads = number<unsigned>(text);
   if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)

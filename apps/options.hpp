@@ -31,6 +31,12 @@ std::optional<double> finite(std::string_view text);
 
 /// Throws CLI::ValidationError: `--threads: "many" is not a number of threads, ...`.
 [[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
+/// The name of a file to write; others are refused.
+std::filesystem::path file_name(const char* option, const std::string& text);
+/// A time in seconds, above 0; `what` it is, for people: "a real time".
+double positive_seconds(const char* option, const std::string& text, std::string_view what);
+inline constexpr double k_most_seconds = 1e9;  ///< of a period, as in a world's `record`
+
 /// What --threads and --tile-size take, in every command; others are refused.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);

@@ -1,6 +1,7 @@
 #include "apps/outputs.hpp"
 
 #include "apps/hash_log_reader.hpp"
+#include "apps/options.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -129,5 +130,30 @@ void HashLog::observe(const Simulation& simulation) {
     throw std::runtime_error(fmt::format("{}: error: writing failed at tick {}: {}", file_.string(),
                                          simulation.tick(), std::strerror(errno)));
 }
+
+namespace {
+
+class HashLogOutput : public ClonedOutput<HashLogOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override {
+    add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
+              [this](const std::string& text) { file_ = file_name("--hash-log", text); });
+  }
+  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
+  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
+  OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
+    if (file_.empty()) return nullptr;
+    return [this, &simulation](Observers& observers) {
+      observers.push_back(std::make_unique<HashLog>(file_, simulation));
+    };
+  }
+
+ private:
+  fs::path file_;  // empty: none, as in all outputs
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> hash_log_output() { return std::make_unique<HashLogOutput>(); }
 
 }  // namespace troupe::apps

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
+#include "apps/run/run_output.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -54,5 +56,8 @@ class HashLog : public Observer {
   std::ofstream stream_;
   std::optional<std::uint64_t> written_;  // the last tick of a log that goes on
 };
+
+/// --hash-log.
+std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

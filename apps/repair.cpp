@@ -25,16 +25,13 @@ Example:
 
 }  // namespace
 
-CLI::App* add_repair_command(CLI::App& app, std::filesystem::path& recording) {
-  CLI::App* command =
-      app.add_subcommand("repair", "Make a recording that was cut off readable for plain tools");
-  command->footer(k_repair_footer);
+void add_repair_options(CLI::App& command, std::filesystem::path& recording) {
+  command.footer(k_repair_footer);
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "FILE", [&recording](const std::string& text) { recording = text; }, "A recording")
       ->option_text(" ")
       ->required();
-  return command;
 }
 
 ExitCode repair(const std::filesystem::path& recording) {

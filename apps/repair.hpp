@@ -10,8 +10,8 @@ class App;
 
 namespace troupe::apps {
 
-/// Adds `repair` to the program; parsing fills `recording`, which must outlive `app`.
-CLI::App* add_repair_command(CLI::App& app, std::filesystem::path& recording);
+/// Adds the options of `repair`; parsing fills `recording`, which must outlive `command`.
+void add_repair_options(CLI::App& command, std::filesystem::path& recording);
 
 /// `troupe repair`: makes a recording that was cut off readable for plain tools, and says what it kept.
 ExitCode repair(const std::filesystem::path& recording);

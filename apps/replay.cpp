@@ -99,31 +99,28 @@ void check(const ReplayOptions& options, const fs::path& page) {
 
 }  // namespace
 
-CLI::App* add_replay_command(CLI::App& app, ReplayOptions& options) {
-  CLI::App* command = app.add_subcommand("replay", "Make a page that plays a recording in a browser");
-  command->footer(k_replay_footer);
+void add_replay_options(CLI::App& command, ReplayOptions& options) {
+  command.footer(k_replay_footer);
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
       ->option_text(" ")
       ->required();
-  add_value(*command, "-o,--output", "FILE.html", "The page (default: as the recording, with .html)",
+  add_value(command, "-o,--output", "FILE.html", "The page (default: as the recording, with .html)",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
               options.page = text;
             });
-  command->add_flag("--force", options.force, "Replace a file that is there already")
-      ->disable_flag_override();
-  add_value(*command, "--max-mb", "MB", "How large it may be, in megabytes (default: 25)",
+  command.add_flag("--force", options.force, "Replace a file that is there already")->disable_flag_override();
+  add_value(command, "--max-mb", "MB", "How large it may be, in megabytes (default: 25)",
             [&options](const std::string& text) {
               const auto mb = finite(text);
               if (!mb || *mb <= 0 || *mb > k_most_mb)
                 refuse("--max-mb", text, fmt::format("a size in megabytes, above 0, to {:g}", k_most_mb));
               options.max_mb = *mb;
             });
-  add_value(*command, "--fields", "A,B,...", "What to show beside poses (default: all that was recorded)",
+  add_value(command, "--fields", "A,B,...", "What to show beside poses (default: all that was recorded)",
             [&options](const std::string& text) { options.fields = names_of(text); });
-  return command;
 }
 
 ExitCode replay(const ReplayOptions& options) {

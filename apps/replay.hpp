@@ -22,8 +22,8 @@ struct ReplayOptions {
   bool force = false;               ///< replace a page that is there already
 };
 
-/// Adds `replay` to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_replay_command(CLI::App& app, ReplayOptions& options);
+/// Adds the options of `replay`; parsing fills `options`, which must outlive `command`.
+void add_replay_options(CLI::App& command, ReplayOptions& options);
 
 /// `troupe replay RECORDING -o FILE.html`: writes a page that plays the recording in a browser, by itself.
 /// Throws InputError for a recording that has not what it takes.

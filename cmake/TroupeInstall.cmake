@@ -45,7 +45,8 @@ endif()
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE
+        PATTERN "scenes.json" EXCLUDE)  # what tests and benchmarks do with the worlds
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)

@@ -1,26 +1,43 @@
 #include "perf/paper_cases.hpp"
 
+#include "tests/support/scenes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <stdexcept>
 
 namespace troupe::perf {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Times of the paper's tables, s.
-constexpr double k_tables_1_2_s = 600;
-constexpr double k_table_3_s = 60;
-// A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
-constexpr double k_campus_s = 5;
-constexpr double k_radios_s = 10;
-// Portable kernels take some ten times as long as the best ones.
-constexpr double k_simd_s = 60;
-// Clusters are timed after a minute, when they are tight, in pieces of 2 s.
+constexpr double k_memory_s = 1;
 constexpr double k_cluster_skip_s = 60;
-constexpr double k_cluster_s = 2;
-constexpr std::size_t k_campus_houses = 16;
+
+/// Simulated time of a row of each table, s, where worlds/scenes.json gives no other.
+const std::map<std::string, double, std::less<>> k_times_s = {
+    // The paper's tables.
+    {"1", 600},
+    {"2", 600},
+    {"3", 60},
+    // Portable kernels take some ten times as long as the best ones.
+    {"simd", 60},
+    // Clusters are timed after k_cluster_skip_s, when they are tight, in pieces of 2 s.
+    {"clusters", 2},
+    // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
+    {"campus", 5},
+    {"watching", 60},
+    {"grid", 60},
+    {"devices", 60},
+    {"memory", k_memory_s},
+};
+// With --quick these times are shorter than others, by as much as the clusters' are longer.
+constexpr double k_quick = 0.01;
+constexpr double k_quick_cluster_skip_s = 1;
+constexpr double k_quick_cluster_s = 0.2;
+constexpr double k_quick_campus_s = 0.2;
 
 template <class Spec>
 bool switch_to_grid(Spec& spec) {
@@ -33,31 +50,21 @@ bool switch_to_grid(Spec& spec) {
   }
 }
 
-fs::path shipped(const char* world) { return fs::path(TROUPE_SOURCE_DIR) / "worlds" / world; }
-
-Scene population(const std::string& world, std::size_t robots, double for_s) {
-  Scene scene{.name = fmt::format("{}/{}", world, robots),
-              .world = shipped(fmt::format("{}.json", world).c_str()),
+/// A world with so many robots.
+Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
+  Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
+              .world = fs::path(TROUPE_SOURCE_DIR) / "worlds" / row.world,
               .robots = robots,
               .for_s = for_s};
-  scene.load.robots = {{"", robots}};
+  if (row.populations.empty()) scene.load.robots = {{"", robots}};
+  for (const std::string& name : row.populations)
+    scene.load.robots.emplace_back(name, robots / row.populations.size());
   return scene;
 }
 
-/// Of a world with several populations, of which one is the robots.
-Scene robots_of(const std::string& world, std::size_t robots, double for_s) {
-  Scene scene = population(world, robots, for_s);
-  scene.load.robots = {{"r", robots}};
-  return scene;
-}
-
-Scene campus(std::size_t robots, double for_s) {
-  Scene scene{.name = fmt::format("campus/{}", robots),
-              .world = shipped("campus.json"),
-              .robots = robots,
-              .for_s = for_s};
-  for (std::size_t house = 0; house < k_campus_houses; ++house)
-    scene.load.robots.emplace_back(std::string(1, static_cast<char>('a' + house)), robots / k_campus_houses);
+Scene variant_of(Scene scene, const scenes::Variant& variant) {
+  scene.name = fmt::format("{}/{}", variant.name, scene.robots);
+  scene.load.set.insert(scene.load.set.end(), variant.set.begin(), variant.set.end());
   return scene;
 }
 
@@ -119,99 +126,90 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
        "infrared rangers and a radio each, with 20 others in its range; `radios-off` has the rangers alone, "
        "`rangers-off` the radios."},
   };
-  const double times = quick ? 0.01 : 1;
+  const scenes::Manifest manifest = scenes::read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
   const auto with_threads = [&](const Scene& scene) {
     std::vector<Run> runs;
     for (const unsigned n : threads) runs.push_back({scene, n, false});
     return runs;
   };
-  // As the paper has it: without pictures and with them.
-  const auto add = [&](const char* table, const Scene& scene) {
-    std::vector<Run> runs = with_threads(scene);
-    runs.push_back({scene, threads.front(), true});
-    plan.cases.push_back({table, std::move(runs)});
+  // Worlds and numbers of robots are the manifest's; how the rows of a table are run is said here.
+  const auto for_rows = [&](std::string_view table, const auto& add) {
+    for (const scenes::Benchmark& row : manifest.perf) {
+      if (row.table != table) continue;
+      const double for_s = (quick ? k_quick : 1) * row.for_s.value_or(k_times_s.find(table)->second);
+      for (const std::size_t robots : quick ? row.quick : row.robots) add(scene_of(row, robots, for_s), row);
+    }
   };
+  for (const scenes::Benchmark& row : manifest.perf)
+    if (!k_times_s.contains(row.table))
+      throw std::runtime_error(
+          fmt::format("worlds/scenes.json: error: {}: perf has no table \"{}\"; known: 1, 2, 3, "
+                      "campus, clusters, devices, grid, memory, simd, watching",
+                      row.world, row.table));
 
-  for (const char* world : {"cave-simple", "cave-complex", "cave-simple-laser", "cave-complex-laser"})
-    for (const std::size_t robots : {1, 10, 50, 100})
-      if (!quick || robots <= 10) add("1", population(world, robots, times * k_tables_1_2_s));
-  for (const std::size_t robots : {1, 10, 50, 100, 200, 500, 1000, 2000})
-    if (!quick || robots <= 50) add("2", population("hospital", robots, times * k_tables_1_2_s));
-  for (const std::size_t robots : {1000, 2000, 10000, 100000})
-    if (!quick || robots <= 1000) add("3", population("hospital-10cm", robots, times * k_table_3_s));
-  add("3", {.name = "stage/1000",
-            .world = stage_worlds() / "benchmark/hospital.world",
-            .robots = 1000,
-            .for_s = times * k_table_3_s});
+  // As the paper has it: without pictures and with them.
+  for (const char* table : {"1", "2", "3"})
+    for_rows(table, [&](const Scene& scene, const auto&) {
+      std::vector<Run> runs = with_threads(scene);
+      runs.push_back({scene, threads.front(), true});
+      plan.cases.push_back({table, std::move(runs)});
+    });
+  const Scene stage{.name = "stage/1000",
+                    .world = stage_worlds() / "benchmark/hospital.world",
+                    .robots = 1000,
+                    .for_s = (quick ? k_quick : 1) * k_times_s.find("3")->second};
+  plan.cases.push_back({"3", with_threads(stage)});
+  plan.cases.back().runs.push_back({stage, threads.front(), true});
 
-  for (const Scene& scene : {population("hospital", quick ? 50 : 2000, times * k_simd_s),
-                             population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s),
-                             population("cave-simple", quick ? 10 : 100, times * k_simd_s),
-                             population("cave-complex", quick ? 10 : 100, times * k_simd_s),
-                             population("cave-simple-laser", quick ? 10 : 100, times * k_simd_s),
-                             population("cave-complex-laser", quick ? 10 : 100, times * k_simd_s)}) {
+  for_rows("simd", [&](const Scene& scene, const auto&) {
     Case sets{"simd", {}};
     for (const std::string& name : simd) sets.runs.push_back({.scene = scene, .threads = 1, .simd = name});
     plan.cases.push_back(std::move(sets));
-  }
+  });
 
-  for (const Scene& scene : {population("hospital", quick ? 200 : 2000, 0),
-                             population("hospital-10cm", quick ? 500 : 100000, 0)}) {
-    const std::vector<Scene> pair =
-        dispersed_and_clustered(scene, quick ? 1 : k_cluster_skip_s, quick ? 0.2 : k_cluster_s);
+  for_rows("clusters", [&](const Scene& scene, const scenes::Benchmark&) {
+    const std::vector<Scene> pair = dispersed_and_clustered(
+        scene, quick ? k_quick_cluster_skip_s : k_cluster_skip_s, quick ? k_quick_cluster_s : scene.for_s);
     Case both{"clusters", {}};
     for (const Scene& one : pair) std::ranges::move(with_threads(one), std::back_inserter(both.runs));
     plan.cases.push_back(std::move(both));
-  }
+  });
 
-  plan.cases.push_back({"campus", with_threads(campus(quick ? 1600 : 1000000, quick ? 0.2 : k_campus_s))});
+  for_rows("campus", [&](Scene scene, const auto&) {
+    if (quick) scene.for_s = k_quick_campus_s;
+    plan.cases.push_back({"campus", with_threads(scene)});
+  });
 
-  const Scene watched = population("hospital-10cm", quick ? 1000 : 10000, times * k_table_3_s);
-  Case watching{"watching", {}};
-  for (const unsigned n : threads)
-    for (const Watch watch : {Watch::nothing, Watch::hashes, Watch::recording, Watch::measures})
-      watching.runs.push_back({watched, n, false, watch});
-  plan.cases.push_back(std::move(watching));
+  for_rows("watching", [&](const Scene& scene, const auto&) {
+    Case watching{"watching", {}};
+    for (const unsigned n : threads)
+      for (const Watch watch : {Watch::nothing, Watch::hashes, Watch::recording, Watch::measures})
+        watching.runs.push_back({scene, n, false, watch});
+    plan.cases.push_back(std::move(watching));
+  });
 
-  const Scene exact = population("hospital", quick ? 50 : 1000, quick ? 0.6 : k_table_3_s);
-  Scene grid = exact;
-  grid.name = "grid-" + grid.name;
-  grid.grid = true;
-  plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
+  for_rows("grid", [&](const Scene& exact, const auto&) {
+    Scene grid = exact;
+    grid.name = "grid-" + grid.name;
+    grid.grid = true;
+    plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
+  });
 
-  plan.cases.push_back(
-      {"devices", with_threads(robots_of("foragers", quick ? 100 : 2000, times * k_table_3_s))});
-  plan.cases.push_back(
-      {"devices", with_threads(robots_of("harvesters", quick ? 100 : 10000, times * k_table_3_s))});
-  plan.cases.push_back(
-      {"devices", with_threads(robots_of("pushers", quick ? 100 : 10000, times * k_table_3_s))});
-  const Scene finders = robots_of("finders", quick ? 100 : 1000, times * k_table_3_s);
-  Scene without = finders;
-  without.name = "finders-off/" + finders.name.substr(finders.name.find('/') + 1);
-  without.load.set.emplace_back("/types/bot/sensors/1/active", "false");
-  plan.cases.push_back({"devices", {{finders, threads.front()}, {without, threads.front()}}});
+  // A world beside variants without a sensor: what that costs is the first less the other.
+  for_rows("devices", [&](const Scene& scene, const scenes::Benchmark& row) {
+    std::vector<Run> runs =
+        row.beside.empty() ? with_threads(scene) : std::vector<Run>{{scene, threads.front()}};
+    for (const scenes::Variant& variant : row.beside)
+      runs.push_back({variant_of(scene, variant), threads.front()});
+    plan.cases.push_back({"devices", std::move(runs)});
+  });
 
-  // Radios beside rangers, rangers alone, radios alone: what each costs is the first less one of the others.
-  const Scene radios = robots_of("radios", quick ? 200 : 10000, times * k_radios_s);
-  const auto without_sensor = [&](const char* name, std::size_t sensor) {
-    Scene scene = radios;
-    scene.name = fmt::format("{}/{}", name, radios.robots);
-    scene.load.set.emplace_back(fmt::format("/types/bot/sensors/{}/active", sensor), "false");
-    return scene;
-  };
-  plan.cases.push_back({"devices",
-                        {{radios, threads.front()},
-                         {without_sensor("radios-off", 1), threads.front()},
-                         {without_sensor("rangers-off", 0), threads.front()}}});
-
-  const auto child = [&](Scene scene, bool as_text = false) {
-    plan.children.push_back({std::move(scene), as_text, false});
-  };
-  plan.children.push_back({population("hospital-10cm", 0, 1), false, true});
-  child(population("hospital-10cm", quick ? 1000 : 100000, 1));
-  child(population("hospital-10cm", quick ? 1000 : 100000, 1), true);
-  child(campus(quick ? 1600 : 1000000, 0.2));
-  child(robots_of("radios", quick ? 1000 : 100000, 1));
+  for_rows("memory", [&](Scene scene, const scenes::Benchmark& row) {
+    scene.for_s = row.for_s.value_or(k_memory_s);
+    if (row.as_text) plan.children.push_back({scene_of(row, 0, k_memory_s), false, true});
+    plan.children.push_back({scene, false, false});
+    if (row.as_text) plan.children.push_back({scene, true, false});
+  });
   return plan;
 }
 

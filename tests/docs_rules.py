@@ -3,6 +3,13 @@
 Patterns are searched in a command; texts are known by their page and by how their first line begins.
 """
 
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts"))
+
+from proofs.scenes import Scenes  # noqa: E402
+
 # Commands that are never run: (pattern, why).
 NOT_RUN = [
     (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|check-\w+)\b",
@@ -18,7 +25,7 @@ NOT_RUN = [
     (r"/usr/bin/python3$", "waits for somebody to type"),
     (r"perf_kernels|perf_paper --only", "takes minutes"),
     (r"perf_paper --quick", "is the test perf.paper"),
-    (r"\bworlds/(campus|foragers|pushers)\.json", "takes minutes of one core"),
+    (rf"\bworlds/({'|'.join(Scenes().slow()).replace('.', chr(92) + '.')})", "takes minutes of one core"),
     (r"--rate 1\b", "takes as long as it simulates"),
 ]
 

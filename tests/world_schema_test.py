@@ -18,6 +18,11 @@ import subprocess
 import sys
 import tempfile
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from proofs.scenes import shipped  # noqa: E402
+
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 
 try:
@@ -30,7 +35,6 @@ except ImportError:
           "worlds against its reader")
     sys.exit(SKIPPED)
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 TROUPE = pathlib.Path(sys.argv[1]).resolve()
 SPOILT = int(sys.argv[2]) if len(sys.argv) > 2 else 6
 
@@ -119,7 +123,7 @@ def main():
     validator = jsonschema.Draft7Validator(schema)
 
     draws = random.Random(1)
-    worlds = sorted((ROOT / "worlds").glob("*.json")) + [
+    worlds = [ROOT / "worlds" / name for name in shipped() if name.endswith(".json")] + [
         ROOT / "apps/examples/plugin/room.json", ROOT / "apps/examples/sensor_plugin/room.json"]
     converted = 0
     with tempfile.TemporaryDirectory(prefix="troupe-schema-") as name:

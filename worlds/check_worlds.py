@@ -14,9 +14,7 @@ import make_cave
 import make_hospital
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-DRAWN = ("hospital.png", "cave.png", "cave-simple.json", "cave-simple-laser.json", "cave-complex.json",
-         "cave-complex-laser.json", "crowd.json", "campus.json", "perception.json")
-SCRIPTS = ("make_hospital.py", "make_cave.py", "make_crowd.py", "make_campus.py", "make_perception.py")
+SCRIPTS = sorted(name for name in os.listdir(HERE) if name.startswith("make_") and name.endswith(".py"))
 DARK = bytes(ord("1" if value <= 127 else "0") for value in range(256))
 
 
@@ -120,11 +118,14 @@ def content(data):
 
 def redrawn():
     with tempfile.TemporaryDirectory() as folder:
-        for script in SCRIPTS + ("drawing.py",):
+        for script in (*SCRIPTS, "drawing.py"):
             shutil.copy(os.path.join(HERE, script), folder)
         for script in SCRIPTS:
             subprocess.run([sys.executable, script], cwd=folder, check=True)
-        for name in DRAWN:
+        for name in sorted(name for name in os.listdir(folder) if name.endswith((".png", ".json"))):
+            if not os.path.exists(os.path.join(HERE, name)):
+                yield f"{name}, which a script makes, is not here"
+                continue
             with open(os.path.join(HERE, name), "rb") as ours, open(os.path.join(folder, name), "rb") as new:
                 if content(ours.read()) != content(new.read()):
                     yield f"{name} is not what its script makes: run the script again"

@@ -45,17 +45,15 @@ void split(const std::string& text, Each&& each) {
 
 }  // namespace
 
-CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
-  CLI::App* check =
-      app.add_subcommand("check", "Prove that a world gives the same bits on any threads and tiles");
-  check->footer(k_check_footer);
-  add_world_options(*check, options);
-  add_value(*check, "--threads", "N,...", "Numbers of worker threads (default: 1,2,8)",
+void add_check_options(CLI::App& check, CheckOptions& options) {
+  check.footer(k_check_footer);
+  add_world_options(check, options);
+  add_value(check, "--threads", "N,...", "Numbers of worker threads (default: 1,2,8)",
             [&options](const std::string& text) {
               options.threads.clear();
               split(text, [&](std::string_view item) { options.threads.push_back(thread_count(item)); });
             });
-  add_value(*check, "--tile-size", "M,...",
+  add_value(check, "--tile-size", "M,...",
             "Edges of tiles, m; auto: as the world chooses (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
@@ -64,12 +62,11 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
               });
             });
   check
-      ->add_flag("--amnesia", options.amnesia,
-                 "Also compare runs that keep nothing but their state after a tick")
+      .add_flag("--amnesia", options.amnesia,
+                "Also compare runs that keep nothing but their state after a tick")
       ->disable_flag_override();
-  check->add_flag("--controllers", options.controllers, "Have each decision taken again, and compare")
+  check.add_flag("--controllers", options.controllers, "Have each decision taken again, and compare")
       ->disable_flag_override();
-  return check;
 }
 
 }  // namespace troupe::apps

@@ -15,7 +15,7 @@ struct CheckOptions : WorldOptions {
   bool controllers = false;
 };
 
-/// Adds `check` and its options to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_check_command(CLI::App& app, CheckOptions& options);
+/// Adds the options of `check`; parsing fills `options`, which must outlive `command`.
+void add_check_options(CLI::App& command, CheckOptions& options);
 
 }  // namespace troupe::apps

@@ -87,26 +87,23 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
 
 }  // namespace
 
-CLI::App* add_diff_command(CLI::App& app, DiffOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("diff", "Find the first tick at which two hash logs or recordings differ");
-  command->footer(k_diff_footer);
-  const auto add_file = [command](const char* name, std::filesystem::path& file, const char* help) {
+void add_diff_options(CLI::App& command, DiffOptions& options) {
+  command.footer(k_diff_footer);
+  const auto add_file = [&command](const char* name, std::filesystem::path& file, const char* help) {
     command
-        ->add_option_function<std::string>(
+        .add_option_function<std::string>(
             name, [&file](const std::string& text) { file = text; }, help)
         ->option_text(" ")
         ->required();
   };
   add_file("A", options.first, "A hash log or a recording");
   add_file("B", options.second, "Another of the same kind");
-  const auto add_switch = [command](const char* name, bool& on, const char* help) {
-    command->add_flag(name, on, help)->disable_flag_override();
+  const auto add_switch = [&command](const char* name, bool& on, const char* help) {
+    command.add_flag(name, on, help)->disable_flag_override();
   };
   add_switch("--across-domains", options.across_domains,
              "Though version, compiler, flags or processor differ");
   add_switch("--across-runs", options.across_runs, "Though world, seed or options differ");
-  return command;
 }
 
 ExitCode diff(const DiffOptions& options) {

@@ -18,8 +18,8 @@ struct DiffOptions {
   bool across_runs = false;     ///< of other worlds, seeds or options
 };
 
-/// Adds `diff` and its options to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_diff_command(CLI::App& app, DiffOptions& options);
+/// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.
+void add_diff_options(CLI::App& command, DiffOptions& options);
 
 /// `troupe diff`: compares two hash logs or two recordings tick by tick, to the first that differs. Tells it
 /// on standard output.

@@ -112,16 +112,14 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
 
 }  // namespace
 
-CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
-  CLI::App* command = app.add_subcommand("info", "Tell what a file is and what it holds");
-  command->footer(k_info_footer);
+void add_info_options(CLI::App& command, InfoOptions& options) {
+  command.footer(k_info_footer);
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "FILE", [&options](const std::string& text) { options.file = text; }, "Any file of Troupe's")
       ->option_text(" ")
       ->required();
-  add_plugin_path_option(*command, options.plugin_path);
-  return command;
+  add_plugin_path_option(command, options.plugin_path);
 }
 
 ExitCode info(const InfoOptions& options) {

@@ -17,8 +17,8 @@ struct InfoOptions {
   std::vector<std::filesystem::path> plugin_path;  ///< of a world's controllers and sensors
 };
 
-/// Adds `info` to the program; parsing fills `options`, which must outlive `app`.
-CLI::App* add_info_command(CLI::App& app, InfoOptions& options);
+/// Adds the options of `info`; parsing fills `options`, which must outlive `command`.
+void add_info_options(CLI::App& command, InfoOptions& options);
 
 /// `troupe info FILE`: what kind of file of ours it is, found out from its content, and what it holds, on
 /// standard output. Throws InputError where it is none, or is one that cannot be read.

@@ -1,10 +1,14 @@
 #include "apps/observers/camera_pictures.hpp"
 
+#include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "apps/run/run_options.hpp"
 #include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "worldio/images/png.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -112,6 +116,9 @@ void CameraPictures::observe(const Simulation& simulation) {
   }
 }
 
+namespace {
+
+/// Throws InputError where the world has no camera that runs: nothing would ever be written.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
   throw InputError(
@@ -120,5 +127,49 @@ void check_cameras(const Simulation& simulation, const std::filesystem::path& wo
                   "that reads it",
                   world.string()));
 }
+
+class CameraOutput : public ClonedOutput<CameraOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override {
+    CLI::Option* folder =
+        add_value(app, "--camera-png", "DIR",
+                  "Write what cameras see into a folder: colours and depths, two PNGs each time",
+                  [this](const std::string& text) {
+                    if (text.empty() || text.starts_with('-'))
+                      refuse("--camera-png", text, "the name of a folder");
+                    folder_ = text;
+                    if (!folder_.has_filename()) folder_ = folder_.parent_path();
+                  });
+    add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
+              [this](const std::string& text) {
+                const std::optional<double> seconds = finite(text);
+                if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
+                  refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
+                every_s_ = *seconds;
+              })
+        ->needs(folder);
+  }
+  std::vector<std::filesystem::path*> names(RunOptions&) override { return {&folder_}; }
+  std::vector<std::filesystem::path> files(const RunOptions&) const override {
+    check_folder(folder_);
+    return {};
+  }
+  OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
+    if (folder_.empty()) return nullptr;
+    check_cameras(simulation, options.world);
+    return [this, &simulation](Observers& observers) {
+      observers.push_back(
+          std::make_unique<CameraPictures>(folder_, engine::period_ticks(every_s_, simulation.tick_s())));
+    };
+  }
+
+ private:
+  std::filesystem::path folder_;
+  double every_s_ = 1;  // 0: every tick
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> camera_output() { return std::make_unique<CameraOutput>(); }
 
 }  // namespace troupe::apps

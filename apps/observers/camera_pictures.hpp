@@ -1,10 +1,12 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
+#include "apps/run/run_output.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 
 namespace troupe::apps {
 
@@ -24,7 +26,7 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// Throws InputError where the world has no camera that runs: nothing would ever be written.
-void check_cameras(const Simulation& simulation, const std::filesystem::path& world);
+/// --camera-png and --camera-every.
+std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

@@ -1,8 +1,11 @@
 #include "apps/observers/checkpointing.hpp"
 
+#include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "apps/run/run_options.hpp"
 #include "engine/ticks.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -46,6 +49,10 @@ void Checkpointing::save(const Simulation& simulation) {
   saved_ = simulation.tick();
 }
 
+namespace {
+
+/// Refuses a checkpoint that is there already, unless it may be replaced: `force`, or it is the one that the
+/// run goes on from.
 void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool force) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return;
@@ -55,5 +62,44 @@ void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool f
   throw OutputError(
       fmt::format("{}: error: there is a file of this name already: --force replaces it", file.string()));
 }
+
+class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions& options) override {
+    CLI::Option* checkpoint = add_value(
+        app, "--checkpoint", "FILE.h5",
+        "Save the state when the run ends or is stopped; troupe resume goes on from it",
+        [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
+    add_value(app, "--checkpoint-every", "S", "Save it there every S simulated seconds, too",
+              [&options](const std::string& text) {
+                options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
+              })
+        ->needs(checkpoint);
+    add_value(app, "--wall-limit", "S", "Stop after S seconds of real time, counted from the program's start",
+              [&options](const std::string& text) {
+                options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
+              });
+  }
+  std::vector<fs::path*> names(RunOptions& options) override { return {&options.checkpoint}; }
+  std::vector<fs::path> files(const RunOptions& options) const override {
+    const fs::path resumed_from = options.is_checkpoint ? options.world : "";
+    check_checkpoint(options.checkpoint, resumed_from, options.force);
+    if (same_file(options.checkpoint, resumed_from)) return {};  // which an output may not be otherwise
+    return {options.checkpoint};
+  }
+  OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
+    if (options.checkpoint.empty()) return nullptr;
+    return [&options, &simulation](Observers& observers) {
+      std::vector<Observer*> others;
+      for (const auto& observer : observers) others.push_back(observer.get());
+      observers.push_back(std::make_unique<Checkpointing>(options.checkpoint, options.checkpoint_every_s,
+                                                          simulation, std::move(others)));
+    };
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> checkpoint_output() { return std::make_unique<CheckpointOutput>(); }
 
 }  // namespace troupe::apps

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
+#include "apps/run/run_output.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,6 +23,7 @@ class Checkpointing : public Observer {
 
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
+  void save_at_least(const Simulation& simulation) override { finish(simulation); }
 
  private:
   void save(const Simulation& simulation);
@@ -32,9 +35,7 @@ class Checkpointing : public Observer {
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
 };
 
-/// Refuses a checkpoint that is there already, unless it may be replaced: `force`, or it is the one that the
-/// run goes on from. Throws OutputError.
-void check_checkpoint(const std::filesystem::path& file, const std::filesystem::path& resumed_from,
-                      bool force);
+/// --checkpoint, --checkpoint-every and --wall-limit: RunOptions::checkpoint and the two next to it.
+std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

@@ -59,7 +59,7 @@ void Snapshots::observe(const Simulation& simulation) {
 
 void Snapshots::finish(const Simulation& /*simulation*/) { thread_.finish(); }
 
-void Snapshots::draw_last(const Simulation& simulation) {
+void Snapshots::after_summary(const Simulation& simulation) {
   if (!last_.empty())
     pictures_.write(pictures_.take(simulation, speed_ ? speed_->at(simulation.time_s()) : 0), last_);
 }
@@ -112,5 +112,46 @@ void Filming::finish() {
   thread_.finish();
   if (ffmpeg_) ffmpeg_->finish();
 }
+
+namespace {
+
+class PicturesOutput : public ClonedOutput<PicturesOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override { add_picture_options(app, pictures_); }
+  std::vector<std::filesystem::path*> names(RunOptions&) override {
+    return {&pictures_.snapshot, &pictures_.film};
+  }
+  std::vector<std::filesystem::path> files(const RunOptions&) const override {
+    std::vector<std::filesystem::path> files = snapshot_files(pictures_);
+    files.push_back(pictures_.film);
+    check_film(pictures_);
+    return files;
+  }
+  OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t end_tick) const override {
+    struct Prepared {
+      std::unique_ptr<Snapshots> snapshots;
+      std::unique_ptr<Filming> film;
+    };
+    const auto prepared = std::make_shared<Prepared>();  // shared: what is returned can be copied
+    if (!pictures_.snapshot.empty())
+      prepared->snapshots = std::make_unique<Snapshots>(pictures_, simulation, end_tick);
+    if (!pictures_.film.empty())
+      prepared->film = std::make_unique<Filming>(pictures_, SimulationSource(simulation));
+    if (prepared->snapshots) prepared->snapshots->rehearse();
+    if (prepared->film) prepared->film->rehearse();
+    return [prepared](Observers& observers) {
+      if (prepared->film) prepared->film->open();
+      if (prepared->snapshots) observers.push_back(std::move(prepared->snapshots));
+      if (prepared->film) observers.push_back(std::move(prepared->film));
+    };
+  }
+
+ private:
+  PictureFiles pictures_;
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> pictures_output() { return std::make_unique<PicturesOutput>(); }
 
 }  // namespace troupe::apps

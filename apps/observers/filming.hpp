@@ -3,6 +3,7 @@
 #include "apps/observers/observer.hpp"
 #include "apps/pictures/film.hpp"
 #include "apps/pictures/picture_options.hpp"
+#include "apps/run/run_output.hpp"
 #include "partition/job_thread.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/pictures.hpp"
@@ -41,8 +42,8 @@ class Snapshots : public Observer {
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// The picture of the last tick, where no times were given. Throws what drawing it throws.
-  void draw_last(const Simulation& simulation);
+  /// Draws the last tick, where no times were given. Throws what drawing it throws.
+  void after_summary(const Simulation& simulation) override;
 
  private:
   std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // by tick; those to come last
@@ -86,5 +87,8 @@ class Filming : public Observer {
   std::unique_ptr<Ffmpeg> ffmpeg_;  // null: pictures, one a frame
   partition::JobThread thread_;     // the last: it uses all others
 };
+
+/// --snapshot, --film, and what says how pictures look.
+std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

@@ -1,7 +1,9 @@
 #include "apps/observers/profile.hpp"
 
+#include "apps/options.hpp"
 #include "apps/outputs.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -166,5 +168,57 @@ void Profile::flush() {
     throw std::runtime_error(
         fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick_, std::strerror(errno)));
 }
+
+std::string Profile::warning() const {
+  if (left_out_.empty()) return {};
+  return fmt::format("{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks",
+                     file_.string(), left_out_);
+}
+
+namespace {
+
+class ProfileOutput : public ClonedOutput<ProfileOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override {
+    CLI::Option* profile =
+        add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
+                  [this](const std::string& text) {
+                    file_ = text;
+                    if (file_.extension() != ".json" || text.starts_with('-'))
+                      refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
+                  });
+    add_value(app, "--profile-ticks", "A:B",
+              "Only ticks A to B of it (default: all, while the file stays small)",
+              [this](const std::string& text) { set_ticks(text); })
+        ->needs(profile);
+  }
+  std::vector<std::filesystem::path*> names(RunOptions&) override { return {&file_}; }
+  std::vector<std::filesystem::path> files(const RunOptions&) const override { return {file_}; }
+  OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
+    if (file_.empty()) return nullptr;
+    return [this, &simulation](Observers& observers) {
+      observers.push_back(std::make_unique<Profile>(file_, simulation, limits_));
+    };
+  }
+
+ private:
+  void set_ticks(const std::string& text) {
+    const auto colon = text.find(':');
+    const auto first = number<std::uint64_t>(text.substr(0, colon));
+    const auto last = colon == text.npos ? std::nullopt : number<std::uint64_t>(text.substr(colon + 1));
+    if (!first || !last || *first < 1 || *first > *last)
+      refuse("--profile-ticks", text,
+             "a first and a last tick, counted from 1, as in --profile-ticks 100:120");
+    limits_.first_tick = *first;
+    limits_.last_tick = *last;
+  }
+
+  std::filesystem::path file_;
+  ProfileLimits limits_;
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> profile_output() { return std::make_unique<ProfileOutput>(); }
 
 }  // namespace troupe::apps

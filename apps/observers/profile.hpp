@@ -2,6 +2,7 @@
 
 #include "apps/observers/observer.hpp"
 #include "apps/per_thread.hpp"
+#include "apps/run/run_output.hpp"
 #include "troupe/simulation.hpp"
 
 #include <array>
@@ -41,19 +42,19 @@ struct ProfileLimits {
 /// load    a phase's argument `imbalance` is the busiest worker's time in tasks by the mean of all `threads`
 ///         workers (1: perfect; `threads`: one did everything); left out where a phase ran no task
 /// errors  OutputError when the file cannot be opened, std::runtime_error when it cannot be written
-class Profile : public Observer {
+class Profile : public Observer, public TickWatcher {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);
 
-  /// What the simulation's on_phase() and on_task() are to call.
-  void phase(std::optional<Phase> phase);
-  void task(std::size_t index, bool begins);
+  void phase(std::optional<Phase> phase) override;
+  void task(std::size_t index, bool begins) override;
+  TickWatcher* tick_watcher() override { return this; }
 
   /// Writes the tick that has just ended, if one has.
   void observe(const Simulation& simulation) override;
 
-  /// What the limits left out, in words; empty when nothing.
-  const std::string& left_out() const { return left_out_; }
+  /// What the limits left out.
+  std::string warning() const override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -103,5 +104,8 @@ class Profile : public Observer {
   unsigned threads_;
   PerThread<Track> tracks_;
 };
+
+/// --profile and --profile-ticks.
+std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

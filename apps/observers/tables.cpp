@@ -1,14 +1,20 @@
 #include "apps/observers/tables.hpp"
 
+#include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "base/hash.hpp"
+#include "engine/ticks.hpp"
 #include "engine/world.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -97,5 +103,86 @@ void EventsTable::observe(const Simulation& simulation) {
   }
   csv_.flush(world.tick());
 }
+
+namespace {
+
+class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override {
+    CLI::Option* measures = add_value(
+        app, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
+        [this](const std::string& text) { file_ = file_name("--measures", text); });
+    add_values(
+        app, "--measure", "NAME[:OF],...",
+        "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
+        [this](const std::string& text) { add_names(text); })
+        ->needs(measures);
+    add_value(app, "--measure-every", "S",
+              "How often, in seconds; 0: every tick (default: the world's, else 1)",
+              [this](const std::string& text) {
+                every_s_ = finite(text);
+                if (!every_s_ || *every_s_ < 0 || *every_s_ > 1e9)
+                  refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
+              })
+        ->needs(measures);
+  }
+  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
+  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
+  OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
+    if (file_.empty()) return nullptr;
+    const auto measures = std::make_shared<Measures>(simulation, names_);
+    return [this, &simulation, measures](Observers& observers) {
+      const double every_s = every_s_.value_or(simulation.world().spec().measure_every_s);
+      observers.push_back(std::make_unique<MeasuresTable>(
+          file_, simulation, std::move(*measures), engine::period_ticks(every_s, simulation.tick_s())));
+    };
+  }
+
+ private:
+  /// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+  void add_names(const std::string& text) {
+    if (text.starts_with('{')) {
+      names_.push_back(text);
+      return;
+    }
+    for (std::size_t start = 0; start <= text.size();) {
+      const std::size_t end = std::min(text.find(',', start), text.size());
+      if (end == start)
+        refuse("--measure", text,
+               "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
+      names_.push_back(text.substr(start, end - start));
+      start = end + 1;
+    }
+  }
+
+  fs::path file_;
+  std::vector<std::string> names_;  // as Measures takes them; empty: as the world says
+  std::optional<double> every_s_;   // not given: as the world says
+};
+
+class EventsOutput : public ClonedOutput<EventsOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions&) override {
+    add_value(app, "--events", "FILE.csv",
+              "Write what happens to robots (stalls, held at the bounds), a line each",
+              [this](const std::string& text) { file_ = file_name("--events", text); });
+  }
+  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
+  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
+  OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
+    if (file_.empty()) return nullptr;
+    return [this, &simulation](Observers& observers) {
+      observers.push_back(std::make_unique<EventsTable>(file_, simulation));
+    };
+  }
+
+ private:
+  fs::path file_;
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> measures_output() { return std::make_unique<MeasuresOutput>(); }
+std::unique_ptr<RunOutput> events_output() { return std::make_unique<EventsOutput>(); }
 
 }  // namespace troupe::apps

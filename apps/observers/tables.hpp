@@ -2,11 +2,13 @@
 
 #include "apps/csv.hpp"
 #include "apps/observers/observer.hpp"
+#include "apps/run/run_output.hpp"
 #include "engine/events.hpp"
 #include "troupe/measures.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -53,5 +55,10 @@ inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
+
+/// --measures, --measure and --measure-every.
+std::unique_ptr<RunOutput> measures_output();
+/// --events.
+std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

@@ -17,7 +17,6 @@ namespace {
 // What OSMesa draws at most.
 constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;
-constexpr double k_most_seconds = 1e9;
 constexpr double k_least_fps = 0.001;  // ffmpeg takes no rate below a millionth
 constexpr double k_most_fps = 1000;
 constexpr double k_least_speed = 0.001;  // slower still, a second of the world would be days of film

@@ -147,30 +147,28 @@ void render_checked(const RenderOptions& options) {
 
 }  // namespace
 
-CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
-  CLI::App* command = app.add_subcommand("render", "Draw a world, a checkpoint or a recording");
-  command->footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
+void add_render_options(CLI::App& command, RenderOptions& options) {
+  command.footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "INPUT", [&options](const std::string& text) { options.input = text; },
           "World file, checkpoint or recording")
       ->option_text(" ")
       ->required();
-  add_value(*command, "-o,--output", "FILE.png",
+  add_value(command, "-o,--output", "FILE.png",
             "The picture; {time} in its name stands for the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
-  add_value(*command, "--at", "T,...", "Simulated times to draw, s",
+  add_value(command, "--at", "T,...", "Simulated times to draw, s",
             [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
-  add_film_options(*command, options.pictures);
-  add_look_options(*command, options.pictures.look);
-  add_plugin_path_option(*command, options.plugin_path);
-  add_simd_option(*command);
-  command->final_callback([&options] {
+  add_film_options(command, options.pictures);
+  add_look_options(command, options.pictures.look);
+  add_plugin_path_option(command, options.plugin_path);
+  add_simd_option(command);
+  command.final_callback([&options] {
     if (options.pictures.snapshot.empty() && options.pictures.film.empty())
       throw CLI::RequiredError("--output or --film");
     check_names(options.pictures, "--at", "--output");
   });
-  return command;
 }
 
 ExitCode render_pictures(const RenderOptions& options) {

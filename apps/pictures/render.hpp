@@ -20,8 +20,8 @@ struct RenderOptions {
   std::vector<std::filesystem::path> plugin_path;
 };
 
-/// Adds `render` and its options to the program; `options` must outlive `app`.
-CLI::App* add_render_command(CLI::App& app, RenderOptions& options);
+/// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
+void add_render_options(CLI::App& command, RenderOptions& options);
 /// Draws what was asked for.
 ExitCode render_pictures(const RenderOptions& options);
 

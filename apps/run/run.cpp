@@ -1,9 +1,7 @@
 #include "apps/run/run.hpp"
 
 #include "apps/interrupt.hpp"
-#include "apps/observers/checkpointing.hpp"
 #include "apps/outputs.hpp"
-#include "apps/pictures/film.hpp"
 #include "apps/progress.hpp"
 #include "apps/run/world_run.hpp"
 #include "base/diagnostics.hpp"
@@ -15,6 +13,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,9 +36,7 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   for (const fs::path& world : options.worlds) {
     RunOptions& own = each.emplace_back(options);
     own.world = world;
-    std::vector<fs::path*> outputs = outputs_of(own);
-    outputs.push_back(&own.camera_folder);
-    for (fs::path* output : outputs) {
+    for (fs::path* output : own.outputs.names(own)) {
       if (output->empty()) continue;
       const std::string name = with_world(output->string(), world);
       if (options.worlds.size() > 1 && name == output->string())
@@ -58,17 +55,8 @@ void check_files(const std::vector<RunOptions>& each) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
   for (const RunOptions& options : each) {
-    const fs::path resumed_from = options.is_checkpoint ? options.world : "";
-    check_checkpoint(options.checkpoint, resumed_from, options.force);
-    const bool goes_on = same_file(options.checkpoint, resumed_from);
-    check_folder(options.camera_folder);
     inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
-    RunOptions own = options;
-    for (const fs::path* output : outputs_of(own))
-      if (output != &own.pictures.snapshot && (output != &own.checkpoint || !goes_on))
-        outputs.push_back(*output);
-    for (const fs::path& snapshot : snapshot_files(own.pictures)) outputs.push_back(snapshot);
-    check_film(own.pictures);
+    std::ranges::copy(options.outputs.files(options), std::back_inserter(outputs));
   }
   check_outputs(inputs, outputs);
 }
@@ -118,7 +106,7 @@ ExitCode run_checked(const RunOptions& options) {
   check_files(each);
   const Runs runs = load(each);
   stop_on_signals();
-  for (std::size_t i = 0; i < runs.size(); ++i) each[i].record = runs[i]->recording();
+  for (std::size_t i = 0; i < runs.size(); ++i) each[i] = runs[i]->take_names_from_world();
   check_files(each);
   const auto is_over = [&] {
     return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
@@ -141,8 +129,7 @@ ExitCode run_checked(const RunOptions& options) {
     run->print_summary(runs.size() > 1);
     stopped = stopped || run->report().stopped;
   }
-  // Last, so that a picture that fails takes no numbers with it.
-  for (const auto& run : runs) run->draw();
+  for (const auto& run : runs) run->after_summary();
   return stopped ? k_stopped : k_finished;
 }
 

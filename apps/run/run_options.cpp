@@ -1,5 +1,6 @@
 #include "apps/run/run_options.hpp"
 
+#include "apps/pictures/picture_options.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/json/spec_json.hpp"
 
@@ -15,8 +16,6 @@
 
 namespace troupe::apps {
 namespace {
-
-constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
 
 constexpr const char* k_run_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -80,149 +79,13 @@ Examples:
                      changeable);
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> words;
-  std::istringstream stream(text + separator);
-  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
-  return words;
-}
-
-void set_profile_ticks(RunOptions& options, const std::string& text) {
-  const auto colon = text.find(':');
-  const auto first = number<std::uint64_t>(text.substr(0, colon));
-  const auto last = colon == text.npos ? std::nullopt : number<std::uint64_t>(text.substr(colon + 1));
-  if (!first || !last || *first < 1 || *first > *last)
-    refuse("--profile-ticks", text, "a first and a last tick, counted from 1, as in --profile-ticks 100:120");
-  options.profile_limits.first_tick = *first;
-  options.profile_limits.last_tick = *last;
-}
-
-std::filesystem::path file_name(const char* option, const std::string& text) {
-  if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
-  return text;
-}
-
-/// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
-void add_measures(RunOptions& options, const std::string& text) {
-  if (text.starts_with('{')) {
-    options.measure.push_back(text);
-    return;
-  }
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    if (end == start)
-      refuse("--measure", text,
-             "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
-    options.measure.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-}
-
-void add_table_options(CLI::App& run, RunOptions& options) {
-  CLI::Option* measures = add_value(
-      run, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
-      [&options](const std::string& text) { options.measures = file_name("--measures", text); });
-  add_values(run, "--measure", "NAME[:OF],...",
-             "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
-             [&options](const std::string& text) { add_measures(options, text); })
-      ->needs(measures);
-  add_value(run, "--measure-every", "S",
-            "How often, in seconds; 0: every tick (default: the world's, else 1)",
-            [&options](const std::string& text) {
-              options.measure_every_s = finite(text);
-              if (!options.measure_every_s || *options.measure_every_s < 0 || *options.measure_every_s > 1e9)
-                refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
-            })
-      ->needs(measures);
-  add_value(run, "--events", "FILE.csv",
-            "Write what happens to robots (stalls, held at the bounds), a line each",
-            [&options](const std::string& text) { options.events = file_name("--events", text); });
-}
-
-void add_camera_options(CLI::App& app, RunOptions& options) {
-  CLI::Option* folder =
-      add_value(app, "--camera-png", "DIR",
-                "Write what cameras see into a folder: colours and depths, two PNGs each time",
-                [&options](const std::string& text) {
-                  if (text.empty() || text.starts_with('-'))
-                    refuse("--camera-png", text, "the name of a folder");
-                  options.camera_folder = text;
-                  if (!options.camera_folder.has_filename())
-                    options.camera_folder = options.camera_folder.parent_path();
-                });
-  add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
-            [&options](const std::string& text) {
-              const std::optional<double> seconds = finite(text);
-              if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
-                refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
-              options.camera_every_s = *seconds;
-            })
-      ->needs(folder);
-}
-
-double positive_seconds(const char* option, const std::string& text, std::string_view what) {
-  const std::optional<double> seconds = finite(text);
-  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
-    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
-  return *seconds;
-}
-
-void add_record_options(CLI::App& app, RunOptions& options) {
-  add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
-            [&options](const std::string& text) { options.record = file_name("--record", text); });
-  add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
-            [&options](const std::string& text) {
-              options.recording.every_s = positive_seconds("--record-every", text, "a time");
-            });
-  add_value(app, "--record-fields", "A,B,...",
-            "What of it: pose (with shown colours), velocity, stall, ranges, ..., or all (default: pose)",
-            [&options](const std::string& text) {
-              options.recording.fields = split(text, ',');
-              if (std::ranges::count(options.recording.fields, "") > 0)
-                refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
-            });
-}
-
-void add_checkpoint_options(CLI::App& app, RunOptions& options) {
-  CLI::Option* checkpoint = add_value(
-      app, "--checkpoint", "FILE.h5",
-      "Save the state when the run ends or is stopped; troupe resume goes on from it",
-      [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
-  add_value(app, "--checkpoint-every", "S", "Save it there every S simulated seconds, too",
-            [&options](const std::string& text) {
-              options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
-            })
-      ->needs(checkpoint);
-  add_value(app, "--wall-limit", "S", "Stop after S seconds of real time, counted from the program's start",
-            [&options](const std::string& text) {
-              options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
-            });
-}
-
 /// How a world is run, and what comes out of it: what `run` and `resume` share.
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads (default: one for each processor it may use)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(app, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
-  add_checkpoint_options(app, options);
-  add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
-            [&options](const std::string& text) { options.hash_log = file_name("--hash-log", text); });
-  add_picture_options(app, options.pictures);
-  CLI::Option* profile =
-      add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
-                [&options](const std::string& text) {
-                  options.profile = text;
-                  if (options.profile.extension() != ".json" || text.starts_with('-'))
-                    refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
-                });
-  add_value(app, "--profile-ticks", "A:B",
-            "Only ticks A to B of it (default: all, while the file stays small)",
-            [&options](const std::string& text) { set_profile_ticks(options, text); })
-      ->needs(profile);
-  add_camera_options(app, options);
-  add_record_options(app, options);
-  add_table_options(app, options);
+  options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();
   };
@@ -253,11 +116,6 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
 
 }  // namespace
 
-std::vector<std::filesystem::path*> outputs_of(RunOptions& options) {
-  return {&options.hash_log, &options.pictures.snapshot, &options.pictures.film, &options.profile,
-          &options.record,   &options.measures,          &options.events,        &options.checkpoint};
-}
-
 std::string with_world(std::string name, const std::filesystem::path& world) {
   const std::string stem = world.stem().string();
   for (std::size_t at = 0; (at = name.find(k_world_mark, at)) != name.npos; at += stem.size())
@@ -265,10 +123,9 @@ std::string with_world(std::string name, const std::filesystem::path& world) {
   return name;
 }
 
-CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
-  CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
-  run->footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_examples));
-  run->add_option_function<std::vector<std::string>>(
+void add_run_options(CLI::App& run, RunOptions& options) {
+  run.footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_examples));
+  run.add_option_function<std::vector<std::string>>(
          "WORLD",
          [&options](const std::vector<std::string>& names) {
            options.worlds.assign(names.begin(), names.end());
@@ -276,38 +133,35 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
          "World files: Stage's .world, or .json; several run side by side")
       ->option_text("...")
       ->required();
-  add_run_settings(*run, options);
-  add_clock_options(*run, options);
-  add_output_options(*run, options);
-  return run;
+  add_run_settings(run, options);
+  add_clock_options(run, options);
+  add_output_options(run, options);
 }
 
-CLI::App* add_resume_command(CLI::App& app, RunOptions& options) {
-  CLI::App* resume = app.add_subcommand("resume", "Go on with a run from its checkpoint");
-  resume->footer(resume_footer());
+void add_resume_options(CLI::App& resume, RunOptions& options) {
+  resume.footer(resume_footer());
   options.is_checkpoint = true;
   resume
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "CHECKPOINT", [&options](const std::string& text) { options.worlds = {text}; },
           "Checkpoint of a run: troupe run --checkpoint")
       ->option_text(" ")
       ->required();
-  add_end_option(*resume, options);
-  add_set_option(*resume, "Change a value of the stored world: a JSON pointer into it; repeatable",
+  add_end_option(resume, options);
+  add_set_option(resume, "Change a value of the stored world: a JSON pointer into it; repeatable",
                  options.simulation.set);
   resume
-      ->add_flag("--across-versions", options.across_versions,
-                 "Though another version of Troupe wrote the checkpoint")
+      .add_flag("--across-versions", options.across_versions,
+                "Though another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
-  add_plugin_path_option(*resume, options.simulation.plugin_path);
-  add_simd_option(*resume);
+  add_plugin_path_option(resume, options.simulation.plugin_path);
+  add_simd_option(resume);
   resume
-      ->add_flag("--across-plugins", options.across_plugins,
-                 "Though its plug-ins have been built anew since it was written")
+      .add_flag("--across-plugins", options.across_plugins,
+                "Though its plug-ins have been built anew since it was written")
       ->disable_flag_override();
-  add_clock_options(*resume, options);
-  add_output_options(*resume, options);
-  return resume;
+  add_clock_options(resume, options);
+  add_output_options(resume, options);
 }
 
 }  // namespace troupe::apps

@@ -1,17 +1,10 @@
 #include "apps/run/world_run.hpp"
 
-#include "apps/observers/camera_pictures.hpp"
-#include "apps/observers/checkpointing.hpp"
 #include "apps/observers/clock.hpp"
-#include "apps/observers/filming.hpp"
 #include "apps/observers/pacer.hpp"
-#include "apps/observers/recorder.hpp"
-#include "apps/observers/tables.hpp"
-#include "apps/outputs.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "troupe/simulation_source.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -71,58 +64,25 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
 
 WorldRun::~WorldRun() = default;
 
-std::filesystem::path WorldRun::recording() const { return recording_file(options_, simulation_); }
-
-void WorldRun::rehearse() {
-  const PictureFiles& pictures = options_.pictures;
-  if (!pictures.snapshot.empty()) rehearsed_ = std::make_unique<Snapshots>(pictures, simulation_, ticks_);
-  if (!pictures.film.empty())
-    rehearsed_film_ = std::make_unique<Filming>(pictures, SimulationSource(simulation_));
-  if (rehearsed_) rehearsed_->rehearse();
-  if (rehearsed_film_) rehearsed_film_->rehearse();
-  if (!options_.camera_folder.empty()) check_cameras(simulation_, options_.world);
-  // Before any file: what is wrong with them is bad input.
-  if (!options_.measures.empty()) measures_.emplace(simulation_, options_.measure);
+const RunOptions& WorldRun::take_names_from_world() {
+  options_.outputs.take_names_from_world(options_, simulation_);
+  return options_;
 }
+
+void WorldRun::rehearse() { prepared_ = options_.outputs.prepare(options_, simulation_, ticks_); }
 
 bool WorldRun::tells_time() const {
   return !options_.quiet && (options_.clock || simulation_.world().spec().watch.clock);
 }
 
 void WorldRun::open_outputs(std::function<bool()> is_over) {
-  if (auto recorder = make_recorder(options_, simulation_)) observers_.push_back(std::move(recorder));
-  if (!options_.hash_log.empty())
-    observers_.push_back(std::make_unique<HashLog>(options_.hash_log, simulation_));
-  if (!options_.profile.empty()) {
-    auto profile = std::make_unique<Profile>(options_.profile, simulation_, options_.profile_limits);
-    profile_ = profile.get();
-    observers_.push_back(std::move(profile));
-  }
-  const engine::WorldSpec& spec = simulation_.world().spec();
-  if (measures_) {
-    const std::uint64_t every =
-        engine::period_ticks(options_.measure_every_s.value_or(spec.measure_every_s), simulation_.tick_s());
-    observers_.push_back(
-        std::make_unique<MeasuresTable>(options_.measures, simulation_, std::move(*measures_), every));
-  }
-  if (!options_.camera_folder.empty())
-    observers_.push_back(std::make_unique<CameraPictures>(
-        options_.camera_folder, engine::period_ticks(options_.camera_every_s, simulation_.tick_s())));
-  if (!options_.events.empty())
-    observers_.push_back(std::make_unique<EventsTable>(options_.events, simulation_));
-  if (rehearsed_film_) rehearsed_film_->open();
-  if (rehearsed_) snapshots_ = rehearsed_.get();
-  if (rehearsed_) observers_.push_back(std::move(rehearsed_));
-  if (rehearsed_film_) observers_.push_back(std::move(rehearsed_film_));
-  if (!options_.checkpoint.empty()) {
-    std::vector<Observer*> others;
-    for (const auto& observer : observers_) others.push_back(observer.get());
-    observers_.push_back(std::make_unique<Checkpointing>(options_.checkpoint, options_.checkpoint_every_s,
-                                                         simulation_, std::move(others)));
-    checkpointing_ = observers_.back().get();
-  }
+  for (const OpenOutput& open : prepared_) open(observers_);
+  for (const auto& observer : observers_)
+    if (TickWatcher* watcher = observer->tick_watcher()) watchers_.push_back(watcher);
   // What writes no file comes behind what does.
-  if (tells_time()) observers_.push_back(std::make_unique<ClockLines>(spec.watch.clock_ticks, simulation_));
+  if (tells_time())
+    observers_.push_back(
+        std::make_unique<ClockLines>(simulation_.world().spec().watch.clock_ticks, simulation_));
   if (report_.rate > 0) {
     auto pacer = std::make_unique<Pacer>(report_.rate, std::move(is_over));
     pacer_ = pacer.get();
@@ -142,12 +102,12 @@ void WorldRun::begin() {
   simulation_.on_phase([this](std::optional<Phase> phase) {
     phases_(phase);
     load_.tick(phase.has_value());
-    if (profile_) profile_->phase(phase);
+    for (TickWatcher* watcher : watchers_) watcher->phase(phase);
   });
   simulation_.on_loop([this](bool begins) { load_.loop(begins); });
   simulation_.on_task([this](std::size_t task, bool begins) {
     load_.task(begins);
-    if (profile_) profile_->task(task, begins);
+    for (TickWatcher* watcher : watchers_) watcher->task(task, begins);
   });
   for (const auto& observer : observers_) observer->observe(simulation_);
 }
@@ -179,15 +139,16 @@ void WorldRun::finish() {
 
 void WorldRun::save_at_least() const {
   try {
-    if (checkpointing_ && is_intact_) checkpointing_->finish(simulation_);
+    if (is_intact_)
+      for (const auto& observer : observers_) observer->save_at_least(simulation_);
   } catch (const std::runtime_error&) {  // what went wrong first is told
   }
 }
 
 void WorldRun::print_summary(bool is_one_of_several) const {
-  if (profile_ && !profile_->left_out().empty() && !options_.quiet)
-    fmt::print(stderr, "{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks\n",
-               options_.profile.string(), profile_->left_out());
+  for (const auto& observer : observers_)
+    if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
+      fmt::print(stderr, "{}\n", warning);
   if (options_.json)
     fmt::print("{}", summary_json(report_));
   else if (!options_.quiet)
@@ -195,8 +156,8 @@ void WorldRun::print_summary(bool is_one_of_several) const {
   if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
 }
 
-void WorldRun::draw() const {
-  if (snapshots_) snapshots_->draw_last(simulation_);
+void WorldRun::after_summary() const {
+  for (const auto& observer : observers_) observer->after_summary(simulation_);
 }
 
 }  // namespace troupe::apps

@@ -1,26 +1,20 @@
 #pragma once
 
 #include "apps/observers/observer.hpp"
-#include "apps/observers/profile.hpp"
 #include "apps/run/load_clock.hpp"
 #include "apps/run/phase_clock.hpp"
 #include "apps/run/report.hpp"
 #include "apps/run/run_options.hpp"
-#include "troupe/measures.hpp"
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <vector>
 
 namespace troupe::apps {
 
-class Filming;
 class Pacer;
-class Snapshots;
 
 /// One world of a run, loaded; whoever holds it steps it.
 class WorldRun {
@@ -34,8 +28,8 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Where it records: as its options, or else the world, say; empty: nowhere.
-  std::filesystem::path recording() const;
+  /// Its options, with the names of files that the world itself gives. Throws InputError.
+  const RunOptions& take_names_from_world();
 
   /// Before the first tick: what cannot be drawn, measured or written costs no run. `is_over` tells a
   /// waiting run to end.
@@ -61,8 +55,8 @@ class WorldRun {
   const Report& report() const { return report_; }
   /// The summary, on standard output, as text or JSON; `is_one_of_several` says which world it is.
   void print_summary(bool is_one_of_several) const;
-  /// Draws the last tick, where that was asked for.
-  void draw() const;
+  /// What observers do last.
+  void after_summary() const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -71,15 +65,11 @@ class WorldRun {
   Clock::time_point start_ = Clock::now();
   Simulation simulation_;
   Report report_;
-  std::uint64_t ticks_ = 0;               // at which it ends
-  std::optional<Measures> measures_;      // until their table takes them
-  std::unique_ptr<Snapshots> rehearsed_;  // until they are among the observers, as is
-  std::unique_ptr<Filming> rehearsed_film_;
-  std::vector<std::unique_ptr<Observer>> observers_;
-  Profile* profile_ = nullptr;         // of them the one that the phases and tasks are told, too
-  Observer* checkpointing_ = nullptr;  // it saves what all before it have written
+  std::uint64_t ticks_ = 0;           // at which it ends
+  std::vector<OpenOutput> prepared_;  // outputs that are not open yet
+  Observers observers_;
+  std::vector<TickWatcher*> watchers_;  // those of them that phases and tasks are told
   const Pacer* pacer_ = nullptr;
-  Snapshots* snapshots_ = nullptr;  // it draws the last tick, too
   PhaseClock phases_;
   LoadClock load_;
   bool is_intact_ = true;  // false after a step that failed: its state is of no use

@@ -294,22 +294,21 @@ ExitCode sweep_checked(const SweepOptions& options) {
 
 }  // namespace
 
-CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
-  CLI::App* command = app.add_subcommand("sweep", "Make all runs of a study, and one table of them");
-  command->footer(k_sweep_footer);
+void add_sweep_options(CLI::App& command, SweepOptions& options) {
+  command.footer(k_sweep_footer);
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
       ->option_text(" ")
       ->required();
-  add_value(*command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
+  add_value(command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
             });
-  add_value(*command, "--threads", "N", "Runs at once (default: one for each processor it may use)",
+  add_value(command, "--threads", "N", "Runs at once (default: one for each processor it may use)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
-  add_value(*command, "--part", "I/N", "Make only every N-th run, from the I-th on",
+  add_value(command, "--part", "I/N", "Make only every N-th run, from the I-th on",
             [&options](const std::string& text) {
               const auto slash = text.find('/');
               const auto part = number<std::size_t>(text.substr(0, slash));
@@ -321,11 +320,10 @@ CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options) {
               options.part = *part;
               options.parts = *parts;
             });
-  command->add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
-  command->add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
-  add_plugin_path_option(*command, options.plugin_path);
-  add_simd_option(*command);
-  return command;
+  command.add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
+  command.add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
+  add_plugin_path_option(command, options.plugin_path);
+  add_simd_option(command);
 }
 
 ExitCode sweep(const SweepOptions& options) {

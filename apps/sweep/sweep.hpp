@@ -23,8 +23,8 @@ struct SweepOptions {
   std::vector<std::filesystem::path> plugin_path;
 };
 
-/// `options` must outlive `app`.
-CLI::App* add_sweep_command(CLI::App& app, SweepOptions& options);
+/// Adds the options of `sweep`; parsing fills `options`, which must outlive `command`.
+void add_sweep_options(CLI::App& command, SweepOptions& options);
 
 /// Makes the runs of a study that are not in its folder yet, and the table when all are.
 ExitCode sweep(const SweepOptions& options);

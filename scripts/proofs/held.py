@@ -1,18 +1,7 @@
 """Proofs in worlds: all runs of a world are compared with its first one, line by line, and with the golden hash."""
 
-from .runs import Fault, World, difference, state_of
+from .runs import Fault, difference, state_of
 from .table import Progress, print_row
-
-TICKS = 300
-QUICK_TICKS = 50
-WORLDS = (World("hospital.json"), World("cave-complex-laser.json", weight=1.9), World("crowd.json", weight=0.2),
-          World("crowd.json", weight=0.2, ranging="grid"), World("errands.json", weight=0.05),
-          World("energy.json", weight=0.1), World("foraging.json", weight=0.1),
-          World("gripper.json", weight=0.02), World("gate.json", weight=0.01),
-          World("magpies.json", weight=0.2), World("lookout.json", weight=0.1),
-          World("colony.json", weight=0.1), World("pucks.json", weight=0.1), World("chatter.json", weight=0.3),
-          World("perception.json", weight=0.02), World("door.json", weight=0.01),
-          World("failures.json", weight=0.05), World("clustering.json", weight=0.02))
 
 
 def hold(world, proofs, ticks, folder, golden=None):

@@ -2,7 +2,7 @@
 """Loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, again and again, in one process that
 never ends by itself. Prints a line of counts, as JSON, about once a second; scripts/soak starts it.
 
-    soak_worker.py WORLDS FOLDER    WORLDS: the folder of the worlds; FOLDER: for its files
+    soak_worker.py FOLDER WORLD...    FOLDER: for its files
 """
 
 import json
@@ -12,16 +12,13 @@ import time
 
 import troupe
 
-# Worlds that are small, and all together have everything: lives, faults, interventions, grippers, pushing, packs, radios, goals.
-WORLDS = ("colony.json", "failures.json", "pucks.json", "energy.json", "gripper.json", "clustering.json", "door.json",
-          "errands.json", "perception.json")
 RESETS = 400  # of a world, until the next one has its turn
 TICKS = 12
 
 
 class Soaker:
-    def __init__(self, worlds, folder):
-        self.worlds, self.folder = pathlib.Path(worlds), pathlib.Path(folder)
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
         self.counts = {"resets": 0, "saves": 0, "recordings_cut": 0}
         self.differences = []
         self.next_line = 0.0
@@ -37,8 +34,9 @@ class Soaker:
         if simulation.state_hash() != expected:
             self.differences.append(f"{what}: tick {simulation.tick} has the state {simulation.state_hash():016x}, not {expected:016x}")
 
-    def soak(self, name, turn):
-        simulation = troupe.Simulation(self.worlds / name, threads=1 + turn % 3)
+    def soak(self, world, turn):
+        name = pathlib.Path(world).name
+        simulation = troupe.Simulation(world, threads=1 + turn % 3)
         measures = troupe.Measures(simulation, ["coverage", "path_length", "stalls"])
         begins = simulation.state_hash()
         simulation.step(TICKS)
@@ -81,10 +79,11 @@ class Soaker:
 
 
 def main():
-    soaker = Soaker(*sys.argv[1:])
+    folder, *worlds = sys.argv[1:]
+    soaker = Soaker(folder)
     turn = 0
     while True:
-        soaker.soak(WORLDS[turn % len(WORLDS)], turn)
+        soaker.soak(worlds[turn % len(worlds)], turn)
         turn += 1
 
 

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <ostream>
 
@@ -54,8 +55,8 @@ TEST_F(LintTest, FindsNothingInAWorldThatIsRight) {
 }
 
 TEST_F(LintTest, FindsNothingInTheWorldsThatAreShipped) {
-  for (const std::string world : {"crowd.json", "cave-complex-laser.json", "minimal.world"}) {
-    const Outcome outcome = troupe({"lint", std::string(TROUPE_SOURCE_DIR) + "/worlds/" + world});
+  for (const scenes::Run& run : scenes::runs_of("lint")) {
+    const Outcome outcome = troupe({"lint", run.file().string()});
     EXPECT_EQ(outcome.code, 0) << outcome.out;
   }
 }

@@ -1,10 +1,14 @@
+#include "apps/check/check_options.hpp"
 #include "apps/command_line.hpp"
+#include "apps/run/run_options.hpp"
+#include "apps/sweep/sweep.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <unistd.h>
 
 #include <algorithm>
+#include <any>
 #include <cctype>
 #include <csignal>
 #include <cstdlib>
@@ -13,6 +17,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,8 +42,7 @@ std::string content(const fs::path& file) {
 /// Whatever lies below a folder, with the files' content.
 using Tree = std::map<std::string, std::optional<std::string>>;
 
-int run_program(const std::vector<std::string>& arguments,
-                const std::function<void(apps::CommandOptions&)>& limit) {
+int run_program(const std::vector<std::string>& arguments, const std::function<void(std::any&)>& limit) {
   std::vector<const char*> argv{"troupe"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   return apps::run_command_line(static_cast<int>(argv.size()), argv.data(), limit);
@@ -149,18 +153,28 @@ void limit_run(apps::RunOptions& options) {
   if (options.worlds.size() > 3) options.worlds.resize(3);
 }
 
-/// Short runs, small worlds, and few threads.
-void limit(apps::CommandOptions& options) {
-  limit_run(options.run);
-  limit_run(options.resume);
-  apps::CheckOptions& check = options.check;
+void limit_check(apps::CheckOptions& check) {
   limit_world(check);
   check.for_s = std::min(check.for_s.value_or(k_for_s), k_for_s);
   std::erase_if(check.simulation.set, [](const auto& set) { return set.first.starts_with("/tick"); });
   if (check.threads.size() > 2) check.threads.resize(2);
   for (unsigned& threads : check.threads) threads = std::min(threads, 3u);
   if (check.tile_sizes_m.size() > 2) check.tile_sizes_m.resize(2);
-  options.sweep.runs_at_once = std::clamp(options.sweep.runs_at_once, 1u, 2u);
+}
+
+/// The options, if they are of this command.
+template <class Options>
+Options* as(std::any& options) {
+  const auto* shared = std::any_cast<std::shared_ptr<Options>>(&options);
+  return shared ? shared->get() : nullptr;
+}
+
+/// Short runs, small worlds, and few threads.
+void limit(std::any& options) {
+  if (auto* run = as<apps::RunOptions>(options)) limit_run(*run);
+  if (auto* check = as<apps::CheckOptions>(options)) limit_check(*check);
+  if (auto* sweep = as<apps::SweepOptions>(options))
+    sweep->runs_at_once = std::clamp(sweep->runs_at_once, 1u, 2u);
 }
 
 std::vector<std::string> arguments_of(std::string_view text) {

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/controller.hpp"
 #include "engine/world.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -78,26 +79,25 @@ struct Scene {
   SimulationOptions options;
 };
 
-std::vector<Scene> scenes() {
-  SimulationOptions few;
-  few.robots = {{"", test::k_slow_build ? 100 : 500}};
-  SimulationOptions by_grid;
-  by_grid.ranging = RangingEngine::grid;
-  return {{"hospital", k_worlds / "hospital.json", few},
-          {"caveWithLasers", k_worlds / "cave-complex-laser.json", {}},
-          {"crowd", k_worlds / "crowd.json", {}},
-          {"crowdOnTheGrid", k_worlds / "crowd.json", by_grid},
-          {"magpies", k_worlds / "magpies.json", {}},
-          {"clustering", k_worlds / "clustering.json", {}},
-          {"flockInStagesSyntax", k_stage_styles / "flock.world", {}},
-          {"foragersInStagesSyntax", k_stage_styles / "forage.world", {}},
-          {"blocksInStagesSyntax", k_stage_styles / "blocks.world", {}},
-          {"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}},
-          {"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}}};
+std::vector<Scene> all_scenes() {
+  std::vector<Scene> all;
+  for (const scenes::Run& run : scenes::runs_of("checkpoint")) {
+    SimulationOptions options;
+    if (const auto& robots = test::k_slow_build ? run.robots_slow : run.robots)
+      options.robots = {{"", *robots}};
+    if (run.by_grid) options.ranging = RangingEngine::grid;
+    all.push_back({run.name(), run.file(), options});
+  }
+  all.push_back({"flockInStagesSyntax", k_stage_styles / "flock.world", {}});
+  all.push_back({"foragersInStagesSyntax", k_stage_styles / "forage.world", {}});
+  all.push_back({"blocksInStagesSyntax", k_stage_styles / "blocks.world", {}});
+  all.push_back({"stageCave", k_stage_worlds / "benchmark" / "cave.world", {}});
+  all.push_back({"stagePioneers", k_stage_worlds / "pioneer_walle.world", {}});
+  return all;
 }
 
 class CheckpointOf : public Checkpoint, public ::testing::WithParamInterface<Scene> {};
-INSTANTIATE_TEST_SUITE_P(World, CheckpointOf, ::testing::ValuesIn(scenes()),
+INSTANTIATE_TEST_SUITE_P(World, CheckpointOf, ::testing::ValuesIn(all_scenes()),
                          [](const auto& scene) { return scene.param.name; });
 
 TEST_P(CheckpointOf, GoesOnAsIfTheRunHadNeverStopped) {

@@ -3,6 +3,7 @@
 #include "worldio/convert.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -94,23 +95,19 @@ TEST_P(ConvertedWorlds, ComeBackFromJsonAsWorldsOfStage) {
   EXPECT_EQ(hash_log(back, ticks), hash_log(world, ticks));
 }
 
-INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds,
-                         ::testing::Values(World{"worlds/minimal.world", 50}, World{"worlds/noise.world"},
-                                           World{"worlds/bumper.world"}, World{"worlds/fiducial.world"},
-                                           World{"worlds/blobs.world"}, World{"worlds/crowd.json", 10},
-                                           World{"worlds/cave-complex-laser.json", 5},
-                                           World{"worlds/foraging.json"}, World{"worlds/energy.json"},
-                                           World{"worlds/errands.json"}, World{"worlds/lookout.json"},
-                                           World{"worlds/gripper.json"}, World{"worlds/gate.json"},
-                                           World{"worlds/magpies.json"}, World{"worlds/lift.world", 50},
-                                           World{"worlds/door.json"}, World{"worlds/failures.json", 110},
-                                           World{"../shared/stage-worlds/simple.world", 50},
-                                           World{"../shared/stage-worlds/pioneer_walle.world", 50},
-                                           World{"../shared/stage-worlds/roomba.world", 50},
-                                           World{"../shared/stage-worlds/sensor_noise_demo.world", 50},
-                                           World{"../shared/stage-worlds/lsp_test.world", 50},
-                                           World{"../shared/stage-worlds/pioneer_flocking.world", 20},
-                                           World{"../shared/stage-worlds/benchmark/cave.world", 10}),
+std::vector<World> converted_worlds() {
+  std::vector<World> worlds;
+  for (const scenes::Run& run : scenes::runs_of("convert"))
+    worlds.push_back({"worlds/" + run.world, static_cast<int>(run.ticks)});
+  for (const auto& [world, ticks] :
+       {std::pair("simple.world", 50), std::pair("pioneer_walle.world", 50), std::pair("roomba.world", 50),
+        std::pair("sensor_noise_demo.world", 50), std::pair("lsp_test.world", 50),
+        std::pair("pioneer_flocking.world", 20), std::pair("benchmark/cave.world", 10)})
+    worlds.push_back({fmt::format("../shared/stage-worlds/{}", world), ticks});
+  return worlds;
+}
+
+INSTANTIATE_TEST_SUITE_P(Convert, ConvertedWorlds, ::testing::ValuesIn(converted_worlds()),
                          [](const auto& test) {
                            std::string name = fs::path(test.param.file).filename().string();
                            for (char& c : name)

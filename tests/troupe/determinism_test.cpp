@@ -6,6 +6,7 @@
 #include "base/hash.hpp"
 #include "engine/remade_world.hpp"
 #include "engine/world.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
@@ -32,22 +33,19 @@ namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
-using test::GoldenRun;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
-
-SimulationOptions options_of(const GoldenRun& run, unsigned threads, double tile_size_m = 0) {
+SimulationOptions options_of(const scenes::Run& run, unsigned threads, double tile_size_m = 0) {
   SimulationOptions options;
   options.threads = threads;
   options.tile_size_m = tile_size_m;
-  if (run.by_grid()) options.ranging = RangingEngine::grid;
+  if (run.by_grid) options.ranging = RangingEngine::grid;
   if (run.robots) options.robots = {{"", *run.robots}};
   return options;
 }
 
 /// The lines of the hash log of a run.
-std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double tile_size_m = 0) {
-  Simulation simulation(k_worlds / run.file(), options_of(run, threads, tile_size_m));
+std::vector<std::string> log_of(const scenes::Run& run, unsigned threads, double tile_size_m = 0) {
+  Simulation simulation(run.file(), options_of(run, threads, tile_size_m));
   std::vector<std::string> lines{simulation.hash_log_line()};
   while (simulation.tick() < run.ticks) {
     simulation.step();
@@ -59,10 +57,10 @@ std::vector<std::string> log_of(const GoldenRun& run, unsigned threads, double t
 
 std::string state_of(const std::string& line) { return line.substr(line.find(' ') + 1, 16); }
 
-class SameBits : public ::testing::TestWithParam<GoldenRun> {};
+class SameBits : public ::testing::TestWithParam<scenes::Run> {};
 
 TEST_P(SameBits, ForAnyThreadsAndTiles) {
-  const GoldenRun& run = GetParam();
+  const scenes::Run& run = GetParam();
   const std::vector<std::string> expected = log_of(run, 1, 1.7);
   for (const double tile_size_m : {1.7, 45.1}) {
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
@@ -73,8 +71,10 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
     }
   }
   const auto golden = test::golden_hashes();
-  ASSERT_TRUE(golden.contains(run)) << "no line in worlds/golden_hashes.txt: scripts/prove --golden makes it";
-  EXPECT_EQ(state_of(expected.back()), golden.at(run))
+  const test::GoldenRun line = test::golden_run(run);
+  ASSERT_TRUE(golden.contains(line))
+      << "no line in worlds/golden_hashes.txt: scripts/prove --golden makes it";
+  EXPECT_EQ(state_of(expected.back()), golden.at(line))
       << "results have changed; if that was meant, scripts/prove --golden, and docs/decisions.md says why";
 }
 
@@ -82,9 +82,9 @@ TEST_P(SameBits, ForAnyThreadsAndTiles) {
 // tick. One run has all else overwritten with junk after each tick, the other goes on as a new world each
 // tick.
 TEST_P(SameBits, WithNothingKeptButTheState) {
-  const GoldenRun& run = GetParam();
-  Simulation whole(k_worlds / run.file(), options_of(run, 1));
-  Simulation forgetful(k_worlds / run.file(), options_of(run, 2));
+  const scenes::Run& run = GetParam();
+  Simulation whole(run.file(), options_of(run, 1));
+  Simulation forgetful(run.file(), options_of(run, 2));
   std::unique_ptr<engine::World> remade =
       engine::remade_world(whole.world(), whole.registry(), {.threads = 2, .tile_size_m = 1.7});
   forgetful.world().forget();
@@ -99,74 +99,12 @@ TEST_P(SameBits, WithNothingKeptButTheState) {
   }
 }
 
-std::vector<GoldenRun> runs() {
-  if (test::k_slow_build)
-    return {{"hospital.json", 150, 10},      {"cave-complex-laser.json", 12, 10}, {"crowd.json", {}, 5},
-            {"hospital.json:grid", 150, 10}, {"crowd.json:grid", {}, 5},          {"lookout.json", 12, 5},
-            {"camera.world", {}, 5}};
-  return {{"hospital.json", {}, 50},
-          {"cave-complex-laser.json", {}, 50},
-          {"crowd.json", {}, 50},
-          {"hospital.json:grid", 150, 10},
-          {"crowd.json:grid", {}, 50},
-          {"errands.json", {}, 50},
-          {"energy.json", {}, 50},
-          {"lookout.json", {}, 50},
-          {"hospital-10cm.json", 500, 10},
-          {"cave-simple.json", {}, 50},
-          {"cave-simple-laser.json", {}, 50},
-          {"cave-complex.json", {}, 50},
-          {"beeclust.json", {}, 50},
-          {"blobs.world", {}, 50},
-          {"brazil_nut.json", {}, 50},
-          {"bumper.world", {}, 50},
-          {"camera.world", {}, 50},
-          {"chain.json", {}, 50},
-          {"chatter.json", {}, 50},
-          {"coverage.json", {}, 50},
-          {"fiducial.world", {}, 50},
-          {"flock.json", {}, 50},
-          {"gate.json", {}, 50},
-          {"gradient.json", {}, 50},
-          {"gripper.json", {}, 50},
-          {"lift.world", {}, 50},
-          {"magpies.json", {}, 50},
-          {"minimal.world", {}, 50},
-          {"door.json", {}, 50},
-          {"failures.json", {}, 300},
-          {"noise.world", {}, 50},
-          {"perception.json", {}, 50},
-          {"segregation.json", {}, 300},
-          {"harvest.json", {}, 300},
-          {"clustering.json", {}, 300},
-          {"pushers.json", {}, 10}};
+std::vector<scenes::Run> runs() {
+  return scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits");
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()), [](const auto& world) {
-  std::string name = fs::path(world.param.file()).stem().string() + (world.param.by_grid() ? "ByGrid" : "");
-  if (world.param.file().ends_with(".world")) name += "World";
-  std::erase(name, '-');
-  return name;
-});
-
-TEST(GoldenHashes, HoldEveryWorld) {
-  const auto golden = test::golden_hashes();
-  for (const auto& entry : fs::directory_iterator(k_worlds)) {
-    const std::string file = entry.path().filename().string();
-    if (file == "campus.json") continue;  // a million robots: perf_paper's
-    if (file.ends_with(".world") || file.ends_with(".json")) {
-      EXPECT_TRUE(std::ranges::any_of(golden, [&](const auto& run) { return run.first.file() == file; }))
-          << file;
-    }
-  }
-}
-
-TEST(GoldenHashes, HoldTheWorldsAtTick50AndTick300) {
-  const auto golden = test::golden_hashes();
-  for (const char* world :
-       {"hospital.json", "cave-complex-laser.json", "crowd.json", "crowd.json:grid", "lookout.json"})
-    for (const std::uint64_t ticks : {50u, 300u}) EXPECT_TRUE(golden.contains({world, {}, ticks})) << world;
-}
+INSTANTIATE_TEST_SUITE_P(Worlds, SameBits, ::testing::ValuesIn(runs()),
+                         [](const auto& run) { return run.param.name(); });
 
 // A robot at the origin creeps by less than the smallest normal number a tick, among others that do ordinary
 // things: flush-to-zero would leave it where it is, and another rounding would show in all of them.

@@ -1,6 +1,7 @@
 #include "engine/world.hpp"
 #include "models/devices/flags.hpp"
 #include "models/devices/power.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -122,14 +123,14 @@ TEST_F(EnergyOfModels, PartsRunOnThePackBelowThemAndFlagsAreTheirOwn) {
 }
 
 TEST(EnergyScene, DependsOnNeitherThreadsNorTiles) {
-  for (const char* world : {"energy.json", "foraging.json"}) {
-    if (test::k_slow_build && std::string(world) == "foraging.json") continue;  // its ways take long to find
+  for (const scenes::Run& run : scenes::runs_of("energy")) {
+    if (test::k_slow_build && run.world == "foraging.json") continue;  // its ways take long to find
     std::string first;
     for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(8u, 0.7), std::pair(2u, 20.0)}) {
-      Simulation simulation(k_worlds / world, {.threads = threads, .tile_size_m = tile_m});
+      Simulation simulation(run.file(), {.threads = threads, .tile_size_m = tile_m});
       simulation.run_for(test::k_slow_build ? 2 : 20);
       if (first.empty()) first = simulation.hash_log_line();
-      EXPECT_EQ(simulation.hash_log_line(), first) << world << ", " << threads << " threads";
+      EXPECT_EQ(simulation.hash_log_line(), first) << run << ", " << threads << " threads";
     }
   }
 }

@@ -1,6 +1,7 @@
 // Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
 
 #include "engine/world.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -91,15 +92,15 @@ TEST(FailuresScene, AThirdDiesAndTheOthersStillCoverTheGround) {
   EXPECT_LT(sound.time_s(), end_s) << "more of them are faster";
 }
 
-class ExperimentScenes : public test::ScratchTest, public ::testing::WithParamInterface<const char*> {};
+class ExperimentScenes : public test::ScratchTest, public ::testing::WithParamInterface<scenes::Run> {};
 
 constexpr int k_ticks = test::k_slow_build ? 30 : 260;
 
 TEST_P(ExperimentScenes, DependOnNeitherThreadsNorTilesAndComeAgain) {
-  Simulation first(k_worlds / GetParam(), {.threads = 1});
+  Simulation first(GetParam().file(), {.threads = 1});
   const std::vector<std::string> expected = log_of(first, k_ticks);
   for (const auto& [threads, tile_m] : {std::pair(2u, 0.7), std::pair(8u, 20.0)}) {
-    Simulation simulation(k_worlds / GetParam(), {.threads = threads, .tile_size_m = tile_m});
+    Simulation simulation(GetParam().file(), {.threads = threads, .tile_size_m = tile_m});
     EXPECT_EQ(log_of(simulation, k_ticks), expected) << threads << " threads";
   }
   first.reset();
@@ -109,7 +110,7 @@ TEST_P(ExperimentScenes, DependOnNeitherThreadsNorTilesAndComeAgain) {
 TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
   const int before = test::k_slow_build ? 22 : 205;
-  Simulation straight(k_worlds / GetParam(), {.threads = 1});
+  Simulation straight(GetParam().file(), {.threads = 1});
   step(straight, before);
   straight.save(folder_ / "run.h5");
   const std::vector<std::string> expected = log_of(straight, k_ticks - before);
@@ -117,7 +118,8 @@ TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
   EXPECT_EQ(log_of(resumed, k_ticks - before), expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::Values("door.json", "failures.json"));
+INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::ValuesIn(scenes::runs_of("experiments")),
+                         [](const auto& run) { return run.param.name(); });
 
 // A list that a controller's memory points into may become shorter while the world runs.
 

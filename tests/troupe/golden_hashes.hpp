@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/support/scenes.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
@@ -19,9 +21,6 @@ struct GoldenRun {
   std::optional<std::size_t> robots;
   std::uint64_t ticks = 0;
 
-  std::string file() const { return world.substr(0, world.find(':')); }
-  bool by_grid() const { return world.ends_with(":grid"); }
-
   friend auto operator<=>(const GoldenRun& a, const GoldenRun& b) {
     return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=>
            std::tuple(b.world, b.robots.value_or(0), b.ticks);
@@ -31,6 +30,11 @@ struct GoldenRun {
     return out << run.world << ", " << run.ticks << " ticks";
   }
 };
+
+/// The line of a run.
+inline GoldenRun golden_run(const scenes::Run& run) {
+  return {run.world + (run.by_grid ? ":grid" : ""), run.robots, run.ticks};
+}
 
 inline std::map<GoldenRun, std::string> golden_hashes() {
   std::map<GoldenRun, std::string> hashes;

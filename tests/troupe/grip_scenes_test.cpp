@@ -3,6 +3,7 @@
 #include "engine/events.hpp"
 #include "engine/world.hpp"
 #include "models/devices/actuator.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
 #include "troupe/troupe.hpp"
@@ -140,23 +141,23 @@ TEST(MagpieScene, RobotsSnatchPucksAndOneAnother) {
 
 TEST(GripScenes, DependOnNeitherThreadsNorTiles) {
   const auto golden = test::golden_hashes();
-  for (const char* world : {"gripper.json", "gate.json", "magpies.json"}) {
-    const std::uint64_t ticks = test::k_slow_build ? 10 : 50;
+  for (scenes::Run run : scenes::runs_of("grips")) {
+    run.ticks = test::k_slow_build ? 10 : 50;
     std::vector<std::string> expected;
     for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(8u, 0.7), std::pair(2u, 5.3)}) {
-      Simulation simulation(k_worlds / world, {.threads = threads, .tile_size_m = tile_m});
+      Simulation simulation(run.file(), {.threads = threads, .tile_size_m = tile_m});
       std::vector<std::string> lines;
-      while (simulation.tick() < ticks) {
+      while (simulation.tick() < run.ticks) {
         simulation.step();
         lines.push_back(simulation.hash_log_line());
       }
       if (expected.empty()) expected = lines;
-      EXPECT_EQ(lines, expected) << world << ", " << threads << " threads, tiles of " << tile_m << " m";
+      EXPECT_EQ(lines, expected) << run << ", " << threads << " threads, tiles of " << tile_m << " m";
     }
     if (test::k_slow_build) continue;
-    const test::GoldenRun run{world, {}, ticks};
-    ASSERT_TRUE(golden.contains(run)) << world;
-    EXPECT_EQ(expected.back().substr(expected.back().find(' ') + 1, 16), golden.at(run)) << world;
+    const test::GoldenRun line = test::golden_run(run);
+    ASSERT_TRUE(golden.contains(line)) << run;
+    EXPECT_EQ(expected.back().substr(expected.back().find(' ') + 1, 16), golden.at(line)) << run;
   }
 }
 

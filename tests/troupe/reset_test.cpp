@@ -4,6 +4,7 @@
 #include "engine/events.hpp"
 #include "engine/frame.hpp"
 #include "engine/world.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -28,26 +29,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
 constexpr int k_ticks = test::k_slow_build ? 4 : 25;
 
-struct Scene {
-  std::string name;
-  std::string world;
-  RangingEngine ranging = RangingEngine::exact;
-  unsigned threads = 1;
-};
-
-class ResetOf : public ::testing::TestWithParam<Scene> {};
-INSTANTIATE_TEST_SUITE_P(
-    World, ResetOf,
-    ::testing::Values(Scene{"crowd", "crowd.json"},
-                      Scene{"crowdOnThreeThreads", "crowd.json", RangingEngine::exact, 3},
-                      Scene{"crowdOnTheGrid", "crowd.json", RangingEngine::grid, 2},
-                      Scene{"caveWithLasers", "cave-complex-laser.json"}, Scene{"magpies", "magpies.json"},
-                      Scene{"clustering", "clustering.json"},
-                      Scene{"magpiesOnTheGrid", "magpies.json", RangingEngine::grid, 2}),
-    [](const auto& scene) { return scene.param.name; });
+class ResetOf : public ::testing::TestWithParam<scenes::Run> {};
+INSTANTIATE_TEST_SUITE_P(World, ResetOf, ::testing::ValuesIn(scenes::runs_of("reset")),
+                         [](const auto& run) { return run.param.name(); });
 
 /// Every byte of every table, and what is derived from them.
 std::string bytes_of(const engine::World& world) {
@@ -74,8 +60,8 @@ std::string bytes_of(const engine::World& world) {
 TEST_P(ResetOf, IsTheStateAfterLoadingByteForByte) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
-  engine::WorldSpec spec = worldio::load_world(k_worlds / GetParam().world, registry, {}, diagnostics);
-  spec.ranging = GetParam().ranging;
+  engine::WorldSpec spec = worldio::load_world(GetParam().file(), registry, {}, diagnostics);
+  if (GetParam().by_grid) spec.ranging = RangingEngine::grid;
   engine::World world(std::move(spec), registry, {.threads = GetParam().threads, .tile_size_m = 0},
                       diagnostics);
   const std::string loaded = bytes_of(world);
@@ -93,9 +79,9 @@ TEST_P(ResetOf, IsTheStateAfterLoadingByteForByte) {
 
 TEST_P(ResetOf, IsFollowedByTheSameRun) {
   SimulationOptions options;
-  options.ranging = GetParam().ranging;
+  if (GetParam().by_grid) options.ranging = RangingEngine::grid;
   options.threads = GetParam().threads;
-  Simulation simulation(k_worlds / GetParam().world, options);
+  Simulation simulation(GetParam().file(), options);
   const auto run = [&](int ticks) {
     std::string log = simulation.hash_log_line() + "\n";
     for (int tick = 0; tick < ticks; ++tick) {

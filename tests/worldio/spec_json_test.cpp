@@ -1,6 +1,7 @@
 // A stored world comes back to the last bit, without the files that it was loaded from.
 
 #include "worldio/json/spec_json.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
@@ -268,10 +269,10 @@ void expect_comes_back(const WorldSpec& spec) {
   Comparison(spec, back).compare();
 }
 
-WorldSpec loaded(const fs::path& file) {
+WorldSpec loaded(const fs::path& file, std::optional<std::size_t> robots = std::nullopt) {
   Diagnostics diagnostics;
   LoadOptions options;
-  if (test::k_slow_build && file.filename() == "hospital.json") options.robots = {{"", 100}};
+  if (robots) options.robots = {{"", *robots}};
   WorldSpec spec = load_world(file, make_registry(), options, diagnostics);
   diagnostics.throw_if_errors();
   return spec;
@@ -379,14 +380,13 @@ WorldSpec full_spec() {
 
 TEST(SpecJson, EveryFieldComesBackToTheLastBit) { expect_comes_back(full_spec()); }
 
-class ShippedWorld : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(SpecJson, ShippedWorld,
-                         ::testing::Values("hospital.json", "crowd.json", "cave-complex-laser.json",
-                                           "minimal.world", "lookout.json", "camera.world", "door.json",
-                                           "failures.json"));
+class ShippedWorld : public ::testing::TestWithParam<scenes::Run> {};
+INSTANTIATE_TEST_SUITE_P(SpecJson, ShippedWorld, ::testing::ValuesIn(scenes::runs_of("store")),
+                         [](const auto& run) { return run.param.name(); });
 
 TEST_P(ShippedWorld, ComesBackToTheLastBit) {
-  expect_comes_back(loaded(fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam()));
+  const scenes::Run& run = GetParam();
+  expect_comes_back(loaded(run.file(), test::k_slow_build ? run.robots_slow : run.robots));
 }
 
 TEST(SpecJson, ReadsLikeTheWorldFormat) {

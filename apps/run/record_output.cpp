@@ -1,0 +1,58 @@
+#include "apps/run/record_output.hpp"
+
+#include "apps/observers/recorder.hpp"
+#include "apps/options.hpp"
+#include "apps/run/run_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+
+namespace troupe::apps {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + separator);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
+}
+
+class RecordOutput : public ClonedOutput<RecordOutput> {
+ public:
+  void add_options(CLI::App& app, RunOptions& options) override {
+    add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
+              [&options](const std::string& text) { options.record = file_name("--record", text); });
+    add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+              [&options](const std::string& text) {
+                options.recording.every_s = positive_seconds("--record-every", text, "a time");
+              });
+    add_value(app, "--record-fields", "A,B,...",
+              "What of it: pose (with shown colours), velocity, stall, ranges, ..., or all (default: pose)",
+              [&options](const std::string& text) {
+                options.recording.fields = split(text, ',');
+                if (std::ranges::count(options.recording.fields, "") > 0)
+                  refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+              });
+  }
+  std::vector<std::filesystem::path*> names(RunOptions& options) override { return {&options.record}; }
+  std::vector<std::filesystem::path> files(const RunOptions& options) const override {
+    return {options.record};
+  }
+  void take_name_from_world(RunOptions& options, const Simulation& simulation) const override {
+    options.record = recording_file(options, simulation);
+  }
+  OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
+    return [&options, &simulation](Observers& observers) {
+      if (auto recorder = make_recorder(options, simulation)) observers.push_back(std::move(recorder));
+    };
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutput> record_output() { return std::make_unique<RecordOutput>(); }
+
+}  // namespace troupe::apps

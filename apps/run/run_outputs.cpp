@@ -1,0 +1,78 @@
+// The table of what a run writes.
+
+#include "apps/observers/camera_pictures.hpp"
+#include "apps/observers/checkpointing.hpp"
+#include "apps/observers/filming.hpp"
+#include "apps/observers/profile.hpp"
+#include "apps/observers/tables.hpp"
+#include "apps/outputs.hpp"
+#include "apps/run/record_output.hpp"
+#include "apps/run/run_output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace troupe::apps {
+namespace {
+
+/// order: observers of a lower one see a tick first. A checkpoint comes behind all others: it is saved when
+/// they have written what came before it.
+struct Row {
+  std::unique_ptr<RunOutput> (*make)();
+  int order;
+};
+
+// In the order of --help.
+constexpr std::array k_rows{
+    Row{checkpoint_output, 9}, Row{hash_log_output, 2}, Row{pictures_output, 7}, Row{profile_output, 3},
+    Row{camera_output, 5},     Row{record_output, 1},   Row{measures_output, 4}, Row{events_output, 6},
+};
+
+}  // namespace
+
+RunOutputs::RunOutputs() {
+  for (const Row& row : k_rows) all_.push_back(row.make());
+}
+
+RunOutputs::RunOutputs(const RunOutputs& other) {
+  for (const auto& output : other.all_) all_.push_back(output->clone());
+}
+
+RunOutputs& RunOutputs::operator=(const RunOutputs& other) { return *this = RunOutputs(other); }
+
+void RunOutputs::add_options(CLI::App& app, RunOptions& options) {
+  for (const auto& output : all_) output->add_options(app, options);
+}
+
+std::vector<std::filesystem::path*> RunOutputs::names(RunOptions& options) {
+  std::vector<std::filesystem::path*> names;
+  for (const auto& output : all_) std::ranges::copy(output->names(options), std::back_inserter(names));
+  return names;
+}
+
+std::vector<std::filesystem::path> RunOutputs::files(const RunOptions& options) const {
+  std::vector<std::filesystem::path> files;
+  for (const auto& output : all_) std::ranges::copy(output->files(options), std::back_inserter(files));
+  return files;
+}
+
+void RunOutputs::take_names_from_world(RunOptions& options, const Simulation& simulation) const {
+  for (const auto& output : all_) output->take_name_from_world(options, simulation);
+}
+
+std::vector<OpenOutput> RunOutputs::prepare(const RunOptions& options, Simulation& simulation,
+                                            std::uint64_t end_tick) const {
+  std::array<OpenOutput, k_rows.size()> prepared;
+  for (std::size_t row = 0; row < k_rows.size(); ++row)
+    prepared[row] = all_[row]->prepare(options, simulation, end_tick);
+  std::array<std::size_t, k_rows.size()> rows;
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  std::ranges::sort(rows, {}, [](std::size_t row) { return k_rows[row].order; });
+  std::vector<OpenOutput> in_order;
+  for (const std::size_t row : rows)
+    if (prepared[row]) in_order.push_back(std::move(prepared[row]));
+  return in_order;
+}
+
+}  // namespace troupe::apps

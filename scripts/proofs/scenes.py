@@ -1,0 +1,153 @@
+"""The manifest of the shipped worlds, worlds/scenes.json: what each world is for, and which runs use it.
+
+The keys of a row are described in docs/worlds.md. tests/support/scenes.cpp reads the same file for the tests in C++ and for
+perf; it checks `tests` and `perf`, this module everything else.
+"""
+
+import json
+import pathlib
+
+from .runs import ROOT, Fault, World
+
+FILE = ROOT / "worlds" / "scenes.json"
+TICKS = 300
+QUICK_TICKS = 50
+
+REQUIRED = {"world": str, "moves": str, "for": str}
+OPTIONAL = {"excluded": str, "slow": bool, "prove": list, "golden": list, "tests": dict, "perf": list, "gallery": list, "soak": dict}
+PROVE = {"weight": (int, float), "ranging": str, "quick": bool}
+GOLDEN = {"robots": int, "ticks": int, "ranging": str}
+SOAK = {"for_s": int, "resets": bool}
+# A picture of one time, or a run that is recorded and drawn from several sides.
+PICTURE = {"name": str, "at_s": (int, float), "look": str}
+RECORDED = {"name": str, "for_s": (int, float), "record": str, "views": dict}
+
+
+def is_world(file):
+    return file.suffix in (".json", ".world") and file.name != FILE.name
+
+
+def shipped(folder=None):
+    """The names of all worlds in the folder."""
+    return sorted(file.name for file in (folder or FILE.parent).iterdir() if is_world(file))
+
+
+class Scenes:
+    """The rows of a manifest, checked. Raises Fault, with every finding, for one that is wrong."""
+
+    def __init__(self, file=FILE):
+        self.file, self.faults = file, []
+        try:
+            manifest = json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise Fault(f"{file}: error: cannot be read as JSON: {error}") from error
+        self._check("", manifest, {"worlds": list})
+        self.rows = manifest.get("worlds", []) if not self.faults else []
+        for i, row in enumerate(self.rows):
+            self._check_row(f"/worlds/{i}", row)
+        names = [row["world"] for row in self.rows] if not self.faults else []
+        self.faults += [f"/worlds: {name} has two rows" for name in sorted({name for name in names if names.count(name) > 1})]
+        if names:
+            self.faults += [f"/worlds: there is no row for {name}, which lies in {file.parent}"
+                            for name in shipped(file.parent) if name not in names]
+        if self.faults:
+            raise Fault("\n".join(f"{file}: error: {fault}" for fault in self.faults))
+
+    def _check(self, at, value, required, optional=()):
+        """Checks the keys of an object and the types of their values; whether that can be read on."""
+        before = len(self.faults)
+        if not isinstance(value, dict):
+            self.faults.append(f"{at or '/'}: expected an object, found {json.dumps(value)}")
+            return False
+        known = {**required, **dict(optional)}
+        for key, one in value.items():
+            if key not in known:
+                self.faults.append(f"{at}/{key}: unknown key; known: {', '.join(sorted(known))}")
+            elif not isinstance(one, known[key]) or (isinstance(one, bool) and known[key] is not bool):
+                self.faults.append(f"{at}/{key}: {json.dumps(one)} is of the wrong type")
+        self.faults += [f"{at or '/'}: the key \"{key}\" is missing" for key in required if key not in value]
+        return len(self.faults) == before
+
+    def _check_row(self, at, row):
+        if not self._check(at, row, REQUIRED, OPTIONAL):
+            return
+        if not is_world(file := self.file.parent / row["world"]) or not file.is_file():
+            self.faults.append(f"{at}/world: there is no world {row['world']} in {self.file.parent}")
+        for i, run in enumerate(row.get("prove", [])):
+            self._check(f"{at}/prove/{i}", run, {"weight": PROVE["weight"]}, PROVE)
+        for key in ("golden", "tests/same_bits", "tests/same_bits_slow"):
+            for i, run in enumerate(of_path(row, key)):
+                self._check(f"{at}/{key}/{i}", run, {"ticks": int}, GOLDEN)
+        for key in ("prove", "golden", "tests/same_bits", "tests/same_bits_slow"):
+            for i, run in enumerate(of_path(row, key)):
+                if isinstance(run, dict) and run.get("ranging", "grid") != "grid":
+                    self.faults.append(f"{at}/{key}/{i}/ranging: \"{run['ranging']}\"; known: grid")
+        for i, picture in enumerate(row.get("gallery", [])):
+            is_recorded = isinstance(picture, dict) and "views" in picture
+            self._check(f"{at}/gallery/{i}", picture, RECORDED if is_recorded else PICTURE)
+        if "soak" in row:
+            self._check(f"{at}/soak", row["soak"], {}, SOAK)
+        if bool(row.get("excluded")) == bool(golden_runs_of(row)):
+            self.faults.append(f"{at}: {row['world']} needs a run with a golden hash (prove, tests/same_bits or golden), or the "
+                               "reason why there is none (excluded)")
+
+    def proved(self, quick=False):
+        """The worlds that scripts/prove holds to its proofs; quick: the small ones among them."""
+        return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
+                     for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
+
+    def golden_runs(self):
+        """What the golden file holds: (key, robots, ticks). First the runs of the proofs, then those of the tests, then those of
+        builds with sanitizers, which are slow."""
+        runs = [run for part in (proof_runs, test_runs, slow_runs) for row in self.rows for run in part(row)]
+        return tuple(dict.fromkeys(runs))
+
+    def slow(self):
+        """Worlds of which a run of some seconds takes minutes."""
+        return tuple(row["world"] for row in self.rows if row.get("slow"))
+
+    def soaked(self):
+        """(world, simulated seconds) of the runs that scripts/soak kills and resumes."""
+        return tuple((row["world"], row["soak"]["for_s"]) for row in self.rows if "for_s" in row.get("soak", {}))
+
+    def reset(self):
+        """The worlds that scripts/soak resets again and again in one process."""
+        return tuple(row["world"] for row in self.rows if row.get("soak", {}).get("resets"))
+
+    def pictures(self):
+        """(world, picture): the pictures of docs/gallery.md, those of recorded runs first."""
+        all_of_them = [(row["world"], picture) for row in self.rows for picture in row.get("gallery", [])]
+        return sorted(all_of_them, key=lambda one: "views" not in one[1])
+
+    def table(self):
+        """The table of docs/worlds.md."""
+        lines = ["| world | what moves | what for |", "|---|---|---|"]
+        return "\n".join(lines + [f"| `{row['world']}` | {row['moves']} | {row['for']} |" for row in self.rows]) + "\n"
+
+
+def of_path(row, path):
+    for key in path.split("/"):
+        row = row.get(key, {})
+    return row or []
+
+
+def key_of(row, run):
+    """What the golden file calls the world of a run."""
+    return World(row["world"], ranging=run.get("ranging", "")).key
+
+
+def proof_runs(row):
+    return [(key_of(row, run), None, ticks) for run in of_path(row, "prove") for ticks in (QUICK_TICKS, TICKS)]
+
+
+def test_runs(row):
+    runs = of_path(row, "tests/same_bits") + of_path(row, "golden")
+    return [(key_of(row, run), run.get("robots"), run["ticks"]) for run in runs]
+
+
+def slow_runs(row):
+    return [(key_of(row, run), run.get("robots"), run["ticks"]) for run in of_path(row, "tests/same_bits_slow")]
+
+
+def golden_runs_of(row):
+    return of_path(row, "prove") or of_path(row, "tests/same_bits") or of_path(row, "golden")
