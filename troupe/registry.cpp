@@ -39,6 +39,7 @@
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
+#include "sensors/compass.hpp"
 #include "sensors/fiducial.hpp"
 #include "sensors/ground.hpp"
 #include "sensors/light_sensor.hpp"
@@ -52,13 +53,13 @@ engine::Registry make_registry() {
   engine::Registry registry;
   registry.models = models::model_kinds();
   registry.devices = {
-      sensors::ranger_kind(),        sensors::fiducial_kind(),    sensors::blobfinder_kind(),
-      sensors::bumper_kind(),        sensors::camera_kind(),      models::blinkenlight_kind(),
-      models::lightindicator_kind(), models::power_pack_kind(),   models::power_contact_kind(),
-      models::flags_kind(),          models::actuator_kind(),     models::gripper_kind(),
-      models::wheels_kind(),         models::spawner_kind(),      models::remover_kind(),
-      sensors::radio_kind(),         models::led_kind(),          sensors::ground_kind(),
-      models::brush_kind(),          sensors::light_sensor_kind()};
+      sensors::ranger_kind(),        sensors::fiducial_kind(),     sensors::blobfinder_kind(),
+      sensors::bumper_kind(),        sensors::camera_kind(),       models::blinkenlight_kind(),
+      models::lightindicator_kind(), models::power_pack_kind(),    models::power_contact_kind(),
+      models::flags_kind(),          models::actuator_kind(),      models::gripper_kind(),
+      models::wheels_kind(),         models::spawner_kind(),       models::remover_kind(),
+      sensors::radio_kind(),         models::led_kind(),           sensors::ground_kind(),
+      models::brush_kind(),          sensors::light_sensor_kind(), sensors::compass_kind()};
   registry.drives = {models::diff_drive(), models::omni_drive(), models::car_drive()};
   registry.controllers = {models::expand_controller(),
                           models::wander_controller(),
