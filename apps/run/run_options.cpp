@@ -16,7 +16,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr double k_most_seconds = 1e9;  // of a period, as in a world's `record`
+constexpr double k_longest_s = 1e9;  // of a period, as in a world's `record`
 
 constexpr const char* k_run_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
@@ -39,7 +39,7 @@ Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopp
 --wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
 )";
 
-constexpr const char* k_examples = R"(
+constexpr const char* k_run_examples = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe run worlds/cave-simple.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
@@ -153,7 +153,7 @@ void add_camera_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
             [&options](const std::string& text) {
               const std::optional<double> seconds = finite(text);
-              if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
+              if (!seconds || *seconds < 0 || *seconds > k_longest_s)
                 refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
               options.camera_every_s = *seconds;
             })
@@ -162,8 +162,8 @@ void add_camera_options(CLI::App& app, RunOptions& options) {
 
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
   const std::optional<double> seconds = finite(text);
-  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
-    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
+  if (!seconds || *seconds <= 0 || *seconds > k_longest_s)
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_longest_s));
   return *seconds;
 }
 
@@ -267,7 +267,7 @@ std::string with_world(std::string name, const std::filesystem::path& world) {
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a world and tell how it went");
-  run->footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_examples));
+  run->footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_run_examples));
   run->add_option_function<std::vector<std::string>>(
          "WORLD",
          [&options](const std::vector<std::string>& names) {
