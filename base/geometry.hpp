@@ -27,13 +27,17 @@ struct ZInterval {
 struct Box {
   /// The corner with the least x and y; metres, in the frame of what was put in.
   Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Vec2 max{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};  ///< the opposite corner
+  Vec2 max{-std::numeric_limits<double>::infinity(),
+           -std::numeric_limits<double>::infinity()};  ///< the opposite corner
 
   /// True until extended; a box around one point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
-  // By coordinates, here and below: nearly every source includes this, and would instantiate Eigen's expressions.
-  Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }  ///< along x and y; of an empty box meaningless
-  Vec2 center() const { return {0.5 * (min.x() + max.x()), 0.5 * (min.y() + max.y())}; }  ///< of an empty box NaN
+  // By coordinates, here and below: nearly every source includes this, and would instantiate Eigen's
+  // expressions.
+  /// Lengths along x and y; of an empty box meaningless.
+  Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }
+  /// Of an empty box NaN.
+  Vec2 center() const { return {0.5 * (min.x() + max.x()), 0.5 * (min.y() + max.y())}; }
   /// Grows the box to hold the point.
   void extend(const Vec2& p) {
     min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};

@@ -22,7 +22,8 @@ struct Value {
                std::vector<Record>>
       v;  ///< nothing at all: not given
 
-  // None is inline: records are made and copied in nearly every source, and each would compile the variant's own again.
+  // None is inline: records are made and copied in nearly every source, and each would compile the variant's
+  // own again.
   /// Not given.
   Value();
   Value(const Value&);
