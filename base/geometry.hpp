@@ -26,28 +26,33 @@ struct ZInterval {
 /// Axis-aligned box. Empty (min > max) until extended.
 struct Box {
   /// The corner with the least x and y; metres, in the frame of what was put in.
-  Vec2 min = Vec2::Constant(std::numeric_limits<double>::infinity());
-  Vec2 max = Vec2::Constant(-std::numeric_limits<double>::infinity());  ///< the opposite corner
+  Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Vec2 max{-std::numeric_limits<double>::infinity(),
+           -std::numeric_limits<double>::infinity()};  ///< the opposite corner
 
   /// True until extended; a box around one point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
-  Vec2 size() const { return max - min; }            ///< lengths along x and y; of an empty box meaningless
-  Vec2 center() const { return 0.5 * (min + max); }  ///< of an empty box NaN
+  // By coordinates, here and below: nearly every source includes this, and would instantiate Eigen's
+  // expressions.
+  /// Lengths along x and y; of an empty box meaningless.
+  Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }
+  /// Of an empty box NaN.
+  Vec2 center() const { return {0.5 * (min.x() + max.x()), 0.5 * (min.y() + max.y())}; }
   /// Grows the box to hold the point.
   void extend(const Vec2& p) {
-    min = min.cwiseMin(p);
-    max = max.cwiseMax(p);
+    min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};
+    max = {std::max(max.x(), p.x()), std::max(max.y(), p.y())};
   }
   /// Grows the box to hold the other one; an empty one changes nothing.
   void extend(const Box& b) {
-    min = min.cwiseMin(b.min);
-    max = max.cwiseMax(b.max);
+    min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
+    max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
   }
   /// Grown by the margin on all four sides; a negative one shrinks it, perhaps to an empty box.
   Box expanded(double margin) const {
     Box b;
-    b.min = min.array() - margin;
-    b.max = max.array() + margin;
+    b.min = {min.x() - margin, min.y() - margin};
+    b.max = {max.x() + margin, max.y() + margin};
     return b;
   }
   /// The border is inside.
@@ -61,8 +66,8 @@ struct Box {
   /// The square with this centre and half this side: the bounds of a circle.
   static Box around(const Vec2& center, double radius) {
     Box b;
-    b.min = center.array() - radius;
-    b.max = center.array() + radius;
+    b.min = {center.x() - radius, center.y() - radius};
+    b.max = {center.x() + radius, center.y() + radius};
     return b;
   }
 };

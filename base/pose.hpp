@@ -39,7 +39,7 @@ struct Rotation {
 /// A pose whose rotation is worked out, for use on many points.
 struct Transform {
   /// Where the frame's origin lies, metres; the height is left to the caller.
-  Vec2 position = Vec2::Zero();
+  Vec2 position{0, 0};
   Rotation rotation;  ///< how it is turned
 
   Transform() = default;
@@ -47,7 +47,10 @@ struct Transform {
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
   Transform(const Vec2& p, const Rotation& r) : position(p), rotation(r) {}  ///< from its parts
   /// A point of the frame, in the frame that it is placed in.
-  Vec2 operator*(const Vec2& point) const { return position + rotation * point; }
+  Vec2 operator*(const Vec2& point) const {
+    const Vec2 turned = rotation * point;
+    return {position.x() + turned.x(), position.y() + turned.y()};
+  }
 };
 
 /// pose_a_c from pose_a_b and pose_b_c; the heading is wrapped into [-pi, pi].

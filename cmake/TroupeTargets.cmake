@@ -4,6 +4,18 @@
 add_library(troupe_warnings INTERFACE)
 target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers)
+# gcc looks for garbage whenever it holds 128 MB, which a precompiled header nearly fills.
+target_compile_options(troupe_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
+
+# What nearly every source includes is parsed once, for the engine and all libraries above it: the standard library,
+# Eigen, fmt and the engine's main headers. In base and partition it would take as long as it saves.
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without. Names in <> only: of others CMake writes the path, and ccache
+# would find nothing in a second checkout.
+set(CMAKE_PCH_PROLOGUE "")  # CMake's own calls all of it a system header, which hides warnings about ours
+set(troupe_precompiled_headers
+    <algorithm> <any> <array> <atomic> <charconv> <cmath> <compare> <cstdint> <cstring> <exception> <filesystem> <functional>
+    <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <tuple>
+    <unordered_map> <utility> <variant> <vector> <Eigen/Core> <fmt/format.h>)
 
 # That a header compiles by itself is seen wherever the source of its name includes it first. The others get a source
 # of their own each, in the target all_verify_interface_header_sets.
@@ -37,12 +49,20 @@ set(internal_list ${CMAKE_CURRENT_LIST_DIR}/internal_headers.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
 file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
 
+# Libraries whose sources are compiled many at a time, unless -DCMAKE_UNITY_BUILD says otherwise for all: most of what
+# they compile are templates that their neighbours use, too. The others hold what is edited most (models), what a
+# tick spends its time in, or the same names for the same things.
+set(troupe_unity_libraries engine worldio render troupe)
+
 function(troupe_add_library folder)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK;BUILD_LINK" ${ARGN})
   add_library(troupe_${folder} STATIC ${arg_SOURCES})
   add_library(troupe::${folder} ALIAS troupe_${folder})
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
+  if(${folder} IN_LIST troupe_unity_libraries AND NOT DEFINED CMAKE_UNITY_BUILD)
+    set_target_properties(troupe_${folder} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
   set(public_headers)
   foreach(header ${headers})
@@ -55,9 +75,37 @@ function(troupe_add_library folder)
   troupe_verify_headers(${folder} "${headers}" "${arg_SOURCES}")
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
+  if(${folder} STREQUAL engine)
+    target_precompile_headers(troupe_engine PRIVATE ${troupe_precompiled_headers} <engine/controller.hpp> <engine/world.hpp>)
+  elseif(NOT ${folder} MATCHES "^(base|partition)$")
+    target_precompile_headers(troupe_${folder} REUSE_FROM troupe_engine)
+  endif()
   foreach(library ${arg_BUILD_LINK})
     target_link_libraries(troupe_${folder} PRIVATE $<BUILD_INTERFACE:${library}>)
   endforeach()
+endfunction()
+
+# troupe_compile_briefly(TARGET): at -O1 where a release is compiled at -O3, for what no tick spends time in. Of such
+# sources three quarters of the time go into optimising.
+function(troupe_compile_briefly target)
+  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+endfunction()
+
+# Sources of such a target that work on much data after all; they are compiled by themselves.
+function(troupe_compile_optimised)
+  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+  endif()
+endfunction()
+
+# Sources that take part in the unity builds of the presets that are unity builds as a whole, and in no others: a tick
+# spends its time in them, and what they are inlined into is to stay as it is.
+function(troupe_compile_hot)
+  if(NOT CMAKE_UNITY_BUILD)
+    troupe_compile_alone(${ARGN})
+  endif()
 endfunction()
 
 # Sources that a unity build compiles by themselves (the preset dev is one, which takes a quarter of the time): each

@@ -3,8 +3,27 @@
 #include "base/math.hpp"
 
 #include <array>
+#include <utility>
 
 namespace troupe::engine {
+
+Value::Value() = default;
+Value::Value(const Value&) = default;
+Value::Value(Value&&) noexcept = default;
+Value& Value::operator=(const Value&) = default;
+Value& Value::operator=(Value&&) noexcept = default;
+Value::~Value() = default;
+
+Value::Value(bool x) : v(x) {}
+Value::Value(int x) : v(std::int64_t{x}) {}
+Value::Value(std::int64_t x) : v(x) {}
+Value::Value(double x) : v(x) {}
+Value::Value(const char* x) : v(std::string(x)) {}
+Value::Value(std::string x) : v(std::move(x)) {}
+Value::Value(std::vector<double> x) : v(std::move(x)) {}
+Value::Value(std::vector<Record> x) : v(std::move(x)) {}
+
+bool operator==(const Value&, const Value&) = default;
 
 int FieldTable::find(std::string_view name) const {
   for (std::size_t i = 0; i < fields.size(); ++i)

@@ -22,18 +22,25 @@ struct Value {
                std::vector<Record>>
       v;  ///< nothing at all: not given
 
+  // None is inline: records are made and copied in nearly every source, and each would compile the variant's
+  // own again.
   /// Not given.
-  Value() = default;
+  Value();
+  Value(const Value&);
+  Value(Value&&) noexcept;
+  Value& operator=(const Value&);
+  Value& operator=(Value&&) noexcept;
+  ~Value();
   /// Of what fields hold, each kept as what it is: 1 is an integer and 1.0 a number.
   ///@{
-  Value(bool x) : v(x) {}
-  Value(int x) : v(std::int64_t{x}) {}
-  Value(std::int64_t x) : v(x) {}
-  Value(double x) : v(x) {}
-  Value(const char* x) : v(std::string(x)) {}
-  Value(std::string x) : v(std::move(x)) {}
-  Value(std::vector<double> x) : v(std::move(x)) {}
-  Value(std::vector<Record> x) : v(std::move(x)) {}
+  Value(bool x);
+  Value(int x);
+  Value(std::int64_t x);
+  Value(double x);
+  Value(const char* x);
+  Value(std::string x);
+  Value(std::vector<double> x);
+  Value(std::vector<Record> x);
   ///@}
 
   /// False: no value stands there.
@@ -48,7 +55,7 @@ struct Value {
   const std::vector<double>& numbers() const { return std::get<std::vector<double>>(v); }
   const std::vector<Record>& records() const { return std::get<std::vector<Record>>(v); }
   ///@}
-  friend bool operator==(const Value&, const Value&) = default;
+  friend bool operator==(const Value&, const Value&);
 };
 
 /// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or

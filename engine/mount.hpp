@@ -44,7 +44,8 @@ inline Mount inverse(const Mount& mount) {
   Rotation back;
   back.cos = mount.transform.rotation.cos;
   back.sin = -mount.transform.rotation.sin;
-  return {Transform(-(back * mount.transform.position), back), -mount.z, -mount.heading};
+  const Vec2 turned = back * mount.transform.position;
+  return {Transform(Vec2(-turned.x(), -turned.y()), back), -mount.z, -mount.heading};
 }
 
 }  // namespace troupe::engine

@@ -175,7 +175,7 @@ class World {
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) {
     require_whole();
-    as<Command>(k_command)[row.index()] = command;
+    tables_[k_command].as<Command>(row.index()) = command;
   }
   /// Where the body's frame is as seen from what stands on a joint of its type: the row's pose, but for what
   /// the joint moves. What the type says of parts and devices on that joint is said in this frame.

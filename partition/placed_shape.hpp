@@ -80,7 +80,9 @@ bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const Obstac
 /// False only when shapes of these radii, at these places, do not overlap: the first thing overlap() asks.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
-  return (b - a).squaredNorm() <= reach * reach;
+  const double dx = b.x() - a.x();
+  const double dy = b.y() - a.y();
+  return dx * dx + dy * dy <= reach * reach;
 }
 
 }  // namespace troupe::partition

@@ -38,7 +38,7 @@ Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopp
 --wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
 )";
 
-constexpr const char* k_examples = R"(
+constexpr const char* k_run_examples = R"(
 Examples:
   troupe run worlds/hospital.json --for 60 --snapshot hospital.png
   troupe run worlds/cave-simple.json --for 60 --snapshot cave-{time}.png --snapshot-at 0,60 --camera perspective
@@ -124,7 +124,7 @@ std::string with_world(std::string name, const std::filesystem::path& world) {
 }
 
 void add_run_options(CLI::App& run, RunOptions& options) {
-  run.footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_examples));
+  run.footer(fmt::format("{}\n{}{}", k_run_footer, picture_help(), k_run_examples));
   run.add_option_function<std::vector<std::string>>(
          "WORLD",
          [&options](const std::vector<std::string>& names) {

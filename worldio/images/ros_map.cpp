@@ -22,7 +22,7 @@ constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin
 constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
 
 /// The whole text as a number; a "+" before it is YAML's.
-std::optional<double> number_of(std::string_view text) {
+std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const char* end = text.data() + text.size();
@@ -135,7 +135,7 @@ void MapReader::check_keys(const YAML::Node& map) {
 
 std::optional<double> MapReader::number(const YAML::Node& value, std::string_view key, double min, double max,
                                         std::string_view what) {
-  const std::optional<double> given = value.IsScalar() ? number_of(value.Scalar()) : std::nullopt;
+  const std::optional<double> given = value.IsScalar() ? yaml_number(value.Scalar()) : std::nullopt;
   if (given && *given >= min && *given <= max) return given;
   error(value, fmt::format("\"{}\" needs {}; here is {}", key, what, shown(value)));
   return {};
