@@ -1,6 +1,7 @@
 #include "worldio/results/recording_repair.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recording_reader.hpp"
 
@@ -105,19 +106,22 @@ Repair repair_recording(const fs::path& file) {
     throw Hdf5Error(fmt::format("{}: error: process {} is writing it: there is nothing to repair yet",
                                 file.string(), *writer));
 
+  fs::path copy;
   std::error_code ignored;
-  const fs::path copy = fs::path(file).concat(fmt::format(".{}.partial", getpid()));
   try {
+    // Held while the copy is worked on, which HDF5 locks by itself; a copy that a kill left is taken over.
+    const PartialFile turn(file);
+    copy = fs::path(turn.path()).concat(".copy");
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
     const std::uint64_t frames = repair_copy(copy);
     fs::rename(copy, file);
     return {true, frames};
-  } catch (const fs::filesystem_error& fault) {
+  } catch (const std::system_error& error) {
     fs::remove(copy, ignored);
-    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: {}", file.string(), fault.code().message()));
-  } catch (const Hdf5Error& fault) {  // who asked knows of no copy
+    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: {}", file.string(), error.code().message()));
+  } catch (const Hdf5Error& error) {  // who asked knows of no copy
     fs::remove(copy, ignored);
-    throw Hdf5Error(file.string() + std::string(fault.what()).substr(copy.string().size()));
+    throw Hdf5Error(file.string() + std::string(error.what()).substr(copy.string().size()));
   } catch (...) {
     fs::remove(copy, ignored);
     throw;
