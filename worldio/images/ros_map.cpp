@@ -155,11 +155,11 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
 }
 
 void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
-  constexpr std::string_view k_what = "a probability from 0 to 1";
+  constexpr std::string_view k_probability = "a probability from 0 to 1";
   if (const YAML::Node given = node["occupied_thresh"])
-    map.occupied_thresh = number(given, "occupied_thresh", 0, 1, k_what).value_or(map.occupied_thresh);
+    map.occupied_thresh = number(given, "occupied_thresh", 0, 1, k_probability).value_or(map.occupied_thresh);
   const YAML::Node free = node["free_thresh"];
-  if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_what).value_or(map.free_thresh);
+  if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_probability).value_or(map.free_thresh);
   if (map.free_thresh > map.occupied_thresh)
     error(free ? free : node["occupied_thresh"],
           fmt::format("\"free_thresh\", {}{}, must be at most \"occupied_thresh\", {}", map.free_thresh,
