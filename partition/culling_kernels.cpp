@@ -40,9 +40,9 @@ struct Shape {
 };
 
 /// The parts of beams that are still to be seen, as circles are held against them. Of a circle whose middle
-/// lies at p, relative to the reference: |p x d - aside| from the beam's line, and past the ends of the part by
-/// |p . d - middle| - half. A part ends where no circle is looked at any more, `high` away from the reference, so
-/// that rounding does not grow with a beam's length.
+/// lies at p, relative to the reference: |p x d - aside| from the beam's line, and past the ends of the part
+/// by |p . d - middle| - half. A part ends where no circle is looked at any more, `high` away from the
+/// reference, so that rounding does not grow with a beam's length.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // of the origin
   alignas(64) float middle[k_most_beams];  // of the part, along the beam
@@ -67,11 +67,10 @@ struct Parts {
 template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
                                               const Fan& fan, const Parts& parts) {
-  const auto bit = Set(k_u, 1);
-  // Bits enter from below, so that none needs a constant of its own.
+  // Bits enter from below, so that none needs a constant of its own; a mask is -1 as a number.
   const auto note = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
     const auto meets = RebindMask(k_u, Le(Max(aside, past), radius));
-    beams = Or(Add(beams, beams), IfThenElseZero(meets, bit));
+    beams = Sub(Add(beams, beams), VecFromMask(k_u, meets));
   };
   const std::size_t lines = kShape.mirrored ? fan.count / 2 : fan.count;
   auto forwards = Zero(k_u);
@@ -97,8 +96,7 @@ HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, 
              past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
     }
   }
-  if constexpr (kShape.mirrored)
-    return Or(forwards, ShiftLeftSame(backwards, static_cast<int>(lines)));
+  if constexpr (kShape.mirrored) return Or(forwards, ShiftLeftSame(backwards, static_cast<int>(lines)));
   return forwards;
 }
 

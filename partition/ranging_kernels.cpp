@@ -48,7 +48,8 @@ template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
   const auto ry = Set(k_d, reference.y());
-  const std::size_t end = edges.vertices() + EdgeBlock::k_piece;  // pieces reach beyond the last vertex
+  // The last piece is read whole, and so are the vertices of all its lanes.
+  const std::size_t end = edges.pieces().back().first + EdgeBlock::k_piece + 1;
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
     LoadInterleaved2(k_d, edges.xy() + 2 * i, from_x, from_y);
@@ -90,7 +91,7 @@ struct EdgeVector {
 };
 template <class V>
 struct BeamVector {
-  const V &dx, &dy, &ox, &oy;
+  const V &dx, &dy, &ox, &oy, &offset;  // the last: |ox| + |oy|
 };
 
 /// inverse_range(), lane by lane, but below 0 where the edge lies behind, and 0 where the beam wants care:
@@ -117,7 +118,7 @@ HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const 
   const auto cb = Sub(Mul(Sub(e.bx, beam.ox), beam.dy), Mul(Sub(e.by, beam.oy), beam.dx));
   const auto across = Sub(Mul(beam.dx, e.ey), Mul(beam.dy, e.ex));
   const auto area = Sub(e.area, Sub(Mul(beam.ox, e.ey), Mul(beam.oy, e.ex)));
-  const auto m = Add(e.magnitude, Add(Abs(beam.ox), Abs(beam.oy)));
+  const auto m = Add(e.magnitude, beam.offset);
   const auto tiny = Le(Abs(area), Mul(Set(tag, k_tiny), Mul(m, m)));
   const auto crosses = And(Le(Min(ca, cb), zero), Ge(Max(ca, cb), zero));
   const auto met = AndNot(tiny, And(crosses, Ge(Abs(across), e.grazing)));
@@ -130,13 +131,14 @@ enum class Origin { common, apart };
 
 /// Edges on one beam.
 template <Origin kOrigin>
-HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, std::size_t i,
-                            Mask<Few>& unsure) {
+HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, const float* offsets,
+                            std::size_t i, Mask<Few>& unsure) {
   const auto dx = Set(k_few, fan.dx[i]);
   const auto dy = Set(k_few, fan.dy[i]);
   if constexpr (kOrigin == Origin::common)
-    return inverse_common(k_few, edges, {dx, dy, Zero(k_few), Zero(k_few)}, unsure);
-  return inverse_apart(k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i])}, unsure);
+    return inverse_common(k_few, edges, {dx, dy, Zero(k_few), Zero(k_few), Zero(k_few)}, unsure);
+  return inverse_apart(
+      k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i]), Set(k_few, offsets[i])}, unsure);
 }
 
 /// Raises one beam's reading.
@@ -172,12 +174,17 @@ struct Nearest {
   alignas(64) float inverse[k_most_beams * k_lanes];
   alignas(64) float returns[kReturns ? k_most_beams * k_lanes : 1];
 
+  /// Of all beams, by whole vectors of what fold_into() makes of them.
+  static HWY_INLINE std::size_t lanes_of(const Fan& fan) {
+    const std::size_t whole = 4 * Lanes(k_f);
+    return (fan.count * k_lanes + whole - 1) / whole * whole;
+  }
   HWY_INLINE explicit Nearest(const Fan& fan) {
     const auto clear = [](float* lanes, std::size_t count) {
       for (std::size_t i = 0; i < count; i += Lanes(k_f)) Store(Zero(k_f), k_f, lanes + i);
     };
-    clear(inverse, fan.padded() * k_lanes);
-    if constexpr (kReturns) clear(returns, fan.padded() * k_lanes);
+    clear(inverse, lanes_of(fan));
+    if constexpr (kReturns) clear(returns, lanes_of(fan));
   }
   HWY_INLINE void raise(std::size_t at, const Vec<Few>& candidate, float ranger_return) {
     const auto before = Load(k_few, inverse + at);
@@ -198,7 +205,7 @@ struct Nearest {
     }
     static_assert(k_lanes == 8, "lanes are folded by four, then by two");
     alignas(64) float two[2 * k_most_beams];
-    for (std::size_t i = 0; i < 2 * fan.padded(); i += Lanes(k_f)) {
+    for (std::size_t i = 0; i < lanes_of(fan) / 4; i += Lanes(k_f)) {
       Floats a, b, c, d;
       LoadInterleaved4(k_f, inverse + 4 * i, a, b, c, d);
       Store(Max(Max(a, b), Max(c, d)), k_f, two + i);
@@ -217,8 +224,13 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
   Relative relative;
   relate<kOrigin == Origin::common>(edges, reference, relative);
   Nearest<kReturns> nearest(fan);
+  alignas(64) float offsets[k_most_beams];
+  if constexpr (kOrigin == Origin::apart)
+    for (std::size_t i = 0; i < fan.count; i += Lanes(k_f))
+      Store(Add(Abs(LoadU(k_f, fan.ox + i)), Abs(LoadU(k_f, fan.oy + i))), k_f, offsets + i);
   for (const EdgeBlock::Piece& piece : edges.pieces()) {
     for (std::size_t lane = 0; lane < EdgeBlock::k_piece; lane += Lanes(k_few)) {
+      if (lane > 0 && lane >= piece.edges) break;
       const std::size_t j = piece.first + lane;
       const Relative& e = relative;
       const auto none = LoadU(k_few, k_edges_then_none + (EdgeBlock::k_piece - piece.edges) + lane);
@@ -230,7 +242,7 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
       auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // tiny: of a common origin alone
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-        nearest.raise(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, i, unsure),
+        nearest.raise(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, offsets, i, unsure),
                       piece.ranger_return);
       }
       unsure = And(unsure, is_edge);
@@ -286,8 +298,8 @@ struct Spans {
   std::size_t between_count = 0;
 };
 
-/// Notes the beams that edges span, without a branch, which would be unpredictable. Of edges that look tiny, and
-/// where there is no edge, none.
+/// Notes the beams that edges span, without a branch, which would be unpredictable. Edges that look tiny are
+/// left out.
 HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fan& fan, Spans& out) {
   const ScanAngles angles(*fan.scan, fan.count);
   alignas(64) float angle[Relative::k_size];
@@ -297,6 +309,7 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   const auto few = static_cast<std::int32_t>(Lanes(k_few));
   std::size_t ends = 0;
   std::size_t between = 0;
+  const auto end_of_edges = Set(k_i, static_cast<std::int32_t>(count - 1));
   auto edge = Iota(k_i, 0);  // counted up: made anew it would go through memory, on some targets
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats a = Load(k_f, angle + i);
@@ -308,7 +321,7 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
     Floats first, last;
     angles.beams(from, to, all, first, last);
     const auto some = And(Le(first, last), Ge(Load(k_f, relative.grazing + i), Zero(k_f)));
-    const auto spans = RebindMask(k_i, some);
+    const auto spans = And(RebindMask(k_i, some), Lt(edge, end_of_edges));
     const auto begin = And(ConvertTo(k_i, first), Set(k_i, -few));
     const auto second = Add(begin, Set(k_i, few));
     const auto end = And(ConvertTo(k_i, last), Set(k_i, -few));
@@ -323,8 +336,8 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   out.between_count = between;
 }
 
-/// Marks where there is no edge: `grazing` is below 0 between chains and beyond the last, up to a whole vector.
-/// Sets what each edge returns. Returns the number of vertices.
+/// Marks where there is no edge: `grazing` is below 0 between chains. Sets what each edge returns. Returns
+/// the number of vertices.
 template <bool kReturns>
 HWY_INLINE std::size_t part_chains(const EdgeBlock& edges, Relative& relative, float* returns_of) {
   const std::size_t count = edges.vertices();
@@ -334,7 +347,6 @@ HWY_INLINE std::size_t part_chains(const EdgeBlock& edges, Relative& relative, f
     end = piece.first + piece.edges;
     if constexpr (kReturns) std::fill_n(returns_of + piece.first, piece.edges, piece.ranger_return);
   }
-  for (std::size_t i = count - 1; i < count + Lanes(k_f); ++i) relative.grazing[i] = -1;
   return count;
 }
 
@@ -354,14 +366,14 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
                                     Set(k_few, relative.area[j]),   Zero(k_few),
                                     Set(k_few, relative.grazing[j])};
     const BeamVector<Vec<Few>> beams{LoadU(k_few, fan.dx + at), LoadU(k_few, fan.dy + at), Zero(k_few),
-                                     Zero(k_few)};
+                                     Zero(k_few), Zero(k_few)};
     auto unsure = Ne(Zero(k_few), Zero(k_few));
     const auto candidate = inverse_common(k_few, edge, beams, unsure);
     raise_beams<kReturns>(candidate, kReturns ? returns_of[j] : 0, inverse + at,
                           kReturns ? returns + at : nullptr);
     if (HWY_UNLIKELY(!AllFalse(k_few, unsure)))
-      project_carefully(edges.relative(j, reference, kReturns ? returns_of[j] : 0), fan, at, at + Lanes(k_few),
-                        inverse, kReturns ? returns : nullptr);
+      project_carefully(edges.relative(j, reference, kReturns ? returns_of[j] : 0), fan, at,
+                        at + Lanes(k_few), inverse, kReturns ? returns : nullptr);
   };
   Spans spans;
   note_spans(count, relative, fan, spans);
@@ -373,12 +385,13 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
   // What looks tiny may be met in any direction.
   for (std::size_t j = 0; j < count; j += Lanes(k_f)) {
     const Floats grazing = Load(k_f, relative.grazing + j);
-    const auto tiny = AndNot(Eq(grazing, grazing), Eq(Zero(k_f), Zero(k_f)));  // Ne is false of NaN on some targets
+    const auto tiny =
+        AndNot(Eq(grazing, grazing), Eq(Zero(k_f), Zero(k_f)));  // Ne is false of NaN on some targets
     if (HWY_LIKELY(AllFalse(k_f, tiny))) continue;
-    for (std::size_t k = j; k < j + Lanes(k_f); ++k)
+    for (std::size_t k = j; k < std::min(j + Lanes(k_f), count - 1); ++k)
       if (std::isnan(relative.grazing[k]))
-        project_carefully(edges.relative(k, reference, kReturns ? returns_of[k] : 0), fan, 0, fan.count, inverse,
-                          kReturns ? returns : nullptr);
+        project_carefully(edges.relative(k, reference, kReturns ? returns_of[k] : 0), fan, 0, fan.count,
+                          inverse, kReturns ? returns : nullptr);
   }
 }
 
@@ -435,6 +448,7 @@ HWY_EXPORT(turn_beams);
 HWY_EXPORT(ranges_of_fan);
 
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns) {
+  if (edges.empty()) return;
   HWY_DYNAMIC_DISPATCH(project_on)(edges, reference, fan, inverse, returns);
 }
 

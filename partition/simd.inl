@@ -73,6 +73,7 @@ using hn::Or;
 using hn::RebindMask;
 using hn::ShiftLeft;
 using hn::ShiftLeftSame;
+using hn::VecFromMask;
 using hn::Xor;
 
 using hn::MaxOfLanes;

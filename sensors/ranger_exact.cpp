@@ -148,8 +148,10 @@ class Caster {
     }
   }
 
-  /// Adds the edges from `first` to rest[0], to rest[1] and so on; projects first what leaves no room for them.
-  void add_chain(const Vec2& first, std::span<const Vec2> rest, float ranger_return, partition::BeamSet met_by) {
+  /// Adds the edges from `first` to rest[0], to rest[1] and so on; projects first what leaves no room for
+  /// them.
+  void add_chain(const Vec2& first, std::span<const Vec2> rest, float ranger_return,
+                 partition::BeamSet met_by) {
     if (edges_.room() < rest.size()) [[unlikely]]
       return add_in_parts(first, rest, ranger_return, met_by);
     edges_.add(first, rest.data(), rest.size(), ranger_return, met_by);

@@ -267,8 +267,13 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
       for (std::vector<float>* array : {&beams.dx, &beams.dy, &beams.ox, &beams.oy})
         array->resize(padded, array->back());
       const Scan scan{direction(middle), static_cast<float>(fov), static_cast<float>(step)};
-      const Fan fan{beams.dx.data(), beams.dy.data(), beams.ox.data(), beams.oy.data(),
-                    count,           kind != k_apart, kind == k_ring || (kind == k_apart && random.below(2) == 0),
+      const Fan fan{beams.dx.data(),
+                    beams.dy.data(),
+                    beams.ox.data(),
+                    beams.oy.data(),
+                    count,
+                    kind != k_apart,
+                    kind == k_ring || (kind == k_apart && random.below(2) == 0),
                     kind == k_scanner ? &scan : nullptr};
 
       const std::size_t circles_count = k_circle_padding * (1 + random.below(4));
