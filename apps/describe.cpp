@@ -5,8 +5,8 @@
 #include "engine/events.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/stage/stage_properties.hpp"
 #include "worldio/json/world_schema.hpp"
+#include "worldio/stage/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/ranges.h>

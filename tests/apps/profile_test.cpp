@@ -139,7 +139,7 @@ TEST_F(Profiles, AreWholeWhenTheRunIsStopped) {
   EXPECT_EQ(trace.phases.size(), trace.ticks.size() * k_phase_names.size());
 }
 
-/// A run of ten ticks with a profile of these limits; gives what it left out.
+/// A run of ten ticks with a profile of these limits; gives its warning.
 std::string limited(const std::string& file, const ProfileLimits& limits, std::size_t& readable) {
   SimulationOptions options;
   options.threads = 2;
@@ -154,7 +154,7 @@ std::string limited(const std::string& file, const ProfileLimits& limits, std::s
     std::ifstream stream(file);
     readable += nlohmann::json::accept(std::string(std::istreambuf_iterator<char>(stream), {}));
   }
-  return profile.left_out();
+  return profile.warning();
 }
 
 TEST_F(Profiles, StaySmall) {
@@ -164,9 +164,10 @@ TEST_F(Profiles, StaySmall) {
     return Trace(std::string(std::istreambuf_iterator<char>(stream), {}));
   };
   std::size_t readable = 0;
-  EXPECT_THAT(
-      limited(file, {.most_tasks = 100, .most_ticks = 7}, readable),
-      MatchesRegex("tasks from tick [3-7] on, where they would be too many; everything from tick 8 on"));
+  EXPECT_THAT(limited(file, {.most_tasks = 100, .most_ticks = 7}, readable),
+              MatchesRegex(
+                  ".*: warning: left out to keep it small: tasks from tick [3-7] on, where they would be too "
+                  "many; everything from tick 8 on; --profile-ticks chooses other ticks"));
   EXPECT_EQ(readable, 10u);
   const Trace trace = read_trace();
   EXPECT_THAT(trace.ticks, SizeIs(7));
