@@ -39,17 +39,6 @@ constexpr double k_quick_cluster_skip_s = 1;
 constexpr double k_quick_cluster_s = 0.2;
 constexpr double k_quick_campus_s = 0.2;
 
-template <class Spec>
-bool switch_to_grid(Spec& spec) {
-  using Engine = decltype(spec.ranging);
-  if constexpr (requires { Engine::grid; }) {
-    spec.ranging = Engine::grid;
-    return true;
-  } else {
-    return false;
-  }
-}
-
 /// A world with so many robots.
 Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
@@ -83,11 +72,7 @@ std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double fo
 
 fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
 
-bool use_grid(engine::WorldSpec& spec) { return switch_to_grid(spec); }
-
 std::string missing(const Scene& scene) {
-  engine::WorldSpec probe;
-  if (scene.grid && !use_grid(probe)) return "this build has no grid engine";
   if (std::error_code ignored; !fs::exists(scene.world, ignored))
     return fmt::format("there is no {}", scene.world.lexically_normal().string());
   return {};

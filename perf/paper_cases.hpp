@@ -69,7 +69,4 @@ std::filesystem::path stage_worlds();
 /// Why a scene cannot run here; empty when it can.
 std::string missing(const Scene& scene);
 
-/// Switches a world to the paper's ray tracer; false where the library has none.
-bool use_grid(engine::WorldSpec& spec);
-
 }  // namespace troupe::perf
