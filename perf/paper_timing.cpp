@@ -85,7 +85,7 @@ engine::WorldSpec load(const Scene& scene, const engine::Registry& registry) {
   Diagnostics diagnostics;
   engine::WorldSpec spec = worldio::load_world(scene.world, registry, scene.load, diagnostics);
   diagnostics.throw_if_errors();
-  if (scene.grid) spec.ranging = RangingEngine::grid;
+  if (scene.grid) spec.ranging = engine::RangingEngine::grid;
   return spec;
 }
 
