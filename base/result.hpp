@@ -23,8 +23,8 @@ struct Error {
 template <class T = void>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}
-  Result(Error error) : value_(std::move(error)) {}
+  Result(T value) : value_(std::move(value)) {}      ///< a value
+  Result(Error error) : value_(std::move(error)) {}  ///< why there is none
 
   explicit operator bool() const { return std::holds_alternative<T>(value_); }  ///< whether there is a value
   /// The value. Throws std::bad_variant_access where there is none.
@@ -48,8 +48,8 @@ class [[nodiscard]] Result {
 template <>
 class [[nodiscard]] Result<void> {
  public:
-  Result() = default;
-  Result(Error error) : error_(std::move(error)) {}
+  Result() = default;                                ///< all is well
+  Result(Error error) : error_(std::move(error)) {}  ///< why it cannot be done
 
   explicit operator bool() const { return !error_; }  ///< whether all is well
   /// What went wrong. Throws std::bad_optional_access where all is well.

@@ -26,10 +26,10 @@ struct Value {
   // own again.
   /// Not given.
   Value();
-  Value(const Value&);
-  Value(Value&&) noexcept;
-  Value& operator=(const Value&);
-  Value& operator=(Value&&) noexcept;
+  Value(const Value&);                 ///< a copy
+  Value(Value&&) noexcept;             ///< takes what the other holds
+  Value& operator=(const Value&);      ///< a copy
+  Value& operator=(Value&&) noexcept;  ///< takes what the other holds
   ~Value();
   /// Of what fields hold, each kept as what it is: 1 is an integer and 1.0 a number.
   ///@{
@@ -55,7 +55,7 @@ struct Value {
   const std::vector<double>& numbers() const { return std::get<std::vector<double>>(v); }
   const std::vector<Record>& records() const { return std::get<std::vector<Record>>(v); }
   ///@}
-  friend bool operator==(const Value&, const Value&);
+  friend bool operator==(const Value&, const Value&);  ///< of one kind, and equal
 };
 
 /// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or

@@ -116,7 +116,6 @@ SHOWN_ONLY = [
     ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
     ("docs/library.md", "room.json:14", "of a world with a fault: tests/troupe/library_test.cpp"),
-    ("docs/limits.md", "target ", "scripts/fuzz prints it, after half an hour"),
     ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
     ("docs/recordings.md", "200 kills", "tests/recording_kill_test.py printed it, after minutes"),
     ("docs/recordings.md", "differs at tick 40", "a difference, which there must not be: tests/apps/diff_test.cpp"),

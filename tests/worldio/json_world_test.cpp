@@ -764,7 +764,7 @@ TEST(JsonWorld, EveryWorldWeShipLoads) {
   std::size_t worlds = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
     if (entry.path().extension() != ".json") continue;
-    if (entry.path().filename() == "scenes.json") continue;  // the manifest
+    if (entry.path().filename() == "scenes.json") continue;               // the manifest
     if (test::k_slow_build && entry.path().stem() == "campus") continue;  // a million robots
     Diagnostics diagnostics;
     const WorldSpec spec = load_world(entry.path(), make_registry(), {}, diagnostics);
