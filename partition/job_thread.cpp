@@ -10,7 +10,7 @@
 namespace troupe::partition {
 
 struct JobThread::Impl {
-  explicit Impl(std::size_t most_waiting) : most_waiting(most_waiting), thread([this] { run(); }) {}
+  explicit Impl(std::size_t most) : most_waiting(most), thread([this] { run(); }) {}
   ~Impl() {
     {
       const std::lock_guard lock(mutex);

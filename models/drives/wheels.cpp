@@ -17,7 +17,6 @@ using engine::ControlMode;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::DriveKind;
-using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;

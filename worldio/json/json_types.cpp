@@ -272,7 +272,7 @@ const engine::DeviceKind* TypeReader::read_device_kind(JsonObject& object, Devic
                                                     : list == DeviceList::devices ? registry_.other_devices()
                                                                                   : registry_.devices);
   const auto find = [&](std::string_view name) -> Result<const engine::DeviceKind*> {
-    const auto kind = registry_.find_device(name, unknown_name(what, name, known));
+    auto kind = registry_.find_device(name, unknown_name(what, name, known));
     if (!kind || list == DeviceList::both || (*kind)->is_sensor() == (list == DeviceList::sensors))
       return kind;
     return Error{fmt::format("\"{}\" {}", name,

@@ -30,7 +30,7 @@ herr_t add_name(hid_t, const char* name, const Info*, void* names) {
 /// built so, and the library does not print its stack of errors. They nest.
 class LibraryCall {
  public:
-  LibraryCall() : lock_(mutex_) {
+  LibraryCall() : lock_(mutex) {
     H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
@@ -39,7 +39,7 @@ class LibraryCall {
   LibraryCall& operator=(const LibraryCall&) = delete;
 
  private:
-  static inline std::recursive_mutex mutex_;
+  static inline std::recursive_mutex mutex;
   std::lock_guard<std::recursive_mutex> lock_;
   H5E_auto2_t print_ = nullptr;
   void* data_ = nullptr;
