@@ -23,7 +23,7 @@ Value::Value(std::string x) : v(std::move(x)) {}
 Value::Value(std::vector<double> x) : v(std::move(x)) {}
 Value::Value(std::vector<Record> x) : v(std::move(x)) {}
 
-bool operator==(const Value&, const Value&) = default;
+bool operator==(const Value& a, const Value& b) { return a.v == b.v; }
 
 int FieldTable::find(std::string_view name) const {
   for (std::size_t i = 0; i < fields.size(); ++i)

@@ -30,7 +30,7 @@ struct Source {
 
   static Source make(const Record& params) { return {static_cast<std::uint32_t>(params[0].integer())}; }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
-    const Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
+    Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
     // Of what a list can hold a source fills no more than there is.
     if (chosen)
       capacity = std::min(capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);
