@@ -14,7 +14,7 @@ using engine::Record;
 using engine::Unit;
 using sensors::LightSource;
 
-/// Whether it is lit at this time, s, where nobody has switched it.
+/// Whether the light is on at `time_s` (s) if no controller has switched it.
 bool is_lit(const LightSource& light, double time_s) {
   if (!light.enabled) return false;
   if (light.period_s == 0) return light.dutycycle > 0;
