@@ -574,7 +574,7 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
     if (!set_argument(fields[at], to_si, word.substr(equals + 1), name, where, spec.params[at])) return {};
   }
   for (std::size_t i = 0; i < fields.size(); ++i)
-    if (!spec.params[i].given()) {
+    if (!spec.params[i].given() && !fields[i].optional) {
       values_.error(
           where, fmt::format("controller \"{0}\" needs \"{1}\": ctrl \"{0} {1}=...\"", name, fields[i].name));
       return {};
