@@ -35,6 +35,7 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::choices: field.choices.assign(fact.choices.begin(), fact.choices.end()); break;
     case Fact::Kind::columns: field.columns = static_cast<std::size_t>(fact.number); break;
     case Fact::Kind::counts_readings: field.counts_readings = true; break;
+    case Fact::Kind::fixed: field.fixed = true; break;
     case Fact::Kind::provenance: field.provenance = true; break;
     case Fact::Kind::sparse: field.sparse = true; break;
     case Fact::Kind::look: field.look = true; break;

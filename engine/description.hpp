@@ -23,8 +23,6 @@
 
 /// A struct lists its members once, in a function that fills a FieldTable:
 ///
-///     using namespace engine::facts;
-///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
 ///
@@ -36,6 +34,8 @@
 ///       std::optional<double> gain;
 ///
 ///       static constexpr void describe(engine::Description<Transducer>& d) {
+///         using namespace engine::facts;
+///         using enum engine::Unit;
 ///         d.member<&Transducer::pose>("pose", "of the transducer in the sensor's frame");
 ///         d.member<&Transducer::range_max>("range_max", meters, above(0), at_most(10'000), "beam length");
 ///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "beams");
@@ -81,6 +81,7 @@ class Fact {
     columns,
     required,
     counts_readings,
+    fixed,
     provenance,
     sparse,
     look,
@@ -101,9 +102,8 @@ class Fact {
   std::span<const std::string_view> choices;
 };
 
-/// What can be said of a member. For `using namespace engine::facts`.
+/// What can be said of a member, besides its unit.
 namespace facts {
-using enum Unit;
 
 /// Limits in SI units; of a list, of each number.
 ///@{
@@ -124,6 +124,7 @@ constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_
 /// It has no default.
 inline constexpr Fact required{Fact::Kind::required};
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
+inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
 /// It says where the others come from: stored, and not compared.
 inline constexpr Fact provenance{Fact::Kind::provenance};
 inline constexpr Fact is_sparse{Fact::Kind::sparse};  ///< of state: StateField::sparse
@@ -497,6 +498,7 @@ const FieldTable& described() {
 /// What a pose is written as: pose_fields().
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
+  using enum Unit;
   constexpr double k_reach = 100000;     // m: how far a world reaches
   constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
   d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "forward");
