@@ -184,6 +184,10 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
               MatchesRegex(about("another_version") +
                            "was built for troupe 99.1.0 .interface 4., this is troupe 0.1.0 "
                            ".interface 4.: build it again"));
+  EXPECT_THAT(fault_of("old_interface"),
+              MatchesRegex(about("old_interface") +
+                           "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 4.: "
+                           "build it again"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
