@@ -179,16 +179,23 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
   }
   const auto lanes = static_cast<std::int32_t>(Lanes(k_f));
   const std::int32_t highest = static_cast<std::int32_t>(fan.padded()) - lanes;
-  const auto limits_at = [&](std::int32_t beam) { return LoadU(k_f, limits + beam); };
+  const auto lane = Iota(k_f, 0.0f);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < spanning; ++i) {
+    const Floats from = Set(k_f, met.x[i]);
+    const Floats to = Set(k_f, met.y[i]);
+    // Without its neighbours in the vectors: some of these always see far.
+    const auto limits_at = [&](std::int32_t at) {
+      const Floats beam = Add(lane, Set(k_f, static_cast<float>(at)));
+      return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));
+    };
     // Two vectors of beams, from the first one on and up to the last, are all that most circles span: they
     // are looked at without a branch that nobody could foretell.
     const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
     const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
     Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));
     for (std::int32_t beam = first + lanes; beam < end; beam += lanes)
-      farthest = Max(farthest, limits_at(beam));
+      farthest = Max(farthest, LoadU(k_f, limits + beam));
     met.row[kept] = met.row[i];
     met.beams[kept] = all_beams(fan);
     kept += AllFalse(k_f, Le(Set(k_f, met.radius[i]), farthest)) ? 0 : 1;

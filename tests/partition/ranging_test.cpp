@@ -318,6 +318,39 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
   });
 }
 
+/// What beams beside those of a circle may still see is no reason to look at it.
+TEST(Ranging, ACircleOfAScanIsCulledByTheReadingsOfItsOwnBeams) {
+  for_each_simd_target([](const std::string& target) {
+    constexpr std::size_t k_beams = 180, k_middle = 90;
+    const double step = k_turn / 2 / (k_beams - 1);
+    Beams beams;
+    for (std::size_t i = 0; i < padded_beams(k_beams); ++i) {
+      const Vec2 d = direction((static_cast<double>(std::min(i, k_beams - 1)) - k_middle) * step);
+      beams.add(d.x(), d.y());
+    }
+    const Scan scan{direction(-0.5 * step), static_cast<float>(k_turn / 2), static_cast<float>(step)};
+    const Fan fan{
+        beams.dx.data(), beams.dy.data(), beams.ox.data(), beams.oy.data(), k_beams, true, false, &scan};
+    CircleArrays circles;
+    circles.make_room(k_circle_padding);
+    circles.set(0, enclosing_circle({4, 0}, 4 * std::sin(1.5 * step), 7));  // that one beam more may meet
+    for (std::size_t c = 1; c < k_circle_padding; ++c)
+      circles.set(c, {0, 0, -std::numeric_limits<float>::infinity(), 0});
+    std::vector<float> inverse(padded_beams(k_beams)), limits(inverse.size()),
+        range_max(inverse.size(), 8.0f);
+    const auto met_behind = [&](std::size_t near_beams) {
+      std::ranges::fill(inverse, 0.0f);
+      for (std::size_t i = 0; i < near_beams; ++i) inverse[k_middle - near_beams / 2 + i] = 1;
+      const float farthest = limits_of(fan, inverse.data(), range_max.data(), limits.data());
+      MetCircles met;
+      return may_meet(circles, 0, k_circle_padding, Vec2::Zero(), fan, limits.data(), 0, farthest, met);
+    };
+    EXPECT_EQ(met_behind(5), 0u) << target;
+    EXPECT_EQ(met_behind(1), 1u) << target;
+    EXPECT_EQ(met_behind(0), 1u) << target;
+  });
+}
+
 // ---- no leaks, and no reading out of place
 
 /// Closed outlines of the kinds that trouble ray casters. About 1 m wide, around the origin.
