@@ -270,8 +270,7 @@ std::string list_kinds(const Registry& registry) {
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
-  std::string text;
-  if (const auto* kind = registry.model(name)) text += model_text(registry, *kind);
+  std::string text;  // what JSON takes, then what Stage's files do
   if (const auto* kind = registry.device(name))
     text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
@@ -279,16 +278,20 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
+  if (text.find("\n  key ") != std::string::npos)
+    text +=
+        "Defaults and ranges are in the first unit of a key; those in brackets may take its place in JSON.\n";
+  if (const auto* kind = registry.model(name))
+    text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
   if (text.empty()) {
-    std::string unknown = unknown_name("kind", name, kind_names(registry));
+    // The list of all is long, and would stand before the suggestion.
+    std::string unknown = fmt::format("unknown kind \"{}\"{}; `troupe describe` lists all", name,
+                                      did_you_mean(name, kind_names(registry)));
     if (registry.plugged_controllers)  // plug-ins know why, too
       if (const auto found = registry.plugged_controllers(name, unknown); !found)
         unknown = found.error().text;
     throw InputError("troupe describe: error: " + unknown);
   }
-  if (text.find("\n  key ") != std::string::npos)
-    text +=
-        "Defaults and ranges are in the first unit of a key; those in brackets may take its place in JSON.\n";
   return text;
 }
 

@@ -1,15 +1,21 @@
 #include "apps/progress.hpp"
 
+#include "apps/numbers.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 
 namespace troupe::apps {
 namespace {
 
 constexpr std::chrono::milliseconds k_period{200};
+constexpr double k_least_shown_s = 2;
 constexpr std::size_t k_width = 28;
 constexpr const char* k_wipe = "\r\x1b[K";
 
@@ -22,38 +28,33 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-std::string progress_text(std::uint64_t first, std::uint64_t tick, std::uint64_t ticks, double tick_s,
-                          double elapsed_s) {
-  const double share = static_cast<double>(tick) / static_cast<double>(ticks);
-  const double time_s = static_cast<double>(tick) * tick_s;
-  const auto done = static_cast<double>(tick - first);
-  const double here_s = done * tick_s;
+std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s) {
+  const double share = std::clamp((now_s - begin_s) / (end_s - begin_s), 0.0, 1.0);
   std::string bar(static_cast<std::size_t>(share * k_width), '=');
   if (bar.size() < k_width) bar += '>';
   bar.resize(k_width, ' ');
-  return fmt::format("[{}] {:3.0f} %  {:.1f} of {:.1f} s  {:.1f} x real time  {} left", bar, 100 * share,
-                     time_s, static_cast<double>(ticks) * tick_s, elapsed_s > 0 ? here_s / elapsed_s : 0.0,
-                     duration(elapsed_s * static_cast<double>(ticks - tick) / done));
+  return fmt::format("[{}] {:3.0f} %  {:.1f} of {:.1f} s  {} x real time  {} left", bar, 100 * share, now_s,
+                     end_s, four_digits(elapsed_s > 0 ? (now_s - begin_s) / elapsed_s : 0.0),
+                     duration(elapsed_s * (1 - share) / share));
 }
 
-Progress::Progress(std::uint64_t first, std::uint64_t ticks, double tick_s, bool wanted)
-    : first_(first),
-      ticks_(ticks),
-      tick_s_(tick_s),
-      visible_(wanted && ticks > 0 && isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(double begin_s, double end_s, bool wanted)
+    : begin_s_(begin_s), end_s_(end_s), visible_(wanted && end_s > begin_s && isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
   if (drawn_) std::fputs(k_wipe, stderr);
 }
 
-void Progress::update(std::uint64_t tick) {
-  if (!visible_) return;
+void Progress::update(double now_s) {
+  if (!visible_ || now_s <= begin_s_) return;
   const auto now = Clock::now();
   if (now < next_) return;
   next_ = now + k_period;
-  drawn_ = true;
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-  fmt::print(stderr, "{}{}", k_wipe, progress_text(first_, tick, ticks_, tick_s_, elapsed_s));
+  const double expected_s = elapsed_s * (end_s_ - begin_s_) / (now_s - begin_s_);
+  if (!drawn_ && (now < start_ + k_period || expected_s < k_least_shown_s)) return;
+  drawn_ = true;
+  fmt::print(stderr, "{}{}", k_wipe, progress_text(begin_s_, now_s, end_s_, elapsed_s));
   std::fflush(stderr);
 }
 

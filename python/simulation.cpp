@@ -246,15 +246,10 @@ py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, con
                                   const std::string& layers, const Two& center_m, const Two& angle_rad,
                                   const std::optional<double>& across_m, const std::string& color_by,
                                   const Two& color_range) {
-  const Simulation& simulation = held->use();
-  Pictures pictures(simulation, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                                color_by, color_range));
-  const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(simulation));
-  py::array_t<std::uint8_t> rgb(
-      {py::ssize_t{pictures.height()}, py::ssize_t{pictures.width()}, py::ssize_t{3}});
-  std::uint8_t* to = rgb.mutable_data();
-  for (std::size_t i = 0; i < rgba.size(); ++i)
-    if (i % 4 != 3) *to++ = rgba[i];
+  const std::vector<std::uint8_t> bytes = held->use().picture(
+      picture_options(width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range));
+  py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
+  std::ranges::copy(bytes, rgb.mutable_data());
   return rgb;
 }
 

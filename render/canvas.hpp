@@ -1,18 +1,16 @@
 #pragma once
 
+#include "render/color.hpp"
 #include "render/draw.hpp"
 #include "render/projection.hpp"
+#include "render/raster.hpp"
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
 
 namespace troupe::render {
-
-using Rgba = std::array<std::uint8_t, 4>;
 
 /// Where the colour of a triangle comes from.
 enum class Paint : std::uint32_t { own, body, edge, mark };
@@ -103,24 +101,20 @@ struct PointLayer {
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 
-/// A place to draw on. May be used by any thread, by one at a time.
+/// The sides of a picture, pixels.
+inline constexpr int k_longest_side = 16384;
+
+/// Draws layers. It keeps the picture that it drew last, of which the next takes over what has not changed.
 class Canvas {
  public:
-  /// Throws std::runtime_error where there is no OpenGL.
-  Canvas();
-  ~Canvas();
-  Canvas(const Canvas&) = delete;
-  Canvas& operator=(const Canvas&) = delete;
-
-  /// Throws std::runtime_error with the limit when a side is not from 1 to what the driver can draw.
-  void check_size(int width, int height) const;
-  /// Draws layers first to last on a plain ground, with 4 samples a pixel where the driver can.
-  /// Throws std::runtime_error for such a size, and where memory runs out.
+  /// Throws std::runtime_error with the limit when a side is not from 1 to k_longest_side.
+  static void check_size(int width, int height);
+  /// Draws layers first to last on a plain ground, with 4 samples a pixel.
+  /// Throws std::runtime_error for a size that is not right.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Raster raster_;
 };
 
 }  // namespace troupe::render

@@ -186,13 +186,18 @@ struct Pictures::Impl {
   std::optional<Eigen::Vector3d> last_center;
   std::optional<double> last_across_m;
   FrameWishes wishes;
+  double tick_s;
   Trails trails;
   Covered covered;
   std::optional<render::Painter> painter;
   engine::FrameScene scene;  // the painter has a copy
 
   Impl(const PictureSource& source, PictureOptions wanted)
-      : options(std::move(wanted)), file(source.file()), trails(source.tick_s()), scene(source.scene()) {
+      : options(std::move(wanted)),
+        file(source.file()),
+        tick_s(source.tick_s()),
+        trails(tick_s),
+        scene(source.scene()) {
     require(check_camera(options.camera));
     require(check_layers(options.layers));
     set_camera(source);
@@ -319,6 +324,13 @@ void Pictures::see(const PictureSource& source) {
   if (impl_->view.layers.coverage) impl_->covered.see(impl_->scene, frame);
 }
 
+void Pictures::forget() {
+  impl_->trails = Trails(impl_->tick_s);
+  impl_->covered = {};
+  impl_->last_center.reset();
+  impl_->last_across_m.reset();
+}
+
 Pictures::Shot Pictures::take(const Simulation& simulation, double times_real_time) {
   return take(SimulationSource(simulation), times_real_time);
 }
@@ -402,6 +414,7 @@ int Pictures::height() const { return 0; }
 double Pictures::history_s() const { return 0; }
 void Pictures::see(const Simulation&) {}
 void Pictures::see(const PictureSource&) {}
+void Pictures::forget() {}
 Pictures::Shot Pictures::take(const Simulation&, double) { refuse_to_draw(); }
 Pictures::Shot Pictures::take(const PictureSource&, double) { refuse_to_draw(); }
 Pictures::Shot Pictures::between(const Shot&, const Shot&, double) { refuse_to_draw(); }

@@ -137,6 +137,19 @@ struct Simulation::Impl {
   std::unique_ptr<Recording> recording;
   std::deque<std::function<void(Simulation&)>> on_tick;
   bool in_callbacks = false;
+  /// Of the last call of snapshot() or picture().
+  std::unique_ptr<Pictures> pictures;
+  PictureOptions picture_options;
+
+  Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options) {
+    if (!pictures || picture_options != options) {
+      pictures.reset();
+      pictures = std::make_unique<Pictures>(simulation, options);
+      picture_options = options;
+    }
+    pictures->forget();
+    return *pictures;
+  }
 
   void refuse_in_callbacks(std::string_view what) const {
     if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
@@ -863,19 +876,23 @@ void Simulation::snapshot(const std::filesystem::path& png, int width, int heigh
 }
 
 void Simulation::snapshot(const std::filesystem::path& png, const PictureOptions& options) const {
-  Pictures pictures(*this, options);
+  Pictures& pictures = impl_->pictures_of(*this, options);
   pictures.write(pictures.take(*this), png);
 }
 
 std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
   if (width < 1 || height < 1)
     throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
-  Pictures pictures(*this, {.width = width, .height = height});
+  return picture({.width = width, .height = height});
+}
+
+std::vector<std::uint8_t> Simulation::picture(const PictureOptions& options) const {
+  Pictures& pictures = impl_->pictures_of(*this, options);
   const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
-  std::vector<std::uint8_t> rgb;
-  rgb.reserve(rgba.size() / 4 * 3);
-  for (std::size_t i = 0; i < rgba.size(); ++i)
-    if (i % 4 != 3) rgb.push_back(rgba[i]);
+  std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);
+  for (std::size_t i = 0, k = 0; i < rgba.size(); i += 4, k += 3)
+    std::copy_n(rgba.begin() + static_cast<std::ptrdiff_t>(i), 3,
+                rgb.begin() + static_cast<std::ptrdiff_t>(k));
   return rgb;
 }
 

@@ -432,15 +432,17 @@ class Simulation {
   /// The kinds it was made of. Lives as long as the simulation does.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
-  /// no render, or the file cannot be written.
+  /// Draws the world from above into a PNG. Throws std::runtime_error where the build has no render, or
+  /// the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// The same as the options say (troupe/pictures.hpp): from where, of what size, with which layers. Throws
   /// also InputError for what the world has not.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// The same picture in memory: 8-bit RGB, three bytes a pixel, row 0 on top. Throws also
-  /// std::invalid_argument for a size below 1.
+  /// std::invalid_argument for a size below 1. What pictures of one scene have in common is made with the
+  /// first and kept for the next of the same options, so these calls must not be made on two threads at once.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
+  std::vector<std::uint8_t> picture(const PictureOptions& options) const;  ///< the same
 
  private:
   friend class Model;

@@ -136,7 +136,7 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;
   const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());
-  Progress progress(first.tick(), ticks, first.tick_s(), true);
+  Progress progress(first.time_s(), end_s, true);
   std::vector<std::string> lines = decisions ? decisions->start_twice() : std::vector<std::string>();
   for (;;) {
     for (std::string& line : compare(variants)) lines.push_back(std::move(line));
@@ -146,7 +146,7 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
       // Before the others decide: what a controller keeps to itself must not tell of them.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
-    progress.update(first.tick());
+    progress.update(first.time_s());
   }
 }
 

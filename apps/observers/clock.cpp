@@ -1,5 +1,7 @@
 #include "apps/observers/clock.hpp"
 
+#include "apps/numbers.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -14,8 +16,8 @@ void ClockLines::observe(const Simulation& simulation) {
   const double simulated_s = simulation.time_s() - first_s_;
   const double wall_s = std::chrono::duration<double>(WallClock::now() - start_).count();
   if (simulated_s > 0 && wall_s > 0)
-    fmt::print(stderr, "{}: {:.10g} s, {:.1f} x real time\n", simulation.title(), simulation.time_s(),
-               simulated_s / wall_s);
+    fmt::print(stderr, "{}: {:.10g} s, {} x real time\n", simulation.title(), simulation.time_s(),
+               four_digits(simulated_s / wall_s));
   else
     fmt::print(stderr, "{}: {:.10g} s\n", simulation.title(), simulation.time_s());
 }

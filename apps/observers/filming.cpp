@@ -1,5 +1,6 @@
 #include "apps/observers/filming.hpp"
 
+#include "apps/numbers.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "troupe/simulation_source.hpp"
@@ -111,6 +112,11 @@ void Filming::finish(const Simulation& /*simulation*/) { finish(); }
 void Filming::finish() {
   thread_.finish();
   if (ffmpeg_) ffmpeg_->finish();
+}
+
+std::string Filming::result() const {
+  return fmt::format("{}: {} pictures, {} s", film_.string(), grouped(frames_),
+                     four_digits(static_cast<double>(frames_) / fps_));
 }
 
 namespace {

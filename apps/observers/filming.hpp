@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -37,8 +38,7 @@ class Snapshots : public Observer {
   /// `end_tick`: of the run. Throws InputError for what the world has not, and for times outside of the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Throws what drawing would throw: so that what it needs (OSMesa, room on the disk) is known to be there
-  /// before the run, and not missed after it.
+  /// Throws what drawing would throw, so that a file that cannot be written is known before the run.
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
@@ -70,6 +70,8 @@ class Filming : public Observer {
   void finish(const Simulation& simulation) override;
   /// Waits until the film is whole. Throws what drawing and writing throw.
   void finish();
+  /// `crowd.mp4: 300 pictures, 10 s`.
+  std::string result() const override;
 
  private:
   void add(Pictures::Shot shot);

@@ -38,6 +38,8 @@ class Observer {
   virtual void after_summary(const Simulation& /*simulation*/) {}
   /// What the user must know of the file, a line; empty: nothing.
   virtual std::string warning() const { return {}; }
+  /// What it has written, for the summary: the file and how much is in it; empty: nothing that needs telling.
+  virtual std::string result() const { return {}; }
   /// Itself, where it wants to be told phases and tasks; else null.
   virtual TickWatcher* tick_watcher() { return nullptr; }
 };

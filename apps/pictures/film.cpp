@@ -27,6 +27,7 @@ constexpr const char* k_no_ffmpeg =
     "that "
     "can become a film elsewhere";
 constexpr int k_last_open_file = 1023;
+constexpr int k_pipe_bytes = 1 << 20;
 
 void close_if_open(int& file) {
   if (file >= 0) close(file);
@@ -60,7 +61,8 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
     refuse_output(film_, error.code().message());
   }
   remove_when_killed(partial_->path());
-  // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines.
+  // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines. The preset takes
+  // half of the time of the default and makes films of the same size.
   start(program,
         {"ffmpeg",
          "-y",
@@ -80,6 +82,8 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
          "pad=ceil(iw/2)*2:ceil(ih/2)*2",
          "-c:v",
          "libx264",
+         "-preset",
+         "veryfast",
          "-crf",
          "18",
          "-pix_fmt",
@@ -105,7 +109,8 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
   words.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) refuse_output(film_, std::strerror(errno));
-  std::signal(SIGPIPE, SIG_IGN);  // that it has ended is an error in writing, and told
+  fcntl(ends[1], F_SETPIPE_SZ, k_pipe_bytes);  // a kernel that allows less keeps what it has
+  std::signal(SIGPIPE, SIG_IGN);               // that it has ended is an error in writing, and told
   process_ = fork();
   if (process_ == 0) {
     // In a group of its own: Ctrl-C ends the run, which then finishes the film.

@@ -14,8 +14,7 @@
 namespace troupe::apps {
 namespace {
 
-// What OSMesa draws at most.
-constexpr int k_max_pixels = 16384;
+constexpr int k_max_pixels = 16384;  // render::k_longest_side, of builds with and without render
 constexpr double k_farthest_m = 1e6;
 constexpr double k_least_fps = 0.001;  // ffmpeg takes no rate below a millionth
 constexpr double k_most_fps = 1000;

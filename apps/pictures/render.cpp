@@ -6,20 +6,26 @@
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/pictures/film.hpp"
+#include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "troupe/recorded_run.hpp"
 #include "troupe/simulation.hpp"
+#include "troupe/simulation_source.hpp"
 #include "worldio/results/checkpoint.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace troupe::apps {
@@ -28,8 +34,9 @@ namespace {
 
 constexpr const char* k_render_footer = R"(
 A world is drawn as it begins, a checkpoint as it was saved, a recording as it ended; --at draws other times: a world is
-run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. A recording needs no
-other file; it can show what was recorded (troupe run --record-fields): scans want ranges, red outlines want stall.
+run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. --for S is --at S for
+worlds and checkpoints, and the end of their films. A recording needs no other file; it can show what was recorded
+(troupe run --record-fields): scans want ranges, the outlines of stalled robots want stall.
 )";
 
 constexpr const char* k_examples = R"(
@@ -39,6 +46,7 @@ drawn until then is whole.
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
   troupe render worlds/cave-simple.json -o cave-{time}.png --at 0,10,60
+  troupe render worlds/hospital.json -o hospital.png --for 30 --seed 7 --threads 2
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
@@ -54,23 +62,44 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-void draw_simulation(const RenderOptions& options, Simulation simulation) {
+/// Steps to a time, or to a signal.
+void run_until(Simulation& simulation, double time_s, Progress& progress,
+               const std::function<void()>& after_each) {
+  while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
+    simulation.step();
+    progress.update(simulation.time_s());
+    after_each();
+  }
+}
+
+void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   Pictures pictures(simulation, options.pictures.look);
   const auto& times = options.pictures.snapshot_at_s;
   if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
-    throw InputError(fmt::format("{}: error: --at {:g}: the run is at {:g} s already", options.input.string(),
-                                 times.front(), simulation.time_s()));
+    throw InputError(fmt::format("{}: error: {} {:g}: the run is at {:g} s already", options.world.string(),
+                                 options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
   pictures.rehearse(snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);
+  Progress progress(simulation.time_s(), times.empty() ? 0 : times.back(), true);
   draw_each(options, pictures, [&](double time) {
-    while (!std::isnan(time) && simulation.tick() < engine::ticks_until(time, simulation.tick_s()) &&
-           !stop_requested()) {
-      simulation.step();
-      pictures.see(simulation);
-    }
+    if (!std::isnan(time)) run_until(simulation, time, progress, [&] { pictures.see(simulation); });
     return pictures.take(simulation, speed.at(simulation.time_s()));
   });
+}
+
+void film_simulation(const RenderOptions& options, Simulation& simulation) {
+  const double end_s = end_of(options, simulation);
+  Filming film(options.pictures, SimulationSource(simulation));
+  film.rehearse();
+  film.open();
+  {
+    Progress progress(simulation.time_s(), end_s, true);
+    film.observe(simulation);
+    run_until(simulation, end_s, progress, [&] { film.observe(simulation); });
+  }
+  film.finish();
+  fmt::print("{}\n", film.result());
 }
 
 /// Trails and coverage are made of the frames before.
@@ -89,7 +118,7 @@ void refuse_speed(const RenderOptions& options) {
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
   throw InputError(
       fmt::format("{}: error: the layer \"speed\" is drawn of worlds and checkpoints, not of recordings",
-                  options.input.string()));
+                  options.world.string()));
 }
 
 void draw_recording(const RenderOptions& options, RecordedRun& run) {
@@ -110,38 +139,59 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   Filming film(options.pictures, run);
   film.rehearse();
   film.open();
-  for (std::size_t frame = 0; frame < times.size() && !stop_requested(); ++frame) {
-    run.go_to_frame(frame);
-    film.observe(run, frame + 1 < times.size() ? times[frame + 1] : std::numeric_limits<double>::infinity());
+  {
+    Progress progress(times.front(), times.back(), true);
+    for (std::size_t frame = 0; frame < times.size() && !stop_requested(); ++frame) {
+      run.go_to_frame(frame);
+      film.observe(run,
+                   frame + 1 < times.size() ? times[frame + 1] : std::numeric_limits<double>::infinity());
+      progress.update(times[frame]);
+    }
   }
   film.finish();
+  fmt::print("{}\n", film.result());
+}
+
+/// What a checkpoint or a recording holds already.
+void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
+                  std::string_view what) {
+  for (const std::string& option : options.given)
+    if (std::ranges::find(allowed, option) == allowed.end())
+      throw InputError(
+          fmt::format("{}: error: {} is for worlds: this is a {}", options.world.string(), option, what));
+}
+
+Simulation load(const RenderOptions& options, bool is_checkpoint) {
+  const SimulationOptions& simulation = options.simulation;
+  if (is_checkpoint)
+    return Simulation::resume(
+        options.world, {.threads = simulation.threads, .plugin_path = plugin_path(simulation.plugin_path)});
+  return Simulation(options.world, with_environment(simulation));
 }
 
 void render_checked(const RenderOptions& options) {
+  constexpr std::array<std::string_view, 2> k_of_checkpoints = {"--for", "--threads"};
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
-  check_outputs({{options.input, "what is to be drawn"}}, outputs);
+  check_outputs({{options.world, "what is to be drawn"}}, outputs);
   check_film(wanted);
-  const bool is_checkpoint = worldio::is_checkpoint(options.input);
-  if (!is_checkpoint && is_hdf5(options.input)) {
-    RecordedRun run(options.input);
+  const bool is_checkpoint = worldio::is_checkpoint(options.world);
+  if (!is_checkpoint && is_hdf5(options.world)) {
+    refuse_given(options, {}, "recording; --at draws one of its times");
+    RecordedRun run(options.world);
     if (!wanted.snapshot.empty()) draw_recording(options, run);
     if (!wanted.film.empty()) film_recording(options, run);
     return;
   }
-  if (!wanted.film.empty())
-    throw InputError(
-        fmt::format("{}: error: --film: a recording can be filmed; a world is while it runs, by "
-                    "troupe run --film",
-                    options.input.string()));
-  if (is_checkpoint) {
-    draw_simulation(options,
-                    Simulation::resume(options.input, {.plugin_path = plugin_path(options.plugin_path)}));
-  } else {
-    SimulationOptions simulation;
-    simulation.plugin_path = options.plugin_path;
-    draw_simulation(options, Simulation(options.input, with_environment(std::move(simulation))));
+  if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint");
+  if (!wanted.snapshot.empty()) {
+    Simulation simulation = load(options, is_checkpoint);
+    draw_simulation(options, simulation);
+  }
+  if (!wanted.film.empty() && !stop_requested()) {
+    Simulation simulation = load(options, is_checkpoint);
+    film_simulation(options, simulation);
   }
 }
 
@@ -151,23 +201,31 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
   command
       .add_option_function<std::string>(
-          "INPUT", [&options](const std::string& text) { options.input = text; },
+          "INPUT", [&options](const std::string& text) { options.world = text; },
           "World file, checkpoint or recording")
       ->option_text(" ")
       ->required();
   add_value(command, "-o,--output", "FILE.png",
             "The picture; {time} in its name stands for the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
-  add_value(command, "--at", "T,...", "Simulated times to draw, s",
-            [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
+  CLI::Option* const at =
+      add_value(command, "--at", "T,...", "Simulated times to draw, s",
+                [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
   add_film_options(command, options.pictures);
   add_look_options(command, options.pictures.look);
-  add_plugin_path_option(command, options.plugin_path);
-  add_simd_option(command);
-  command.final_callback([&options] {
-    if (options.pictures.snapshot.empty() && options.pictures.film.empty())
-      throw CLI::RequiredError("--output or --film");
-    check_names(options.pictures, "--at", "--output");
+  add_run_settings(command, options);
+  command.get_option("--for")->excludes(at);
+  add_value(command, "--threads", "N", "Worker threads (default: one for each processor it may use)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  command.final_callback([&command, &options] {
+    PictureFiles& pictures = options.pictures;
+    if (pictures.snapshot.empty() && pictures.film.empty()) throw CLI::RequiredError("--output or --film");
+    if (pictures.snapshot.empty() && !pictures.snapshot_at_s.empty())
+      throw CLI::RequiresError("--at", "--output");
+    for (const char* name : {"--for", "--seed", "--raytracer", "--robots", "--set", "--threads"})
+      if (command.count(name) > 0) options.given.emplace_back(name);
+    if (options.for_s) pictures.snapshot_at_s = {*options.for_s};
+    check_names(pictures, "--at", "--output");
   });
 }
 

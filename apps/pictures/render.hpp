@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
+#include "apps/options.hpp"
 #include "apps/pictures/picture_options.hpp"
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,10 +14,9 @@ class App;
 namespace troupe::apps {
 
 /// What the command line of `troupe render` asks for.
-struct RenderOptions {
-  std::filesystem::path input;  ///< a world, a checkpoint or a recording
-  PictureFiles pictures;
-  std::vector<std::filesystem::path> plugin_path;
+struct RenderOptions : WorldOptions {
+  PictureFiles pictures;           ///< of `world`: a world, a checkpoint or a recording
+  std::vector<std::string> given;  ///< options that say how a world is run, as they were given
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.

@@ -1,5 +1,7 @@
 #include "apps/run/report.hpp"
 
+#include "apps/numbers.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -13,14 +15,6 @@ namespace {
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
-/// "12,345,678": a number that people are to read.
-std::string grouped(std::uint64_t n) {
-  std::string text = fmt::format("{}", n);
-  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3)
-    text.insert(static_cast<std::size_t>(at), 1, ',');
-  return text;
-}
 
 std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 100 * ratio(part, whole)); }
 
@@ -49,20 +43,21 @@ std::string summary_text(const Report& report) {
   };
 
   if (report.stopped)
-    text += fmt::format("stopped early, at {:g} of {:g} s\n", s.time_s, report.end_s);
+    text += fmt::format("stopped early, at {:.10g} of {:.10g} s\n", s.time_s, report.end_s);
   else if (!report.stopped_by.empty())
-    text += fmt::format("finished at {:g} of {:g} s: {}\n", s.time_s, report.end_s, report.stopped_by);
+    text += fmt::format("finished at {:.10g} of {:.10g} s: {}\n", s.time_s, report.end_s, report.stopped_by);
   else
     text += "finished\n";
   line("robots", grouped(s.robots));
-  line("ticks", fmt::format("{} of {:g} s", grouped(s.ticks), report.tick_s));
+  line("ticks", fmt::format("{} of {:.10g} s", grouped(s.ticks), report.tick_s));
   line("simulated", fmt::format("{:.10g} s", s.time_s));
-  line("wall", fmt::format("{:.3f} s, after {:.3f} s of loading", report.wall_s, report.load_s));
-  line("times real time", fmt::format("{:.1f}", report.times_real_time()));
+  line("wall",
+       fmt::format("{} s, after {} s of loading", four_digits(report.wall_s), four_digits(report.load_s)));
+  line("times real time", four_digits(report.times_real_time()));
   if (report.rate > 0)
-    line("held back", fmt::format("{:.3f} s, to {:.10g} x real time", report.waited_s, report.rate));
-  line("cost", fmt::format("{:.0f} ns a robot and tick", report.ns_per_robot_tick()));
-  line("beams", fmt::format("{:.10g} a tick", report.beams_per_tick()));
+    line("held back", fmt::format("{} s, to {:.10g} x real time", four_digits(report.waited_s), report.rate));
+  line("cost", fmt::format("{} ns a robot and tick", four_digits(report.ns_per_robot_tick())));
+  line("beams", fmt::format("{} a tick", four_digits(report.beams_per_tick())));
   std::string shares;
   for (std::size_t i = 0; i < k_phases; ++i)
     shares +=
@@ -71,11 +66,11 @@ std::string summary_text(const Report& report) {
   line("threads", fmt::format("{}, serial share {:.1f} %, imbalance {:.2f}", report.threads,
                               100 * report.serial_share, report.imbalance));
   line("peak memory",
-       fmt::format("{:.1f} MiB", static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0)));
+       fmt::format("{} MiB", four_digits(static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0))));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
                               percent(static_cast<double>(s.stalled), static_cast<double>(s.robots))));
   if (s.held_at_bounds > 0) line("held at bounds", grouped(s.held_at_bounds));
-  line("mean displacement", fmt::format("{:.3f} m", s.mean_displacement_m));
+  line("mean displacement", fmt::format("{} m", four_digits(s.mean_displacement_m)));
   if (!report.checkpoint.empty()) line("saved in", report.checkpoint);
   line("state hash", hash_text(report.hashes.state));
   return text;

@@ -91,10 +91,10 @@ void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool sh
       runs, {}, [](const auto& run) { return run->report().end_s; });  // it is in no other's way
   for (const auto& run : runs) run->begin();
   {
-    Progress progress(last.simulation().tick(), last.ticks(), last.simulation().tick_s(), show_progress);
+    Progress progress(last.simulation().time_s(), last.report().end_s, show_progress);
     for (WorldRun* run = next_of(runs); run && !is_over(); run = next_of(runs)) {
       run->step();
-      if (run == &last) progress.update(last.simulation().tick());
+      if (run == &last) progress.update(last.simulation().time_s());
     }
   }
   for (const auto& run : runs) run->finish();

@@ -151,8 +151,12 @@ void WorldRun::print_summary(bool is_one_of_several) const {
       fmt::print(stderr, "{}\n", warning);
   if (options_.json)
     fmt::print("{}", summary_json(report_));
-  else if (!options_.quiet)
+  else if (!options_.quiet) {
     fmt::print("{}{}", is_one_of_several ? report_.world + ": " : "", summary_text(report_));
+    for (const auto& observer : observers_)
+      if (const std::string result = observer->result(); !result.empty())
+        fmt::print("  {:<18} {}\n", "written", result);
+  }
   if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
 }
 

@@ -44,7 +44,6 @@ class WorldRun {
   void begin();
   void step();
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
-  std::uint64_t ticks() const { return ticks_; }
   /// World time at the end of its next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Writes what observers still hold, and fills in the report.

@@ -92,6 +92,14 @@ TEST_F(RunPictures, AFilmHasThirtyPicturesASecond) {
   EXPECT_EQ((film.size() - head) / (64 * 48 * 4), 16u);  // 0 to 0.5 s
 }
 
+TEST_F(RunPictures, TheSummaryNamesTheFilm) {
+  add_ffmpeg();
+  const Outcome outcome = troupe({"run", "room.world", "--for", "0.5", "--film", "f.mp4", "--size", "64x48"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out),
+              ::testing::Contains("  written            f.mp4: 16 pictures, 0.5333 s"));
+}
+
 TEST_F(RunPictures, AFilmMayBeFasterOrOfFewerPictures) {
   add_ffmpeg();
   EXPECT_EQ(run({"--film", "f.mp4", "--fps", "10", "--film-speed", "2"}).code, 0);

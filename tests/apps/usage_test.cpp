@@ -279,12 +279,21 @@ TEST_F(Describe, PresetsShowTheirOwnDefaults) {
   EXPECT_NE(outcome.out, troupe({"describe", "expand_pioneer"}).out);
 }
 
-TEST_F(Describe, UnknownKindNamesWhatThereIs) {
+TEST_F(Describe, AnUnknownKindBringsASuggestion) {
   const Outcome outcome = troupe({"describe", "rangre"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, IsEmpty());
-  EXPECT_THAT(outcome.err, AllOf(StartsWith("troupe describe: error: unknown kind \"rangre\"; known: "),
-                                 HasSubstr("bumper, "), HasSubstr("(did you mean \"ranger\"?)")));
+  EXPECT_EQ(
+      outcome.err,
+      "troupe describe: error: unknown kind \"rangre\" (did you mean \"ranger\"?); `troupe describe` lists "
+      "all\n");
+}
+
+TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
+  const std::string text = troupe({"describe", "ranger"}).out;
+  EXPECT_THAT(text, StartsWith("sensor ranger: "));
+  EXPECT_LT(text.find("sensor ranger: "), text.find("model ranger: "));
+  EXPECT_LT(text.find("may take its place in JSON"), text.find("in a Stage world"));
 }
 
 }  // namespace

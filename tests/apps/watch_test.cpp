@@ -50,8 +50,8 @@ TEST_F(Watch, StagePathIsWhereWorldsAndIncludesAreLookedFor) {
 TEST_F(Watch, ShowClockTellsTheTimeAsOftenAsTheWorldSays) {
   write_world("w.world", "show_clock 1 show_clock_interval 5");
   EXPECT_THAT(lines_of(troupe({"run", "w.world", "--for", "1.2"}).err),
-              ElementsAre("arena: 0 s", MatchesRegex("arena: 0.5 s, [0-9.]+ x real time"),
-                          MatchesRegex("arena: 1 s, [0-9.]+ x real time")));
+              ElementsAre("arena: 0 s", MatchesRegex("arena: 0.5 s, [0-9.,]+ x real time"),
+                          MatchesRegex("arena: 1 s, [0-9.,]+ x real time")));
   EXPECT_THAT(troupe({"run", "w.world", "--for", "1.2", "--quiet"}).err, IsEmpty());
   write_world("w.world", "show_clock 0 show_clock_interval 5");
   EXPECT_THAT(troupe({"run", "w.world", "--for", "1.2"}).err, IsEmpty());
@@ -60,10 +60,10 @@ TEST_F(Watch, ShowClockTellsTheTimeAsOftenAsTheWorldSays) {
 TEST_F(Watch, TheClockIsThereForWhoAsksForIt) {
   write_world("w.world", "");
   EXPECT_THAT(lines_of(troupe({"run", "w.world", "--for", "12", "--clock"}).err),
-              ElementsAre("arena: 0 s", MatchesRegex("arena: 10 s, [0-9.]+ x real time")));
+              ElementsAre("arena: 0 s", MatchesRegex("arena: 10 s, [0-9.,]+ x real time")));
   write_world("w.world", "show_clock_interval 60");
   EXPECT_THAT(lines_of(troupe({"run", "w.world", "--for", "7", "--clock"}).err),
-              ElementsAre("arena: 0 s", MatchesRegex("arena: 6 s, [0-9.]+ x real time")));
+              ElementsAre("arena: 0 s", MatchesRegex("arena: 6 s, [0-9.,]+ x real time")));
 }
 
 TEST_F(Watch, LinesAndAProgressBarDoNotMix) {

@@ -1,0 +1,27 @@
+#include "apps/numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+
+namespace troupe::apps {
+
+std::string grouped(std::uint64_t n) {
+  std::string text = fmt::format("{}", n);
+  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3)
+    text.insert(static_cast<std::size_t>(at), 1, ',');
+  return text;
+}
+
+std::string four_digits(double x) {
+  constexpr double k_first_exponent = 1e4;  // of {:.4g}
+  constexpr double k_largest = 1e15;        // a double counts so far, and people do not
+  const double size = std::abs(x);
+  if (!(size >= k_first_exponent && size < k_largest)) return fmt::format("{:.4g}", x);
+  const double rounded = std::strtod(fmt::format("{:.3e}", size).c_str(), nullptr);
+  return (x < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(rounded));
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+/// Numbers for people; files have all digits.
+namespace troupe::apps {
+
+/// `12,345,678`.
+std::string grouped(std::uint64_t n);
+/// Rounded to four digits: `0.01235`, `123.5`, `12,350`. Without an exponent from 0.0001 to 10^15.
+std::string four_digits(double x);
+
+}  // namespace troupe::apps
