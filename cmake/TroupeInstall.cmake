@@ -61,6 +61,9 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME troupe)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+if(TROUPE_RENDER)
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # opened when the first picture is asked for
+endif()
 
 # What troupeConfig.cmake looks for.
 set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)

@@ -40,7 +40,7 @@ class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
   explicit Camera(const engine::World& world) : world_(world), painter_(world.frame_scene()) {
-    draw();  // the first picture takes over nothing from one before
+    draw();  // opens OSMesa, and loads what the driver needs
     frames_ = 0;
   }
   void start() { next_ = Clock::now() + k_frame_period; }

@@ -1,10 +1,14 @@
+#define GL_GLEXT_PROTOTYPES  // for the types of the functions; none is linked
+
 #include "render/canvas.hpp"
 
+#include "render/osmesa_context.hpp"
+
+#include <GL/gl.h>
+#include <GL/glext.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
@@ -14,22 +18,286 @@
 namespace troupe::render {
 namespace {
 
+/// Pictures are drawn in tiles of at most this side: 2048^2 pixels of 4 samples, colour and depth, take 134
+/// MB, so a poster of 16384^2 needs no more than that beside its own pixels.
+constexpr int k_tile = 2048;
+constexpr int k_samples = 4;
 /// How far shadows reach on the floor for each metre of height.
-constexpr double k_shadow_slope = 0.5;
-/// Light comes from the left, from behind, and from above.
-constexpr double k_light_x = -0.894;
-constexpr double k_light_y = 0.447;
-/// Clip depths that flat layers take up: they are spread over less than all of it, so that none is cut off.
-constexpr double k_flat_depths = 0.9;
+constexpr float k_shadow_slope = 0.5F;
 
-/// A point in the clip coordinates of OpenGL: what is seen has x, y and z from -w to w.
-struct Clip {
-  double x = 0, y = 0, z = 0, w = 1;
+// clang-format off
+#define TROUPE_GL_FUNCTIONS(X) \
+  X(glAttachShader) X(glBindBuffer) X(glBindFramebuffer) X(glBindRenderbuffer) X(glBindVertexArray) \
+  X(glBlendFuncSeparate) X(glBlitFramebuffer) X(glBufferData) X(glCheckFramebufferStatus) \
+  X(glClear) X(glClearColor) X(glCompileShader) X(glCreateProgram) X(glCreateShader) X(glDeleteBuffers) \
+  X(glDeleteFramebuffers) X(glDeleteRenderbuffers) X(glDeleteVertexArrays) X(glDepthFunc) X(glDepthMask) \
+  X(glDisable) X(glDrawArrays) X(glDrawArraysInstanced) X(glEnable) X(glEnableVertexAttribArray) \
+  X(glFramebufferRenderbuffer) X(glGenBuffers) X(glGenFramebuffers) X(glGenRenderbuffers) \
+  X(glGenVertexArrays) X(glGetError) X(glGetIntegerv) X(glGetProgramInfoLog) X(glGetProgramiv) \
+  X(glGetUniformLocation) X(glLinkProgram) X(glPixelStorei) X(glPointSize) X(glReadPixels) \
+  X(glRenderbufferStorageMultisample) X(glShaderSource) X(glUniform1f) X(glUniform2f) X(glUniform3f) \
+  X(glUniformMatrix4fv) X(glUseProgram) X(glVertexAttribDivisor) X(glVertexAttribIPointer) \
+  X(glVertexAttribPointer) X(glViewport)
+// clang-format on
 
-  Clip mixed(const Clip& other, double share) const {
-    return {x + share * (other.x - x), y + share * (other.y - y), z + share * (other.z - z),
-            w + share * (other.w - w)};
+struct Gl {
+#define TROUPE_GL_MEMBER(name) decltype(&::name) name;
+  TROUPE_GL_FUNCTIONS(TROUPE_GL_MEMBER)
+#undef TROUPE_GL_MEMBER
+
+  explicit Gl(const OsmesaContext& context) {
+#define TROUPE_GL_LOAD(name) name = reinterpret_cast<decltype(name)>(context.procedure(#name));
+    TROUPE_GL_FUNCTIONS(TROUPE_GL_LOAD)
+#undef TROUPE_GL_LOAD
   }
+};
+
+// The picture's y points down and OpenGL's rows go up: turning y round here makes row 0 the top one.
+constexpr const char* k_flat_shader = R"(#version 330 core
+layout(location = 0) in vec3 vertex;
+layout(location = 1) in vec2 offset;
+layout(location = 2) in vec4 own;
+layout(location = 3) in uint paint;
+layout(location = 4) in vec4 place;
+layout(location = 5) in vec2 z_size;
+layout(location = 6) in vec4 body;
+layout(location = 7) in vec4 edge;
+layout(location = 8) in vec4 mark;
+uniform vec2 picture;
+uniform vec2 heights;
+flat out vec4 color;
+void main() {
+  vec2 p = vertex.xy * z_size.y + offset;
+  vec2 q = place.xy + vec2(p.x * place.z - p.y * place.w, p.x * place.w + p.y * place.z);
+  float height = (z_size.x + vertex.z - heights.x) / heights.y;
+  gl_Position = vec4(vec2(q.x, -q.y) * 2.0 / picture, 0.9 - 1.8 * height, 1.0);
+  color = paint == 0u ? own : paint == 1u ? body : paint == 2u ? edge : mark;
+}
+)";
+
+// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke. Faces are lit from both sides
+// alike, as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from
+// above.
+constexpr const char* k_solid_shader = R"(#version 330 core
+layout(location = 0) in vec3 vertex;
+layout(location = 1) in vec4 a;
+layout(location = 2) in vec4 own;
+layout(location = 3) in uvec2 kind;
+layout(location = 4) in vec4 place;
+layout(location = 5) in vec2 turn;
+layout(location = 6) in vec4 body;
+layout(location = 7) in vec4 edge;
+layout(location = 8) in vec4 mark;
+uniform mat4 clip;
+uniform vec2 picture;
+uniform vec3 eye;
+uniform float nearest;
+uniform float bias;
+uniform float shadow;
+flat out vec4 color;
+const vec2 light = vec2(-0.894, 0.447);
+vec3 turned(vec3 v) { return vec3(v.x * turn.x - v.y * turn.y, v.x * turn.y + v.y * turn.x, v.z); }
+vec4 seen(vec3 v) {
+  vec3 p = turned(v * place.w) + place.xyz;
+  if (shadow > 0.0) p = vec3(p.xy - light * max(p.z, 0.0) * shadow, 0.0);
+  return clip * vec4(p, 1.0);
+}
+void main() {
+  color = kind.x == 0u ? own : kind.x == 1u ? body : kind.x == 2u ? edge : mark;
+  vec4 c = seen(vertex);
+  if (kind.y == 0u) {
+    vec3 normal = turned(a.xyz);
+    vec3 p = turned(vertex * place.w) + place.xyz;
+    if (dot(normal, eye - p) < 0.0) normal = -normal;
+    color.rgb *= mix(0.70 + 0.20 * dot(normal.xy, light), 1.0, max(normal.z, 0.0));
+  } else if (kind.y == 1u) {
+    c.z += bias;
+  } else {
+    vec4 d = seen(a.xyz);
+    if (c.w <= nearest && d.w <= nearest) {
+      gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+      return;
+    }
+    if (c.w < nearest && d.w > nearest) c = mix(c, d, (nearest - c.w) / (d.w - c.w));
+    if (d.w < nearest && c.w > nearest) d = mix(d, c, (nearest - d.w) / (c.w - d.w));
+    vec2 way = (d.xy / d.w - c.xy / c.w) * picture;
+    vec2 along = dot(way, way) > 0.0 ? normalize(way) : vec2(1.0, 0.0);
+    vec2 pixels = vec2(-along.y, along.x) * a.w - along * abs(a.w);
+    c.xy += pixels * 2.0 / picture * c.w;
+    c.z += bias;
+  }
+  if (shadow > 0.0) color = edge;
+  gl_Position = vec4(c.x, -c.y, c.z, c.w);
+}
+)";
+
+constexpr const char* k_point_shader = R"(#version 330 core
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec4 own;
+uniform mat4 clip;
+flat out vec4 color;
+void main() {
+  vec4 c = clip * vec4(place, 1.0);
+  gl_Position = vec4(c.x, -c.y, c.z, c.w);
+  color = own;
+}
+)";
+
+constexpr const char* k_fragment_shader = R"(#version 330 core
+flat in vec4 color;
+out vec4 pixel;
+void main() { pixel = color; }
+)";
+
+GLuint link_program(const Gl& gl, const char* vertex_shader) {
+  const GLuint program = gl.glCreateProgram();
+  for (const auto& [kind, source] :
+       {std::pair{GL_VERTEX_SHADER, vertex_shader}, std::pair{GL_FRAGMENT_SHADER, k_fragment_shader}}) {
+    const GLuint shader = gl.glCreateShader(static_cast<GLenum>(kind));
+    gl.glShaderSource(shader, 1, &source, nullptr);
+    gl.glCompileShader(shader);
+    gl.glAttachShader(program, shader);
+  }
+  gl.glLinkProgram(program);
+  GLint linked = 0;
+  gl.glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (!linked) {
+    std::array<char, 1024> log{};
+    gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    throw std::runtime_error(fmt::format("cannot draw: the driver refuses the shaders: {}", log.data()));
+  }
+  return program;
+}
+
+/// A framebuffer object with one colour and one depth buffer.
+struct Framebuffer {
+  GLuint name = 0;
+  std::array<GLuint, 2> buffers{};
+
+  /// `samples` 0 is a plain one. Throws where the driver gives none.
+  void make(const Gl& gl, int width, int height, int samples) {
+    gl.glGenFramebuffers(1, &name);
+    gl.glGenRenderbuffers(2, buffers.data());
+    gl.glBindFramebuffer(GL_FRAMEBUFFER, name);
+    constexpr std::array<GLenum, 2> k_attachments = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    constexpr std::array<GLenum, 2> k_formats = {GL_RGBA8, GL_DEPTH_COMPONENT24};
+    for (std::size_t i = 0; i < 2; ++i) {
+      gl.glBindRenderbuffer(GL_RENDERBUFFER, buffers[i]);
+      gl.glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, k_formats[i], width, height);
+      gl.glFramebufferRenderbuffer(GL_FRAMEBUFFER, k_attachments[i], GL_RENDERBUFFER, buffers[i]);
+    }
+    if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
+        gl.glGetError() != GL_NO_ERROR) {
+      throw std::runtime_error(
+          fmt::format("cannot draw: the driver gives no framebuffer of {} x {} pixels", width, height));
+    }
+  }
+  void release(const Gl& gl) {
+    gl.glDeleteFramebuffers(1, &name);
+    gl.glDeleteRenderbuffers(2, buffers.data());
+    name = 0;
+  }
+};
+
+void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
+
+/// The buffers of a layer, behind one vertex array object, for the length of a picture.
+class Uploaded {
+ public:
+  template <class AnyLayerOfMeshes>
+  Uploaded(const Gl& gl, const AnyLayerOfMeshes& layer)
+      : gl_(gl),
+        vertices_(static_cast<GLsizei>(layer.mesh.size())),
+        instances_(static_cast<GLsizei>(layer.instances.size())) {
+    begin();
+    add(0, layer.mesh);
+    add(1, layer.instances);
+    for (GLuint location = 4; location <= 8; ++location) gl.glVertexAttribDivisor(location, 1);
+  }
+  Uploaded(const Gl& gl, const PointLayer& layer)
+      : gl_(gl), vertices_(static_cast<GLsizei>(layer.points.size())), instances_(0) {
+    begin();
+    add(0, layer.points);
+  }
+  ~Uploaded() {
+    gl_.glDeleteVertexArrays(1, &array_);
+    gl_.glDeleteBuffers(2, buffers_.data());
+  }
+  Uploaded(const Uploaded&) = delete;
+  Uploaded& operator=(const Uploaded&) = delete;
+
+  void draw() const {
+    gl_.glBindVertexArray(array_);
+    if (instances_ > 0)
+      gl_.glDrawArraysInstanced(GL_TRIANGLES, 0, vertices_, instances_);
+    else
+      gl_.glDrawArrays(GL_POINTS, 0, vertices_);
+  }
+
+ private:
+  void begin() {
+    gl_.glGenVertexArrays(1, &array_);
+    gl_.glBindVertexArray(array_);
+    gl_.glGenBuffers(2, buffers_.data());
+  }
+  template <class Each>
+  void add(std::size_t buffer, const std::vector<Each>& data) const {
+    gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers_[buffer]);
+    gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(Each)), data.data(),
+                     GL_STREAM_DRAW);
+    describe(Each{});
+  }
+  void floats(GLuint location, GLint count, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
+                              byte_offset(offset));
+  }
+  void color(GLuint location, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribPointer(location, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLsizei>(stride),
+                              byte_offset(offset));
+  }
+  void integers(GLuint location, GLint count, std::size_t stride, std::size_t offset) const {
+    gl_.glEnableVertexAttribArray(location);
+    gl_.glVertexAttribIPointer(location, count, GL_UNSIGNED_INT, static_cast<GLsizei>(stride),
+                               byte_offset(offset));
+  }
+  void describe(const Vertex&) const {
+    floats(0, 3, sizeof(Vertex), offsetof(Vertex, x));
+    floats(1, 2, sizeof(Vertex), offsetof(Vertex, offset_x));
+    color(2, sizeof(Vertex), offsetof(Vertex, own));
+    integers(3, 1, sizeof(Vertex), offsetof(Vertex, paint));
+  }
+  void describe(const Instance&) const {
+    floats(4, 4, sizeof(Instance), offsetof(Instance, x));
+    floats(5, 2, sizeof(Instance), offsetof(Instance, z));
+    color(6, sizeof(Instance), offsetof(Instance, body));
+    color(7, sizeof(Instance), offsetof(Instance, edge));
+    color(8, sizeof(Instance), offsetof(Instance, mark));
+  }
+  void describe(const Point&) const {
+    floats(0, 3, sizeof(Point), offsetof(Point, x));
+    color(1, sizeof(Point), offsetof(Point, color));
+  }
+  void describe(const SolidVertex&) const {
+    floats(0, 3, sizeof(SolidVertex), offsetof(SolidVertex, x));
+    floats(1, 4, sizeof(SolidVertex), offsetof(SolidVertex, ax));
+    color(2, sizeof(SolidVertex), offsetof(SolidVertex, own));
+    integers(3, 2, sizeof(SolidVertex), offsetof(SolidVertex, paint));
+  }
+  void describe(const SolidInstance&) const {
+    floats(4, 4, sizeof(SolidInstance), offsetof(SolidInstance, x));
+    floats(5, 2, sizeof(SolidInstance), offsetof(SolidInstance, cos));
+    color(6, sizeof(SolidInstance), offsetof(SolidInstance, body));
+    color(7, sizeof(SolidInstance), offsetof(SolidInstance, edge));
+    color(8, sizeof(SolidInstance), offsetof(SolidInstance, mark));
+  }
+
+  const Gl& gl_;
+  GLuint array_ = 0;
+  std::array<GLuint, 2> buffers_{};
+  GLsizei vertices_;
+  GLsizei instances_;  // 0: points, which are none of anything
 };
 
 /// The interval of heights that the depth buffer has to tell apart in flat layers.
@@ -52,219 +320,168 @@ ZInterval heights_of(std::span<const AnyLayer> layers) {
   return all.min < all.max ? all : ZInterval{all.min, all.min + 1};
 }
 
-template <class AnyInstance>
-Rgba color_of(Paint paint, Rgba own, const AnyInstance& instance) {
-  switch (paint) {
-    case Paint::own: return own;
-    case Paint::body: return instance.body;
-    case Paint::edge: return instance.edge;
-    case Paint::mark: break;
-  }
-  return instance.mark;
-}
-
-/// Puts the triangles of layers onto the picture.
-class Projector {
+/// The context is the calling thread's for as long as this lives.
+class Current {
  public:
-  Projector(const Projection& projection, const ZInterval& heights, Raster& raster)
-      : raster_(raster),
-        width_(projection.width()),
-        height_(projection.height()),
-        heights_(heights),
-        in_world_(projection.clip_matrix()),
-        eye_(projection.viewer_from_origin()),
-        nearest_(projection.nearest()),
-        bias_(projection.clip_bias()) {}
-
-  void operator()(const Layer& layer) {
-    if (layer.on_top) raster_.clear_depth();
-    for (const Instance& instance : layer.instances) {
-      const auto place = [&](const Vertex& v) {
-        const double x = double{v.x} * instance.size + v.offset_x;
-        const double y = double{v.y} * instance.size + v.offset_y;
-        return on_map(instance.x + x * instance.cos - y * instance.sin,
-                      instance.y + x * instance.sin + y * instance.cos, double{instance.z} + v.z);
-      };
-      for (std::size_t i = 0; i + 2 < layer.mesh.size(); i += 3) {
-        const Vertex& last = layer.mesh[i + 2];
-        add({place(layer.mesh[i]), place(layer.mesh[i + 1]), place(last)},
-            color_of(last.paint, last.own, instance), DepthRule::test_and_write);
-      }
-    }
-  }
-
-  void operator()(const SolidLayer& layer) {
-    const DepthRule rule = layer.depth == SolidLayer::Depth::solid ? DepthRule::test_and_write
-                           : layer.depth == SolidLayer::Depth::air ? DepthRule::test
-                                                                   : DepthRule::none;
-    for (const SolidInstance& instance : layer.instances)
-      for (std::size_t i = 0; i + 2 < layer.mesh.size(); i += 3)
-        add_solid(std::span(layer.mesh).subspan(i).first<3>(), instance, layer.shadow, rule);
-  }
-
-  void operator()(const PointLayer& layer) {
-    if (layer.on_top) raster_.clear_depth();
-    for (const Point& point : layer.points) {
-      const Clip at =
-          layer.on_map ? on_map(point.x, point.y, point.z) : in_world({point.x, point.y, point.z});
-      if (is_inside(at)) raster_.add_square(pixel(at), layer.size, point.color, DepthRule::test_and_write);
-    }
-  }
+  explicit Current(OsmesaContext& context) : context_(context) { context_.make_current(); }
+  ~Current() { context_.release(); }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
 
  private:
-  /// Of a point in pixels right of and above the picture's middle, and its height.
-  Clip on_map(double x, double y, double z) const {
-    const double share = (z - heights_.min) / (heights_.max - heights_.min);
-    return {2 * x / width_, 2 * y / height_, k_flat_depths * (1 - 2 * share), 1};
-  }
-
-  Clip in_world(const Vec3& p) const {
-    const auto& m = in_world_;
-    return {m[0] * p.x() + m[4] * p.y() + m[8] * p.z() + m[12],
-            m[1] * p.x() + m[5] * p.y() + m[9] * p.z() + m[13],
-            m[2] * p.x() + m[6] * p.y() + m[10] * p.z() + m[14],
-            m[3] * p.x() + m[7] * p.y() + m[11] * p.z() + m[15]};
-  }
-
-  static Vec3 turned(const SolidInstance& instance, double x, double y, double z) {
-    return {x * instance.cos - y * instance.sin, x * instance.sin + y * instance.cos, z};
-  }
-
-  static Vec3 placed(const SolidInstance& instance, double x, double y, double z) {
-    return turned(instance, x * instance.scale, y * instance.scale, z * instance.scale) +
-           Vec3(instance.x, instance.y, instance.z);
-  }
-
-  /// Where the viewer sees a point of an instance, or its shadow on the floor.
-  Clip seen(const SolidInstance& instance, double x, double y, double z, bool is_shadow) const {
-    Vec3 p = placed(instance, x, y, z);
-    if (is_shadow) {
-      const double reach = k_shadow_slope * std::max(p.z(), 0.0);
-      p = {p.x() - k_light_x * reach, p.y() - k_light_y * reach, 0};
-    }
-    return in_world(p);
-  }
-
-  /// A corner of a stroke: to the side of a line that is cut off where it comes too near.
-  Clip stroke_corner(const SolidVertex& v, Clip here, Clip there) const {
-    if (here.w < nearest_ && there.w > nearest_)
-      here = here.mixed(there, (nearest_ - here.w) / (there.w - here.w));
-    if (there.w < nearest_ && here.w > nearest_)
-      there = there.mixed(here, (nearest_ - there.w) / (here.w - there.w));
-    Vec2 along((there.x / there.w - here.x / here.w) * width_,
-               (there.y / there.w - here.y / here.w) * height_);
-    const double length = along.norm();
-    along = length > 0 ? Vec2(along / length) : Vec2(1, 0);
-    const Vec2 pixels = Vec2(-along.y(), along.x()) * v.side - along * std::abs(v.side);
-    return {here.x + pixels.x() * 2 / width_ * here.w, here.y + pixels.y() * 2 / height_ * here.w,
-            here.z + bias_, here.w};
-  }
-
-  void add_solid(std::span<const SolidVertex, 3> corners, const SolidInstance& instance, bool is_shadow,
-                 DepthRule rule) {
-    const SolidVertex& last = corners[2];
-    std::array<Clip, 3> clip;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const SolidVertex& v = corners[i];
-      clip[i] = seen(instance, v.x, v.y, v.z, is_shadow);
-      if (v.corner == Corner::plain) clip[i].z += bias_;
-      if (v.corner != Corner::stroke) continue;
-      const Clip there = seen(instance, v.ax, v.ay, v.az, is_shadow);
-      if (clip[i].w <= nearest_ && there.w <= nearest_) return;
-      clip[i] = stroke_corner(v, clip[i], there);
-    }
-    Rgba color = color_of(last.paint, last.own, instance);
-    if (last.corner == Corner::face) color = lit(color, last, instance);
-    add(clip, is_shadow ? instance.edge : color, rule);
-  }
-
-  /// Faces are lit from both sides alike, as if turned to the viewer: contours wind any way.
-  Rgba lit(Rgba color, const SolidVertex& v, const SolidInstance& instance) const {
-    Vec3 normal = turned(instance, v.ax, v.ay, v.az);
-    if (normal.dot(eye_ - placed(instance, v.x, v.y, v.z)) < 0) normal = -normal;
-    const double side = 0.70 + 0.20 * (normal.x() * k_light_x + normal.y() * k_light_y);
-    const double light = side + (1 - side) * std::max(normal.z(), 0.0);
-    for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<std::uint8_t>(color[k] * light + 0.5);
-    return color;
-  }
-
-  PixelPoint pixel(const Clip& at) const {
-    return {0.5 * (at.x / at.w + 1) * width_, 0.5 * (1 - at.y / at.w) * height_, 0.5 * (at.z / at.w + 1)};
-  }
-
-  /// How far points of the clip coordinates may lie beyond the picture's sides, times w.
-  double guard(double size) const { return Raster::k_guard / size; }
-
-  bool is_inside(const Clip& at) const {
-    return at.w > 0 && std::abs(at.z) <= at.w && std::abs(at.x) <= guard(width_) * at.w &&
-           std::abs(at.y) <= guard(height_) * at.w;
-  }
-
-  void add(const std::array<Clip, 3>& corners, Rgba color, DepthRule rule) {
-    if (std::ranges::all_of(corners, [this](const Clip& at) { return is_inside(at); })) {
-      raster_.add_triangle({pixel(corners[0]), pixel(corners[1]), pixel(corners[2])}, color, rule);
-      return;
-    }
-    const std::vector<Clip> kept = clipped(corners);
-    if (!std::ranges::all_of(kept, [this](const Clip& at) { return at.w > 0 && std::isfinite(at.x / at.w); }))
-      return;
-    for (std::size_t i = 2; i < kept.size(); ++i)
-      raster_.add_triangle({pixel(kept[0]), pixel(kept[i - 1]), pixel(kept[i])}, color, rule);
-  }
-
-  /// The part of a triangle that is_inside(), a convex polygon: Sutherland and Hodgman, Reentrant polygon
-  /// clipping, Communications of the ACM 17 (1974).
-  std::vector<Clip> clipped(const std::array<Clip, 3>& corners) const {
-    const double wide = 0.999 * guard(width_);  // that what is rounded still lies inside
-    const double high = 0.999 * guard(height_);
-    const std::array<double (*)(const Clip&, double, double), 6> sides = {
-        [](const Clip& p, double, double) { return p.z + p.w; },
-        [](const Clip& p, double, double) { return p.w - p.z; },
-        [](const Clip& p, double x, double) { return x * p.w - p.x; },
-        [](const Clip& p, double x, double) { return x * p.w + p.x; },
-        [](const Clip& p, double, double y) { return y * p.w - p.y; },
-        [](const Clip& p, double, double y) { return y * p.w + p.y; }};
-    std::vector<Clip> kept(corners.begin(), corners.end());
-    for (const auto& side : sides) {
-      std::vector<Clip> next;
-      for (std::size_t i = 0; i < kept.size(); ++i) {
-        const Clip& a = kept[i];
-        const Clip& b = kept[(i + 1) % kept.size()];
-        const double at_a = side(a, wide, high);
-        const double at_b = side(b, wide, high);
-        if (at_a >= 0) next.push_back(a);
-        if ((at_a >= 0) != (at_b >= 0)) next.push_back(a.mixed(b, at_a / (at_a - at_b)));
-      }
-      kept = std::move(next);
-    }
-    return kept;
-  }
-
-  Raster& raster_;
-  double width_;
-  double height_;
-  ZInterval heights_;
-  std::array<float, 16> in_world_;
-  Vec3 eye_;
-  double nearest_;
-  double bias_;
+  OsmesaContext& context_;
 };
 
 }  // namespace
 
-void Canvas::check_size(int width, int height) {
-  if (width >= 1 && height >= 1 && width <= k_longest_side && height <= k_longest_side) return;
+struct Canvas::Impl {
+  OsmesaContext context;
+  Gl gl{context};
+  GLuint flat = 0;
+  GLuint solid = 0;
+  GLuint points = 0;
+  std::array<GLint, 2> limit{};
+  std::array<float, 16> in_world{};  // clip matrices of points
+  std::array<float, 16> on_map{};
+  int tile_width = 0;
+  int tile_height = 0;
+  Framebuffer drawn;
+  Framebuffer resolved;
+
+  Impl() {
+    const Current current(context);
+    flat = link_program(gl, k_flat_shader);
+    solid = link_program(gl, k_solid_shader);
+    points = link_program(gl, k_point_shader);
+    gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
+  }
+
+  /// Tiles of this size, as they were left by the picture before where that was as large.
+  void make_tiles(int width, int height) {
+    if (drawn.name != 0 && width == tile_width && height == tile_height) return;
+    if (drawn.name != 0) drawn.release(gl);
+    if (resolved.name != 0) resolved.release(gl);
+    tile_width = 0;
+    GLint samples = 0;
+    gl.glGetIntegerv(GL_MAX_SAMPLES, &samples);
+    resolved.make(gl, width, height, 0);
+    drawn.make(gl, width, height, std::min(k_samples, samples));
+    tile_width = width;
+    tile_height = height;
+  }
+
+  GLint uniform(GLuint program, const char* name) const { return gl.glGetUniformLocation(program, name); }
+
+  void set_views(const Projection& projection, const ZInterval& heights) {
+    in_world = projection.clip_matrix();
+    // As in the flat shader.
+    const auto range = static_cast<float>(heights.max - heights.min);
+    on_map = {};
+    on_map[0] = 2.0F / static_cast<float>(projection.width());
+    on_map[5] = 2.0F / static_cast<float>(projection.height());
+    on_map[10] = -1.8F / range;
+    on_map[14] = 0.9F + 1.8F * static_cast<float>(heights.min) / range;
+    on_map[15] = 1;
+    const auto width = static_cast<float>(projection.width());
+    const auto height = static_cast<float>(projection.height());
+    gl.glUseProgram(flat);
+    gl.glUniform2f(uniform(flat, "picture"), width, height);
+    gl.glUniform2f(uniform(flat, "heights"), static_cast<float>(heights.min),
+                   static_cast<float>(heights.max - heights.min));
+    gl.glUseProgram(solid);
+    const Eigen::Vector3f eye = projection.viewer_from_origin().cast<float>();
+    gl.glUniformMatrix4fv(uniform(solid, "clip"), 1, GL_FALSE, in_world.data());
+    gl.glUniform2f(uniform(solid, "picture"), width, height);
+    gl.glUniform3f(uniform(solid, "eye"), eye.x(), eye.y(), eye.z());
+    gl.glUniform1f(uniform(solid, "nearest"), static_cast<float>(projection.nearest()));
+    gl.glUniform1f(uniform(solid, "bias"), projection.clip_bias());
+  }
+
+  void set_up(const Layer& layer) const {
+    if (layer.on_top) gl.glClear(GL_DEPTH_BUFFER_BIT);
+    gl.glUseProgram(flat);
+  }
+
+  void set_up(const SolidLayer& layer) const {
+    gl.glUseProgram(solid);
+    gl.glUniform1f(uniform(solid, "shadow"), layer.shadow ? k_shadow_slope : 0.0F);
+    if (layer.depth != SolidLayer::Depth::solid) gl.glDepthMask(GL_FALSE);
+    if (layer.depth == SolidLayer::Depth::floor) gl.glDisable(GL_DEPTH_TEST);
+  }
+
+  void set_up(const PointLayer& layer) const {
+    if (layer.on_top) gl.glClear(GL_DEPTH_BUFFER_BIT);
+    gl.glUseProgram(points);
+    gl.glUniformMatrix4fv(uniform(points, "clip"), 1, GL_FALSE, (layer.on_map ? on_map : in_world).data());
+    gl.glPointSize(layer.size);
+  }
+
+  /// One tile of the picture: its lower left corner is that of the framebuffer.
+  void draw_tile(std::span<const AnyLayer> layers,
+                 const std::vector<std::unique_ptr<Uploaded>>& uploaded) const {
+    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      std::visit([this](const auto& layer) { set_up(layer); }, layers[i]);
+      uploaded[i]->draw();
+      gl.glDepthMask(GL_TRUE);
+      gl.glEnable(GL_DEPTH_TEST);
+    }
+  }
+};
+
+Canvas::Canvas() : impl_(std::make_unique<Impl>()) {}
+Canvas::~Canvas() = default;
+
+void Canvas::check_size(int width, int height) const {
+  const auto& [widest, highest] = impl_->limit;
+  if (width >= 1 && height >= 1 && width <= widest && height <= highest) return;
   throw std::runtime_error(
-      fmt::format("cannot draw a picture of {} x {} pixels: each side must be from 1 to {}", width, height,
-                  k_longest_side));
+      fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
+                  "and this driver draws at most {} x {}",
+                  width, height, widest, highest));
 }
 
 Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers) {
-  check_size(projection.width(), projection.height());
-  raster_.begin(projection.width(), projection.height(), ground);
-  Projector project(projection, heights_of(layers), raster_);
-  for (const AnyLayer& layer : layers) std::visit(project, layer);
-  return {projection.width(), projection.height(), raster_.finish()};
+  const int width = projection.width();
+  const int height = projection.height();
+  check_size(width, height);
+  const Current current(impl_->context);
+  const Gl& gl = impl_->gl;
+  impl_->make_tiles(std::min(width, k_tile), std::min(height, k_tile));
+  impl_->set_views(projection, heights_of(layers));
+
+  std::vector<std::unique_ptr<Uploaded>> uploaded;
+  for (const AnyLayer& any : layers)
+    uploaded.push_back(
+        std::visit([&](const auto& layer) { return std::make_unique<Uploaded>(gl, layer); }, any));
+
+  gl.glEnable(GL_BLEND);
+  gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.glEnable(GL_DEPTH_TEST);
+  gl.glDepthFunc(GL_LEQUAL);
+  gl.glClearColor(ground[0] / 255.0F, ground[1] / 255.0F, ground[2] / 255.0F, ground[3] / 255.0F);
+  gl.glPixelStorei(GL_PACK_ROW_LENGTH, width);
+
+  Picture picture{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height)};
+  for (int top = 0; top < height; top += impl_->tile_height) {
+    for (int left = 0; left < width; left += impl_->tile_width) {
+      const int columns = std::min(impl_->tile_width, width - left);
+      const int rows = std::min(impl_->tile_height, height - top);
+      gl.glBindFramebuffer(GL_FRAMEBUFFER, impl_->drawn.name);
+      gl.glViewport(-left, -top, width, height);
+      impl_->draw_tile(layers, uploaded);
+      gl.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, impl_->resolved.name);
+      gl.glBlitFramebuffer(0, 0, columns, rows, 0, 0, columns, rows, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+      gl.glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->resolved.name);
+      gl.glReadPixels(0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE,
+                      picture.rgba.data() + 4 * (static_cast<std::size_t>(top) * width + left));
+    }
+  }
+  if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
+    throw std::runtime_error(fmt::format("cannot draw: OpenGL error {:#06x}{}", error,
+                                         error == GL_OUT_OF_MEMORY ? " (out of memory)" : ""));
+  }
+  return picture;
 }
 
 }  // namespace troupe::render

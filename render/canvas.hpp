@@ -1,16 +1,18 @@
 #pragma once
 
-#include "render/color.hpp"
 #include "render/draw.hpp"
 #include "render/projection.hpp"
-#include "render/raster.hpp"
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
 
 namespace troupe::render {
+
+using Rgba = std::array<std::uint8_t, 4>;
 
 /// Where the colour of a triangle comes from.
 enum class Paint : std::uint32_t { own, body, edge, mark };
@@ -101,20 +103,24 @@ struct PointLayer {
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 
-/// The sides of a picture, pixels.
-inline constexpr int k_longest_side = 16384;
-
-/// Draws layers. It keeps the picture that it drew last, of which the next takes over what has not changed.
+/// A place to draw on. May be used by any thread, by one at a time.
 class Canvas {
  public:
-  /// Throws std::runtime_error with the limit when a side is not from 1 to k_longest_side.
-  static void check_size(int width, int height);
-  /// Draws layers first to last on a plain ground, with 4 samples a pixel.
-  /// Throws std::runtime_error for a size that is not right.
+  /// Throws std::runtime_error where there is no OpenGL.
+  Canvas();
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  /// Throws std::runtime_error with the limit when a side is not from 1 to what the driver can draw.
+  void check_size(int width, int height) const;
+  /// Draws layers first to last on a plain ground, with 4 samples a pixel where the driver can.
+  /// Throws std::runtime_error for such a size, and where memory runs out.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:
-  Raster raster_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace troupe::render

@@ -27,7 +27,7 @@ constexpr double k_rows_of_one_stroke = 900;  // a picture of so many rows has s
 constexpr double k_margin = 0.03;             // around the scene's bounds, of the picture's smaller side
 constexpr double k_furniture_band = 40;       // below the scene's bounds, strokes
 
-/// The exceptions that drawing raises are none of the caller's.
+/// Keeps what the driver does to rounding and denormals from the calling thread.
 class KeepFpEnvironment {
  public:
   KeepFpEnvironment() { std::fegetenv(&environment_); }
@@ -140,7 +140,7 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
 struct Painter::Impl {
   FrameScene scene;
   SceneMeshes meshes{scene, {}};
-  Canvas canvas;
+  std::optional<Canvas> canvas;  // made with the first picture
 
   explicit Impl(FrameScene of) : scene(std::move(of)) {
     const KeepFpEnvironment keep;
@@ -190,7 +190,8 @@ Picture Painter::draw(const Frame& frame, const View& view) {
   const FrameScene& scene = impl_->scene;
   const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Layers& shown = view.layers;
-  Canvas::check_size(view.width, view.height);
+  if (!impl_->canvas) impl_->canvas.emplace();
+  impl_->canvas->check_size(view.width, view.height);
   std::vector<Rgba> colors;  // empty: the bodies' own
   if (!frame.values.empty())
     colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
@@ -219,7 +220,7 @@ Picture Painter::draw(const Frame& frame, const View& view) {
   }
   add_ties(layers, frame, *projection, shown);
   layers.emplace_back(flat(written(scene, frame, *projection, framing, view), true));
-  return impl_->canvas.paint(*projection, k_paper, layers);
+  return impl_->canvas->paint(*projection, k_paper, layers);
 }
 
 Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {

@@ -77,9 +77,9 @@ struct Picture {
 ///         and edges, which hide what is behind them
 /// robots  at least 3.5 pixels wide, so that a swarm stays visible; outlines from 7 pixels on, marks from 9;
 ///         a red outline when stalled
-/// errors  std::runtime_error: a side of less than a pixel or more than 16384; a region that is not finite or
-///         has no size
-/// checks  the same bytes for the same input, on any processor; the caller's floating-point environment is
+/// errors  std::runtime_error: no OSMesa (it is opened on first use), with the package to install; a size
+///         beyond what the driver draws, with the limit; a region that is not finite or has no size
+/// checks  the same bytes for the same input on one machine; the caller's floating-point environment is
 ///         left as it was; may be called on any thread, on one at a time
 class Painter {
  public:

@@ -99,8 +99,8 @@ class Pictures {
   /// Throws what write() would throw for a file of this name, before there is anything to draw: writes a
   /// small picture beside it and removes that.
   void rehearse(const std::filesystem::path& png);
-  /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where a side is not from 1 to 16384 pixels. Of one
-  /// thread at a time.
+  /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where OSMesa is missing, with the package to
+  /// install, and where the size is beyond what it draws. Of one thread at a time.
   std::vector<std::uint8_t> draw(const Shot& shot);
   /// A PNG that says of which world, time, seed and state it is; written beside its name and renamed when it
   /// is whole. Throws std::runtime_error also where it cannot be written.

@@ -432,8 +432,8 @@ class Simulation {
   /// The kinds it was made of. Lives as long as the simulation does.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG. Throws std::runtime_error where the build has no render, or
-  /// the file cannot be written.
+  /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
+  /// no render, or the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// The same as the options say (troupe/pictures.hpp): from where, of what size, with which layers. Throws
   /// also InputError for what the world has not.

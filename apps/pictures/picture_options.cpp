@@ -14,7 +14,8 @@
 namespace troupe::apps {
 namespace {
 
-constexpr int k_max_pixels = 16384;  // render::k_longest_side, of builds with and without render
+// What OSMesa draws at most.
+constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;
 constexpr double k_least_fps = 0.001;  // ffmpeg takes no rate below a millionth
 constexpr double k_most_fps = 1000;

@@ -20,7 +20,7 @@ foreach(name troupe libtroupe-dev)
 endforeach()
 file(GLOB package ${SCRATCH}/troupe_*.deb)
 run(dpkg-deb -f ${package} Depends)
-if(NOT output MATCHES "libc6.*libhdf5" AND NOT output MATCHES "libtbb12")
+if(NOT output MATCHES "libosmesa6.*libc6.*libhdf5" AND NOT output MATCHES "libtbb12")
   message(FATAL_ERROR "the program's package does not say what it needs: ${output}")
 endif()
 foreach(file share/man/man1/troupe.1 share/bash-completion/completions/troupe share/zsh/site-functions/_troupe

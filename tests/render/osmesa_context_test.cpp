@@ -1,0 +1,55 @@
+#include "render/osmesa_context.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <stdexcept>
+#include <thread>
+
+namespace troupe::render {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(OsmesaContext, SaysWhatToInstallWhenThereIsNone) {
+  const std::array names = {"libOSMesa-that-is-nowhere.so.1", "libOSMesa-nor-here.so"};
+  try {
+    open_osmesa(names);
+    FAIL() << "opened a library that does not exist";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)"));
+    EXPECT_THAT(error.what(), HasSubstr(names[0]));
+    EXPECT_THAT(error.what(), HasSubstr(names[1]));
+  }
+}
+
+TEST(OsmesaContext, TakesTheFirstThatOpens) {
+  const std::array names = {"libOSMesa-that-is-nowhere.so.1", "libOSMesa.so.8"};
+  EXPECT_NE(open_osmesa(names), nullptr);
+}
+
+TEST(OsmesaContext, IsCurrentWhereverItIsMadeSo) {
+  OsmesaContext first;
+  OsmesaContext second;
+  for (int i = 0; i < 2; ++i) {
+    first.make_current();
+    second.make_current();
+    second.release();
+  }
+  std::thread([&] {
+    first.make_current();
+    first.release();
+  }).join();
+}
+
+TEST(OsmesaContext, GivesEntryPointsAgainAndAgain) {
+  for (int i = 0; i < 3; ++i) {
+    const OsmesaContext context;
+    EXPECT_NE(context.procedure("glDrawArraysInstanced"), nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace troupe::render
