@@ -297,6 +297,17 @@ TEST_F(PluginsTest, AreFoundByLintAndByARegistry) {
   EXPECT_EQ(libraries[0].file, folder_of("plugins") / "walker.so");
 }
 
+TEST_F(PluginsTest, OfOneNameHaveParametersOfTheirOwn) {
+  engine::Registry here = make_registry();
+  engine::Registry there = make_registry();
+  const auto plugins = add_plugins(here, {folder_of("plugins")});
+  const auto others = add_plugins(there, {folder_of("other")});
+  ASSERT_NE(here.controller("walker"), nullptr);
+  ASSERT_NE(there.controller("walker"), nullptr);
+  EXPECT_EQ(here.controller("walker")->params.fields.front().text, "on the way");
+  EXPECT_EQ(there.controller("walker")->params.fields.front().text, "on another way");
+}
+
 /// The example of docs/controllers.md.
 TEST_F(PluginsTest, TheExampleFollowsTheWallsOfItsRoom) {
   Simulation simulation(fs::path(TROUPE_SOURCE_DIR) / "apps/examples/plugin/room.json",
