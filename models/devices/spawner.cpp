@@ -84,7 +84,7 @@ struct Spawner {
       return {};
     }
     std::vector<std::string_view> known;
-    for (const engine::ReserveSpec& reserve : world.reserves) known.push_back(reserve.population);
+    for (const engine::ReserveSpec& other : world.reserves) known.push_back(other.population);
     if (known.empty())
       return Error{
           fmt::format("bears \"{}\", and no population of this world has a \"reserve\"", params.population)};
