@@ -1,6 +1,7 @@
 #include "engine/description.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/world_spec.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
