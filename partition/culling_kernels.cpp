@@ -33,11 +33,10 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-/// What a look at the circles about a fan may make use of.
+/// Where the beams of a fan start, and whether the second half looks in the opposite directions of the first.
 struct Shape {
-  bool common_origin;  ///< of the beams
-  bool mirrored;       ///< the second half looks in the opposite directions of the first
-  bool cut;            ///< some beam may end nearer than circles are looked at
+  bool common_origin;
+  bool mirrored;
 };
 
 /// The parts of beams that are still to be seen, as circles are held against them. Of a circle whose middle
@@ -84,11 +83,7 @@ HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, 
     const auto past = [&](const Floats& from_middle, std::size_t beam) {
       return Sub(Abs(from_middle), Set(k_f, parts.half[beam]));
     };
-    if constexpr (kShape.common_origin && !kShape.cut) {
-      const Floats off = Abs(aside);
-      note(forwards, off, Neg(along));
-      if constexpr (kShape.mirrored) note(backwards, off, along);
-    } else if constexpr (kShape.common_origin) {
+    if constexpr (kShape.common_origin) {
       const Floats off = Abs(aside);
       note(forwards, off, past(Sub(along, Set(k_f, parts.middle[b])), b));
       if constexpr (kShape.mirrored)
@@ -120,14 +115,6 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
     kept += count_true(k_u, meets);
   }
   return kept;
-}
-
-/// Whether some beam ends nearer than `high`.
-HWY_INLINE bool is_cut(const Fan& fan, const float* limits, float high) {
-  Floats least = LoadU(k_f, limits);
-  for (std::size_t i = Lanes(k_f); i < fan.padded(); i += Lanes(k_f))
-    least = Min(least, LoadU(k_f, limits + i));
-  return !AllFalse(k_f, Lt(least, Set(k_f, high)));
 }
 
 /// Circles whose nearest point lies from low to high away, relative to the reference and with their margins;
@@ -221,14 +208,11 @@ std::size_t fan_may_meet(const CircleArrays& circles, std::size_t begin, std::si
                          MetCircles& met) {
   const std::size_t count = keep_between(circles, begin, end, reference, low, high, met);
   if (fan.scan != nullptr) return keep_met_by_scan(count, fan, limits, met);
-  const auto keep = [&](auto&& mirrored, auto&& other) {
-    return (fan.mirrored ? mirrored : other)(count, fan, limits, high, met);
-  };
   if (!fan.common_origin)
-    return keep(keep_met<Shape{false, true, true}>, keep_met<Shape{false, false, true}>);
-  return is_cut(fan, limits, high)
-             ? keep(keep_met<Shape{true, true, true}>, keep_met<Shape{true, false, true}>)
-             : keep(keep_met<Shape{true, true, false}>, keep_met<Shape{true, false, false}>);
+    return fan.mirrored ? keep_met<Shape{false, true}>(count, fan, limits, high, met)
+                        : keep_met<Shape{false, false}>(count, fan, limits, high, met);
+  return fan.mirrored ? keep_met<Shape{true, true}>(count, fan, limits, high, met)
+                      : keep_met<Shape{true, false}>(count, fan, limits, high, met);
 }
 
 void unpack_runs(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out) {
