@@ -22,6 +22,8 @@ class Caster {
     world_ = &world;
     joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
     linked_ = std::ranges::any_of(world.types(), [](const auto& type) { return type.is_composite(); });
+    layer_type_ = nullptr;
+    for (const engine::BodyType& type : world.types()) layer_.reserve(type.outlines.size());
     outlines_ = &world.scene().outlines();
     solids_ = world.scene().solids().data();
     ranger_ = &ranger;
@@ -140,12 +142,29 @@ class Caster {
   void add_body(Row body, partition::BeamSet met_by) {
     const Vec2* vertices = world_->outline(body).data();
     const double base = world_->poses()[body.index()].z;
-    for (const engine::RayOutline& outline : world_->type(body).outlines) {
-      const double height = k_linked ? base + world_->lift(body, outline.joint) : base;
-      if (!outline.z.shifted(height).contains(z_)) continue;
+    const engine::BodyType& type = world_->type(body);
+    const auto add = [&](const engine::RayOutline& outline) {
       const std::span<const Vec2> ring(vertices + outline.first, outline.count);
       add_chain(ring.back(), ring, outline.ranger_return, met_by);
+    };
+    if (!k_linked && type.outlines.size() > 1) {
+      if (&type != layer_type_ || base != layer_base_ || z_ != layer_z_) find_layer(type, base);
+      for (const engine::RayOutline* outline : layer_) add(*outline);
+      return;
     }
+    for (const engine::RayOutline& outline : type.outlines) {
+      const double height = k_linked ? base + world_->lift(body, outline.joint) : base;
+      if (outline.z.shifted(height).contains(z_)) add(outline);
+    }
+  }
+
+  void find_layer(const engine::BodyType& type, double base) {
+    layer_.clear();
+    for (const engine::RayOutline& outline : type.outlines)
+      if (outline.z.shifted(base).contains(z_)) layer_.push_back(&outline);
+    layer_type_ = &type;
+    layer_base_ = base;
+    layer_z_ = z_;
   }
 
   /// Adds the edges from `first` to rest[0], to rest[1] and so on; projects first what leaves no room for
@@ -194,6 +213,12 @@ class Caster {
   const float* range_max_ = nullptr;
   const float* limits_now_ = nullptr;                                  // how far beams can still go
   std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // a beam each, padded
+  // The outlines that beams of this height meet of bodies of this type whose pose has this z: most bodies of
+  // many outlines are alike.
+  std::vector<const engine::RayOutline*> layer_;
+  const engine::BodyType* layer_type_ = nullptr;
+  double layer_base_ = 0;
+  double layer_z_ = 0;
   partition::MetCircles met_;
   partition::EdgeBlock edges_;
 };
