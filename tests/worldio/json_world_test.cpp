@@ -3,7 +3,7 @@
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/json_document.hpp"
-#include "worldio/json/json_types.hpp"
+#include "worldio/json/type_document.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>

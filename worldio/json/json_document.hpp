@@ -51,6 +51,11 @@ std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixe
 void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
                     Diagnostics& diagnostics);
 
+/// Reports the keys that an object, or one below it, has twice.
+void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
+/// Places nodes that have no place: where what they are in is.
+void place_nodes(JsonNode& node, const Where& around);
+
 /// A pointer's token with `~` and `/` escaped.
 std::string escape_pointer_token(std::string_view token);
 

@@ -1,0 +1,27 @@
+#include "worldio/json/document_table.hpp"
+
+#include <algorithm>
+
+namespace troupe::worldio {
+
+const DocumentKey* DocumentTable::find(std::string_view name) const {
+  const auto found =
+      std::ranges::find_if(keys, [&](const DocumentKey& key) { return key.field.name == name; });
+  return found == keys.end() ? nullptr : &*found;
+}
+
+const engine::Field& heading_field() {
+  static const engine::Field field = [] {
+    const engine::FieldTable& pose = engine::pose_fields();
+    return pose.fields[static_cast<std::size_t>(pose.find("heading"))];
+  }();
+  return field;
+}
+
+engine::Field field_of(const DocumentKey& key, const engine::FieldTable* params) {
+  engine::Field field = key.field;
+  if (!key.other_name.empty() && params && params->find(field.name) >= 0) field.name = key.other_name;
+  return field;
+}
+
+}  // namespace troupe::worldio

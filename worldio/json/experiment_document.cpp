@@ -1,0 +1,337 @@
+#include "worldio/json/experiment_document.hpp"
+
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/read_document.hpp"
+#include "worldio/json/write_document.hpp"
+#include "worldio/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::FaultSpec;
+using engine::Field;
+using engine::FieldTable;
+using engine::GroupSpec;
+using engine::InterventionSpec;
+using engine::Record;
+using engine::SettingSpec;
+using engine::StopSpec;
+using engine::Value;
+using Action = InterventionSpec::Action;
+
+GroupSpec expand_group(const GroupDocument& document) {
+  GroupSpec group;
+  for (const auto& [by, name] : {std::pair(GroupSpec::By::population, &document.population),
+                                 std::pair(GroupSpec::By::type, &document.type),
+                                 std::pair(GroupSpec::By::model, &document.model)})
+    if (*name) {
+      group.by = by;
+      group.name = **name;
+    }
+  group.count = document.count;
+  group.share = document.share;
+  return group;
+}
+
+void contract_group(const GroupSpec& group, GroupDocument& document) {
+  switch (group.by) {
+    case GroupSpec::By::population: document.population = group.name; break;
+    case GroupSpec::By::type: document.type = group.name; break;
+    case GroupSpec::By::model: document.model = group.name; break;
+  }
+  document.count = group.count;
+  document.share = group.share;
+}
+
+/// Those of a table that are given; the others are not. The last of what an object has.
+Record read_some(JsonObject& object, const FieldTable& table) {
+  const std::size_t before = object.at().diagnostics().findings().size();
+  Record record;
+  for (const Field& field : table.fields) record.push_back(read_field(object, field));
+  object.finish();
+  if (object.is_object() && std::ranges::none_of(record, &Value::given) &&
+      object.at().diagnostics().findings().size() == before)
+    object.at().error("nothing is set: give the parameters that change");
+  return record;
+}
+
+void write_some(const Record& record, const FieldTable& table, JsonNode::Object& object) {
+  for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i)
+    write_field(table.fields[i], record[i], object);
+}
+
+template <class List, class Projection>
+std::vector<std::string_view> names_of(const List& list, Projection name) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : list) names.push_back(entry.*name);
+  return names;
+}
+
+/// New parameters of a type, which the document keeps as they stand.
+class SettingExpander {
+ public:
+  SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,
+                  const engine::WorldSpec& spec)
+      : type_keys_(type_keys), registry_(registry), spec_(spec) {}
+
+  std::optional<SettingSpec> expand(const SettingDocument& document, const DocumentPath& at) const;
+
+ private:
+  Record expand_drive(const JsonCursor& at, const engine::TypeSpec& type, const std::string& key) const;
+  Record expand_device(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting) const;
+  Record expand_controller(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting) const;
+
+  std::span<const std::string> type_keys_;
+  const engine::Registry& registry_;
+  const engine::WorldSpec& spec_;
+};
+
+std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& document,
+                                                   const DocumentPath& at) const {
+  if (document.type.empty()) return std::nullopt;
+  const auto found = std::ranges::find(type_keys_, document.type);
+  if (found == type_keys_.end()) {
+    std::vector<std::string_view> known(type_keys_.begin(), type_keys_.end());
+    std::erase(known, std::string_view());
+    DocumentPath(at, "type", document.where_of("type"))
+        .error(unknown_name("type", document.type, std::move(known)));
+    return std::nullopt;
+  }
+  SettingSpec setting{.type = TypeId(static_cast<std::size_t>(found - type_keys_.begin())), .params = {}};
+  const engine::TypeSpec& type = spec_.types[setting.type.index()];
+  if (document.drive) {
+    setting.of = SettingSpec::Of::drive;
+    setting.params = expand_drive(JsonCursor(at, "drive", *document.drive), type, document.type);
+  } else if (document.device) {
+    setting.of = SettingSpec::Of::device;
+    setting.params = expand_device(JsonCursor(at, "device", *document.device), type, setting);
+  } else if (document.controller) {
+    setting.of = SettingSpec::Of::controller;
+    setting.params = expand_controller(JsonCursor(at, "controller", *document.controller), type, setting);
+  }
+  return setting;
+}
+
+Record SettingExpander::expand_drive(const JsonCursor& at, const engine::TypeSpec& type,
+                                     const std::string& key) const {
+  JsonObject object(at);
+  const engine::DriveKind* kind = type.drive ? registry_.drive(type.drive->kind) : nullptr;
+  if (kind) return read_some(object, kind->params);
+  at.error(fmt::format("type \"{}\" has no drive", key));
+  return {};
+}
+
+Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSpec& type,
+                                      SettingSpec& setting) const {
+  JsonObject object(at);
+  const JsonNode* node = object.require("name", "which of the type's sensors and devices");
+  const std::string* name = node ? read_text(JsonCursor(at, "name", *node), "a name") : nullptr;
+  if (!name) return {};
+  const auto device = std::ranges::find(type.devices, *name, &engine::DeviceSpec::name);
+  const engine::DeviceKind* kind = device == type.devices.end() ? nullptr : registry_.device(device->kind);
+  if (!kind) {
+    JsonCursor(at, "name", *node)
+        .error(unknown_name("device", *name, names_of(type.devices, &engine::DeviceSpec::name)));
+    return {};
+  }
+  setting.index = static_cast<std::uint32_t>(device - type.devices.begin());
+  return read_some(object, kind->params);
+}
+
+Record SettingExpander::expand_controller(const JsonCursor& at, const engine::TypeSpec& type,
+                                          SettingSpec& setting) const {
+  JsonObject object(at);
+  const JsonNode* node = object.require("kind", "which of the type's controllers");
+  const std::string* name =
+      node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
+  if (!name) return {};
+  const engine::Registry::Preset* preset = registry_.preset(*name);
+  const std::string_view wanted = preset ? preset->kind : std::string_view(*name);
+  const auto controller = std::ranges::find(type.controllers, wanted, &engine::ControllerSpec::kind);
+  const engine::ControllerKind* kind =
+      controller == type.controllers.end() ? nullptr : registry_.controller(controller->kind);
+  if (!kind) {
+    JsonCursor(at, "kind", *node)
+        .error(unknown_name("controller of the type", *name,
+                            names_of(type.controllers, &engine::ControllerSpec::kind)));
+    return {};
+  }
+  setting.index = static_cast<std::uint32_t>(controller - type.controllers.begin());
+  return read_some(object, kind->params);
+}
+
+SettingDocument contract_setting(const SettingSpec& setting, const engine::WorldSpec& spec,
+                                 std::span<const std::string> type_keys, const engine::Registry& registry) {
+  const engine::TypeSpec& type = spec.types[setting.type.index()];
+  SettingDocument document;
+  document.type = type_keys[setting.type.index()];
+  JsonNode::Object object;
+  switch (setting.of) {
+    case SettingSpec::Of::drive:
+      if (const auto* kind = registry.drive(type.drive->kind))
+        write_some(setting.params, kind->params, object);
+      document.drive = json_node(std::move(object));
+      break;
+    case SettingSpec::Of::device: {
+      const engine::DeviceSpec& device = type.devices[setting.index];
+      add_member(object, "name", device.name);
+      if (const auto* kind = registry.device(device.kind)) write_some(setting.params, kind->params, object);
+      document.device = json_node(std::move(object));
+      break;
+    }
+    case SettingSpec::Of::controller: {
+      const engine::ControllerSpec& controller = type.controllers[setting.index];
+      add_member(object, "kind", controller.kind);
+      if (const auto* kind = registry.controller(controller.kind))
+        write_some(setting.params, kind->params, object);
+      document.controller = json_node(std::move(object));
+      break;
+    }
+  }
+  return document;
+}
+
+InterventionDocument contract_intervention(const InterventionSpec& intervention, const engine::WorldSpec& spec,
+                                           std::span<const std::string> type_keys,
+                                           const engine::Registry& registry) {
+  InterventionDocument document;
+  document.where = intervention.where;
+  document.time = intervention.time_s;
+  const GroupSpec& whom = intervention.whom;
+  switch (intervention.action) {
+    case Action::remove: contract_group(whom, document.remove.emplace()); break;
+    case Action::disable: contract_group(whom, document.disable.emplace()); break;
+    case Action::enable: contract_group(whom, document.enable.emplace()); break;
+    case Action::add: {
+      AddDocument& add = document.add.emplace();
+      add.population = whom.name;
+      add.count = whom.count;
+      add.pose = intervention.pose;
+      add.region = intervention.region;
+      break;
+    }
+    case Action::move: {
+      MoveDocument& move = document.move.emplace();
+      move.model = whom.name;
+      move.pose = intervention.pose;
+      break;
+    }
+    case Action::set:
+      if (intervention.setting)
+        document.set = contract_setting(*intervention.setting, spec, type_keys, registry);
+      break;
+  }
+  return document;
+}
+
+}  // namespace
+
+engine::MeasureSpec expand_measure(const MeasureDocument& document) {
+  return {.kind = document.kind,
+          .name = document.name,
+          .of = document.of,
+          .params = document.params,
+          .where = document.where};
+}
+
+MeasureDocument contract_measure(const engine::MeasureSpec& measure) {
+  MeasureDocument document;
+  document.where = measure.where;
+  document.kind = measure.kind;
+  document.of = measure.of;
+  document.name = measure.name;
+  document.params = measure.params;
+  return document;
+}
+
+void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
+                       std::span<const std::string> type_keys, const engine::Registry& registry,
+                       engine::WorldSpec& spec) {
+  engine::ExperimentSpec& experiment = spec.experiment;
+  for (const ConditionDocument& condition : document.stop_when)
+    if (condition.measure && condition.is)
+      experiment.stop_when.push_back(
+          {expand_measure(*condition.measure), condition.is->how, condition.is->with});
+  const SettingExpander settings(type_keys, registry, spec);
+  const DocumentPath all(world, "at", where_at);
+  for (std::size_t i = 0; i < document.at.size(); ++i) {
+    const InterventionDocument& entry = document.at[i];
+    InterventionSpec intervention{.time_s = entry.time.value_or(0), .where = entry.where};
+    if (entry.set) {
+      const DocumentPath at(all, i, entry.where);
+      intervention.action = Action::set;
+      intervention.setting = settings.expand(*entry.set, DocumentPath(at, "set", entry.set->where));
+    } else if (entry.add) {
+      intervention.action = Action::add;
+      intervention.whom = {.by = GroupSpec::By::population,
+                           .name = entry.add->population,
+                           .count = entry.add->count,
+                           .share = {}};
+      intervention.pose = entry.add->pose;
+      intervention.region = entry.add->region;
+    } else if (entry.move) {
+      intervention.action = Action::move;
+      intervention.whom = {.by = GroupSpec::By::model, .name = entry.move->model, .count = {}, .share = {}};
+      intervention.pose = entry.move->pose;
+    } else {
+      intervention.action = entry.disable ? Action::disable : entry.enable ? Action::enable : Action::remove;
+      const auto& group = entry.disable ? entry.disable : entry.enable ? entry.enable : entry.remove;
+      if (group) intervention.whom = expand_group(*group);
+    }
+    experiment.at.push_back(std::move(intervention));
+  }
+  for (const FaultDocument& entry : document.faults) {
+    FaultSpec fault{
+        .whom = expand_group(entry), .from_s = entry.from, .ailments = {}, .where = entry.where};
+    for (const FaultDocument::Impairment& one : entry.impairments)
+      fault.ailments.push_back({one.kind, one.params});
+    experiment.faults.push_back(std::move(fault));
+  }
+}
+
+void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
+                         const engine::Registry& registry, ExperimentDocument& document) {
+  for (const StopSpec& condition : spec.experiment.stop_when) {
+    ConditionDocument& entry = document.stop_when.emplace_back();
+    entry.where = condition.measure.where;
+    entry.measure = contract_measure(condition.measure);
+    entry.is = {condition.comparison, condition.value};
+  }
+  for (const InterventionSpec& intervention : spec.experiment.at)
+    document.at.push_back(contract_intervention(intervention, spec, type_keys, registry));
+  for (const FaultSpec& fault : spec.experiment.faults) {
+    FaultDocument& entry = document.faults.emplace_back();
+    entry.where = fault.where;
+    contract_group(fault.whom, entry);
+    entry.from = fault.from_s;
+    for (const FaultSpec::Ailment& one : fault.ailments) entry.impairments.push_back({one.kind, one.params});
+  }
+}
+
+void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
+                     const engine::Registry& registry, engine::WorldSpec& spec) {
+  ExperimentDocument document;
+  read_described_keys(object, document_table<ExperimentDocument>(), {registry, LoadOptions().most_bodies},
+                      &document);
+  expand_experiment(document, object.at(), document.where_of("at"), type_keys, registry, spec);
+}
+
+void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
+                      const engine::Registry& registry, JsonNode::Object& object) {
+  ExperimentDocument document;
+  contract_experiment(spec, type_keys, registry, document);
+  JsonNode node = write_document(document, registry);
+  for (JsonMember& member : std::get<JsonNode::Object>(node.value)) object.push_back(std::move(member));
+}
+
+}  // namespace troupe::worldio
