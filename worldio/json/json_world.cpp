@@ -1,7 +1,6 @@
 #include "worldio/json/json_world.hpp"
 #include "base/math.hpp"
-#include "base/random.hpp"
-#include "engine/placement.hpp"
+#include "engine/populations.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -32,9 +31,6 @@ using engine::Unit;
 using engine::Value;
 using engine::WorldSpec;
 
-constexpr double k_max_cells = 100000000;       // of a grid rule: each may be looked at
-constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
-constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
 const partition::ObstacleShape k_no_shape;
@@ -90,19 +86,6 @@ struct Model {
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< parts that have names of their own
   std::optional<std::string> reserve_of;  ///< the population into which it may be born
-  std::string pointer;
-};
-
-struct Population {
-  std::string name;
-  TypeId type;
-  std::size_t count = 0;
-  std::size_t reserve = 0;
-  Color color;
-  bool random_color = false;
-  PlacementRule rule;
-  Where where;
-  Where where_place;
   std::string pointer;
 };
 
@@ -172,9 +155,8 @@ class WorldReader {
   void read_free_floor(JsonObject& object, PlacementRule& rule);
   void read_heading(JsonObject& object, PlacementRule& rule);
   void place_bodies();
-  void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
-  void place_population(const Population& population, const partition::StaticScene& scene,
-                        engine::Crowd& crowd, partition::Parallel& parallel);
+  void make_shapes(engine::Occupancy& occupancy);
+  void check_model(const Model& model, engine::Occupancy& occupancy);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
@@ -194,10 +176,8 @@ class WorldReader {
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   FloorImages images_;                                     // plans may share one
   std::size_t vertices_ = 0;                               // of the floor plans
-  double cells_ = 0;                                       // of the populations on grids
   std::vector<Model> models_;
-  std::vector<Population> populations_;
-  std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
+  std::vector<engine::PopulationSpec> populations_;
 };
 
 void WorldReader::read_floorplan(const JsonCursor& at) {
@@ -314,7 +294,7 @@ void WorldReader::read_model(const JsonCursor& at) {
 
 void WorldReader::read_population(const JsonCursor& at) {
   JsonObject object(at);
-  Population population{.where = at.where(), .pointer = at.pointer()};
+  engine::PopulationSpec population{.path = at.pointer() + "/place", .where = at.where()};
   population.name = read_name(object, "population");
   population.type = read_type_name(object);
   const engine::FieldTable table{{{.name = "count",
@@ -398,17 +378,7 @@ void WorldReader::read_grid(JsonObject& object, PlacementRule& rule) {
   rule.spill = read_box(object, "spill_m").value_or(Box());
   const engine::Record record = read_fields(object, k_grid);
   rule.jitter_m = record[1].number();
-  if (!record[0].given() || rule.region.empty()) return;
-  rule.pitch_m = record[0].number();
-  const double cells = grid_cells(rule);
-  cells_ += cells;
-  if (cells > k_max_cells)
-    object.at().error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at",
-                                  cells, rule.pitch_m, k_max_cells));
-  else if (cells_ > k_max_cells)
-    object.at().error(
-        fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at",
-                    cells_, k_max_cells));
+  if (record[0].given()) rule.pitch_m = record[0].number();
 }
 
 void WorldReader::read_gaussian(JsonObject& object, PlacementRule& rule) {
@@ -463,45 +433,28 @@ TypeId WorldReader::read_type_name(JsonObject& object) {
 }
 
 void WorldReader::place_bodies() {
-  double total = static_cast<double>(spec_.bodies.size() + models_.size());
-  for (const Population& population : populations_)
-    total += static_cast<double>(population.count) + static_cast<double>(population.reserve);
-  if (total > options_.most_bodies) {
-    diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
-                       fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
-                                   options_.most_bodies));
-    return;
-  }
-  spec_.bodies.reserve(static_cast<std::size_t>(total));
-
-  std::vector<partition::FixedSolid> walls;
-  for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
-    const BodySpec& body = spec_.bodies[i];
-    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
-      for (const Solid& solid : part.solids)
-        if (part.returns.obstacle)  // whether rangers see it, nobody asks here
-          walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
-  }
-  const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
-  shapes_.resize(spec_.types.size());
-  for (const auto& [name, type] : type_ids_) try {
-      shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
-    } catch (const std::length_error& fault) {
-      diagnostics_.error(spec_.types[type.index()].parts.front().where,
-                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
-    }
+  engine::Occupancy occupancy(spec_, spec_.bodies.size());  // of the floor plans
+  make_shapes(occupancy);
   if (diagnostics_.has_errors()) return;
-
-  engine::Crowd crowd;
-  for (const Model& model : models_) check_model(model, scene, crowd);
+  for (const Model& model : models_) check_model(model, occupancy);
   for (const Model& model : models_) {
     const BodyId body(spec_.bodies.size());
     name_parts(model, body);
     if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
     spec_.bodies.push_back(model.body);
   }
-  partition::Parallel parallel(options_.threads);
-  for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
+  engine::place(populations_, spec_, occupancy,
+                {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
+}
+
+/// Reports every type that bodies cannot be placed of, also one without bodies.
+void WorldReader::make_shapes(engine::Occupancy& occupancy) {
+  for (const auto& [name, type] : type_ids_) try {
+      occupancy.shape(type);
+    } catch (const std::length_error& fault) {
+      diagnostics_.error(spec_.types[type.index()].parts.front().where,
+                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
+    }
 }
 
 /// Bodies of one reserve follow one another.
@@ -518,16 +471,17 @@ void WorldReader::add_to_reserve(const std::string& population, BodyId body, Typ
   reserves.push_back({population, body, 1});
 }
 
-void WorldReader::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
+void WorldReader::check_model(const Model& model, engine::Occupancy& occupancy) {
+  engine::Crowd& crowd = occupancy.crowd();
   if (model.reserve_of) return crowd.add(k_no_shape, {});  // it is not there yet
   const BodySpec& body = model.body;
-  const partition::ObstacleShape& shape = shapes_[body.type.index()];
+  const partition::ObstacleShape& shape = occupancy.shape(body.type);
   const auto overlaps = [&](const BodySpec& other) {
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
                                                spec_.names.text(body.name), spec_.names.text(other.name)));
   };
   if (checks_.overlaps && !shape.empty())
-    for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
+    for (const BodyId wall : occupancy.scene().overlapping(shape, body.pose_world_body))
       overlaps(spec_.bodies[wall.index()]);
   if (checks_.overlaps)
     for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
@@ -536,52 +490,6 @@ void WorldReader::check_model(const Model& model, const partition::StaticScene& 
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
                                                spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
-}
-
-void WorldReader::place_population(const Population& population, const partition::StaticScene& scene,
-                                   engine::Crowd& crowd, partition::Parallel& parallel) {
-  const bool on_floor = population.rule.kind == PlacementRule::Kind::free_floor;
-  const double cells =
-      on_floor ? engine::floor_cells(population.rule, shapes_[population.type.index()]) : 0.0;
-  if (cells > k_max_floor_cells) {
-    diagnostics_.error(population.where_place,
-                       fmt::format("{}/place: the region has {:.4g} cells; at most {:.0f} are looked at: "
-                                   "give a larger \"cell_m\"",
-                                   population.pointer, cells, k_max_floor_cells));
-    return;
-  }
-  const std::vector<Pose> poses =
-      engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
-                    population.name, spec_.bounds, scene, crowd, parallel);
-  if (poses.size() < population.count) {
-    const bool grid = population.rule.kind == PlacementRule::Kind::grid;
-    diagnostics_.error(
-        population.where_place,
-        fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
-                    population.count,
-                    grid ? fmt::format("the region has no more free cells (of {:.0f})",
-                                       engine::grid_cells(population.rule))
-                         : fmt::format("{} draws found no free place for the next{}", population.rule.trials,
-                                       on_floor ? " on the floor that is reached" : "")));
-  }
-  if (population.reserve > 0)
-    spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
-                              static_cast<std::uint32_t>(population.reserve)});
-  const std::uint32_t colors = stream_id("color", population.name);
-  for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
-    BodySpec& body = spec_.bodies.emplace_back();
-    body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
-    body.type = population.type;
-    if (i < poses.size()) body.pose_world_body = poses[i];
-    body.color = population.color;
-    body.where = population.where;
-    if (!population.random_color) continue;
-    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
-    body.color.r = static_cast<float>(random.uniform());
-    body.color.g = static_cast<float>(random.uniform());
-    body.color.b = static_cast<float>(random.uniform());
-    body.color.a = 1;
-  }
 }
 
 void WorldReader::name_parts(const Model& model, BodyId body) {
