@@ -50,6 +50,9 @@ std::string value_text(const Value& value) {
     std::string operator()(const std::vector<double>& x) const {
       return fmt::format("[{:.6g}]", fmt::join(x, " "));
     }
+    std::string operator()(const std::vector<std::string>& x) const {
+      return fmt::format("[{}]", fmt::join(x, " "));
+    }
     std::string operator()(const std::vector<engine::Record>& x) const { return x.empty() ? "[]" : "below"; }
   };
   return std::visit(Visitor{}, value.v);
@@ -64,6 +67,8 @@ std::string range_text(const Field& field) {
   switch (field.type) {
     case FieldType::boolean: return "true, false";
     case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::texts: return "a list of texts";
+    case FieldType::color: return "a colour";
     case FieldType::colors: return "a list of colours";
     case FieldType::record: return "a block";
     case FieldType::records: return "a list of blocks";
@@ -102,8 +107,10 @@ void add_lines(const FieldTable& table, const std::string& indent, std::vector<L
     const bool block = field.type == FieldType::record || field.type == FieldType::records;
     // A block that is not given is its fields' defaults, which follow.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
-    lines.push_back({indent + key_text(field), defaulted_block ? "below" : value_text(field.fallback),
-                     range_text(field), std::string(field.text)});
+    const std::string fallback = field.optional    ? "none"
+                                 : defaulted_block ? "below"
+                                                   : value_text(field.fallback);
+    lines.push_back({indent + key_text(field), fallback, range_text(field), std::string(field.text)});
     if (block) add_lines(*field.record, indent + "  ", lines);
   }
 }
@@ -134,6 +141,7 @@ std::optional<engine::Record> usual(const FieldTable& table) {
     const Field& field = table.fields[i];
     const bool is_block = field.type == FieldType::record || field.type == FieldType::records;
     if (record[i].given() && !(is_block && record[i].records().empty())) continue;
+    if (field.optional) continue;
     if (!is_block) return std::nullopt;
     std::optional<engine::Record> block = usual(*field.record);
     if (!block) return std::nullopt;

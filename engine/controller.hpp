@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <algorithm>
@@ -11,33 +12,16 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists every member of a controller's Memory. Only listed members exist for hash, comparison, checkpoint
-/// and recording; a member that is not listed, or one that is not a number, does not compile.
+/// Lists every member of a controller's Memory, or of another struct that is state: the short form of
+/// `describe` (engine/description.hpp), without units and texts. Only listed members exist for hash,
+/// comparison, checkpoint and recording; a member that is not listed, or one that is not a number, does not
+/// compile.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
 
 namespace troupe::engine {
 namespace detail {
-
-struct Anything {
-  template <class T>
-  operator T() const;
-};
-
-template <class T, std::size_t... I>
-constexpr bool takes(std::index_sequence<I...>) {
-  return requires { T{(static_cast<void>(I), Anything{})...}; };
-}
-
-/// Members of an aggregate: the largest number of initialisers it takes.
-template <class T, std::size_t N = 0>
-constexpr std::size_t member_count() {
-  if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
-    return member_count<T, N + 1>();
-  else
-    return N;
-}
 
 /// True when no member is listed twice: with as many names as members, each is listed once then.
 template <class Memory>
@@ -89,9 +73,15 @@ struct MemoryOf<C> {
 };
 
 template <class C>
-C make(const Record& params) {
-  if constexpr (requires { C::make(params); })
-    return C::make(params);
+C make(const Record& record) {
+  if constexpr (requires { typename C::Params; }) {
+    const auto params = from_record<typename C::Params>(record);
+    if constexpr (requires { &C::make; })
+      return C::make(params);
+    else
+      return C{params};
+  } else if constexpr (requires { C::make(record); })
+    return C::make(record);
   else
     return C{};
 }
@@ -148,12 +138,8 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   }
 }
 
-}  // namespace detail
-
-/// The state fields of a memory struct, with their places in it.
 template <class Memory>
-std::vector<StateField> memory_fields() {
-  static_assert(std::is_trivially_copyable_v<Memory>, "a memory is saved and hashed as bytes");
+std::vector<StateField> listed_fields() {
   Memory example{};
   auto fields = example.troupe_fields();
   constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
@@ -180,6 +166,22 @@ std::vector<StateField> memory_fields() {
   return out;
 }
 
+}  // namespace detail
+
+/// The state fields of a memory struct, with their places in it: of one that is described, or that lists its
+/// members with TROUPE_FIELDS.
+template <class Memory>
+std::vector<StateField> memory_fields() {
+  static_assert(std::is_trivially_copyable_v<Memory>, "a memory is saved and hashed as bytes");
+  if constexpr (detail::Described<Memory>) {
+    static_assert(detail::described_members<Memory>().is_state(),
+                  "state is made of numbers, bools and arrays of them");
+    return state_fields(described<Memory>());
+  } else {
+    return detail::listed_fields<Memory>();
+  }
+}
+
 /// A controller kind from a class C, which has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
@@ -187,10 +189,11 @@ std::vector<StateField> memory_fields() {
 ///
 /// and may have
 ///
-///     struct Memory { ...; TROUPE_FIELDS(...) };  // what it remembers of each robot
+///     struct Params { ...; describe };            // its parameters; else it has none
+///     struct Memory { ...; TROUPE_FIELDS(...) };  // what it remembers of each robot; or described
 ///     static constexpr bool needs_drive = false;  // else only what drives may have it
 ///     static constexpr bool switches = true;      // it switches devices on and off
-///     static C make(const Record& params);        // else it is C{}
+///     static C make(const Params&);               // else it is C{params}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
 ///                                                 // else it uses all, and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
@@ -198,9 +201,10 @@ std::vector<StateField> memory_fields() {
 ///     Result<> look(const WorldSpec&, const TypeSpec&, std::uint32_t part);     // ControllerKind::look
 ///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
 template <class C>
-ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params) {
+ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params = {}) {
   using Memory = typename detail::MemoryOf<C>::type;
   ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
+  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
   if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   if constexpr (requires { C::switches; }) kind.switches = C::switches;
   kind.memory = memory_fields<Memory>();

@@ -1,6 +1,7 @@
 #include "engine/fields.hpp"
 
 #include "base/math.hpp"
+#include "engine/description.hpp"
 
 #include <array>
 #include <utility>
@@ -22,6 +23,7 @@ Value::Value(const char* x) : v(std::string(x)) {}
 Value::Value(std::string x) : v(std::move(x)) {}
 Value::Value(std::vector<double> x) : v(std::move(x)) {}
 Value::Value(std::vector<Record> x) : v(std::move(x)) {}
+Value::Value(std::vector<std::string> x) : v(std::move(x)) {}
 
 bool operator==(const Value& a, const Value& b) { return a.v == b.v; }
 
@@ -35,7 +37,7 @@ Record FieldTable::defaults() const {
   Record record;
   record.reserve(fields.size());
   for (const Field& field : fields) {
-    if (field.type == FieldType::record && !field.fallback.given())
+    if (field.type == FieldType::record && !field.optional && !field.fallback.given())
       record.emplace_back(std::vector<Record>{field.record->defaults()});
     else
       record.push_back(field.fallback);
@@ -76,26 +78,6 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   return bare;
 }
 
-const FieldTable& pose_fields() {
-  constexpr double k_reach = 100000;     // m: how far a world reaches
-  constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
-  static const FieldTable table{{
-      {.name = "x",
-       .unit = Unit::meters,
-       .fallback = 0.0,
-       .min = -k_reach,
-       .max = k_reach,
-       .text = "forward"},
-      {.name = "y", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "left"},
-      {.name = "z", .unit = Unit::meters, .fallback = 0.0, .min = -k_reach, .max = k_reach, .text = "up"},
-      {.name = "heading",
-       .unit = Unit::radians,
-       .fallback = 0.0,
-       .min = -k_turns,
-       .max = k_turns,
-       .text = "counter-clockwise from +x"},
-  }};
-  return table;
-}
+const FieldTable& pose_fields() { return described<Pose>(); }
 
 }  // namespace troupe::engine

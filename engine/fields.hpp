@@ -19,7 +19,7 @@ using Record = std::vector<Value>;
 /// One parameter as a world file gives it, in SI units.
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
-               std::vector<Record>>
+               std::vector<Record>, std::vector<std::string>>
       v;  ///< nothing at all: not given
 
   // None is inline: records are made and copied in nearly every source, and each would compile the variant's
@@ -41,6 +41,7 @@ struct Value {
   Value(std::string x);
   Value(std::vector<double> x);
   Value(std::vector<Record> x);
+  Value(std::vector<std::string> x);
   ///@}
 
   /// False: no value stands there.
@@ -54,6 +55,7 @@ struct Value {
   const std::string& text() const { return std::get<std::string>(v); }
   const std::vector<double>& numbers() const { return std::get<std::vector<double>>(v); }
   const std::vector<Record>& records() const { return std::get<std::vector<Record>>(v); }
+  const std::vector<std::string>& texts() const { return std::get<std::vector<std::string>>(v); }
   ///@}
   friend bool operator==(const Value&, const Value&);  ///< of one kind, and equal
 };
@@ -81,13 +83,16 @@ enum class FieldType {
   integer,  ///< whole, 64 bits
   number,   ///< a double, of the field's unit
   text,     ///< one of `choices` where there are any
+  texts,    ///< any count of texts
   numbers,  ///< `columns` numbers of one unit; columns 0: any count
+  color,    ///< one that files may name (stored as numbers: red, green, blue, opacity)
   colors,   ///< any count of colours, which files may name (stored as numbers: red, green, blue, ...)
   record,   ///< one block described by `record` (stored as a list of one)
   records,  ///< a list of blocks described by `record`
 };
 
 struct FieldTable;
+struct MemberType;
 
 /// One parameter of a kind: from this parsing, validation, error texts, `troupe describe` and the reference
 /// page are made.
@@ -108,6 +113,22 @@ struct Field {
   /// Of `integer`: how many readings a sensor has for it. What memory a device takes is known by the sum of
   /// these, before any is taken.
   bool counts_readings = false;
+  /// It may be missing, and then has no value: it is neither required nor has it a fallback.
+  bool optional = false;
+  /// It stays as it is for as long as the world runs: interventions cannot change it.
+  bool fixed = false;
+  /// It says where the others come from (a file and a line): stored, and not compared.
+  bool provenance = false;
+  bool sparse = false;  ///< of state: StateField::sparse
+  bool look = false;    ///< of state: StateField::look
+  /// Of a described struct (engine/description.hpp): how the member is read and written, and where it lies.
+  ///@{
+  const MemberType* member = nullptr;
+  std::size_t offset = 0;  ///< bytes
+  ///@}
+
+  /// Nothing stands in for it where it is not given, and something must.
+  bool required() const { return !fallback.given() && !optional && type != FieldType::record; }
 };
 
 /// The parameters of one kind. Field names are unique.

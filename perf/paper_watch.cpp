@@ -61,7 +61,7 @@ class MeasureWatcher : public Watcher {
  private:
   static std::vector<engine::MeasureSpec> specs(const engine::Registry& registry) {
     std::vector<engine::MeasureSpec> specs;
-    const auto has_default = [](const engine::Field& field) { return field.fallback.given(); };
+    const auto has_default = [](const engine::Field& field) { return !field.required(); };
     for (const engine::MeasureKind& kind : registry.measures)
       if (std::ranges::all_of(kind.params.fields, has_default))
         specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});

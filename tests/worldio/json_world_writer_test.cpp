@@ -89,6 +89,11 @@ class RandomWorld {
         return field.choices.empty() ? Value("some text, \"quoted\"\n\\")
                                      : Value(std::string(field.choices[static_cast<std::size_t>(
                                            below(static_cast<int>(field.choices.size())))]));
+      case FieldType::texts: return std::vector<std::string>(static_cast<std::size_t>(below(3)), "some text");
+      case FieldType::color: {
+        const Color c = color();
+        return std::vector<double>{c.r, c.g, c.b, c.a};
+      }
       case FieldType::numbers: {
         std::vector<double> list(field.columns > 0 ? field.columns : static_cast<std::size_t>(below(3)));
         for (double& x : list) x = number(min, max);

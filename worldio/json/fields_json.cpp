@@ -125,6 +125,20 @@ Value read_colors(const JsonCursor& at) {
   return parts;
 }
 
+Value read_texts(const JsonCursor& at) {
+  const JsonNode::List* list = read_list(at);
+  if (!list) return {};
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    if (const std::string* text = (*list)[i].text())
+      texts.push_back(*text);
+    else
+      JsonCursor(at, i, (*list)[i]).expected("a text");
+  }
+  if (texts.size() < list->size()) return {};
+  return texts;
+}
+
 Record read_record(const JsonCursor& at, const FieldTable& table) {
   JsonObject object(at);
   Record record = read_fields(object, table);
@@ -143,7 +157,12 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       if (const auto x = read_number(at, field, suffix)) return *x;
       return {};
     case FieldType::text: return read_text_field(at, field);
+    case FieldType::texts: return read_texts(at);
     case FieldType::numbers: return read_numbers(at, field, suffix);
+    case FieldType::color:
+      if (const auto color = read_color(at))
+        return std::vector<double>{color->r, color->g, color->b, color->a};
+      return {};
     case FieldType::colors: return read_colors(at);
     case FieldType::record: return std::vector<Record>{read_record(at, *field.record)};
     case FieldType::records: {
@@ -230,6 +249,17 @@ JsonNode record_node(const Record& record, const FieldTable& table) {
   return json_node(std::move(object));
 }
 
+JsonNode texts_node(const std::vector<std::string>& texts) {
+  JsonNode::List list;
+  for (const std::string& text : texts) list.push_back(json_node(text));
+  return json_node(std::move(list));
+}
+
+Color color_of(const std::vector<double>& parts) {
+  return {static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]),
+          static_cast<float>(parts[3])};
+}
+
 JsonNode colors_node(const std::vector<double>& parts) {
   JsonNode::List list;
   for (std::size_t i = 0; i + 2 < parts.size(); i += 3)
@@ -278,6 +308,8 @@ void write_field(const Field& field, const Value& value, JsonNode::Object& objec
       if (const auto list = exactly_in(value.numbers(), shown))
         return add_node(object, key(shown), json_numbers(*list));
       return add_node(object, key(si), json_numbers(value.numbers()));
+    case FieldType::texts: return add_node(object, key(si), texts_node(value.texts()));
+    case FieldType::color: return add_node(object, key(si), color_node(color_of(value.numbers())));
     case FieldType::colors: return add_node(object, key(si), colors_node(value.numbers()));
     case FieldType::record:
       return add_node(object, key(si), record_node(value.records().front(), *field.record));
@@ -354,7 +386,7 @@ Record read_fields(JsonObject& object, const FieldTable& table,
     Value value = read_under_its_keys(object, field, present);
     if (value.given())
       record[i] = std::move(value);
-    else if (!present && !record[i].given())
+    else if (!present && !record[i].given() && !field.optional)
       object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
   }
   return record;

@@ -35,6 +35,8 @@ std::string what(const Field& field) {
       return within(field.columns > 0 ? fmt::format("list of {} numbers", field.columns)
                                       : std::string("list of numbers"));
     case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
+    case FieldType::texts: return "list of texts";
+    case FieldType::color: return "colour, an X11 name or [r, g, b]";
     case FieldType::colors: return "list of colours, each an X11 name or [r, g, b]";
     case FieldType::record: return "object";
     case FieldType::records: return "list of objects";
@@ -54,11 +56,16 @@ std::string value_text(const Value& value, const Field& field) {
     for (const double number : *x) numbers += fmt::format("{}{:.6g}", numbers.empty() ? "" : ", ", number);
     return fmt::format("[{}]{}", numbers, x->empty() ? "" : unit);
   }
-  if (std::holds_alternative<std::vector<engine::Record>>(value.v)) return "none";
+  if (const auto* x = std::get_if<std::vector<std::string>>(&value.v)) {
+    std::string texts;
+    for (const std::string& one : *x) texts += fmt::format("{}\"{}\"", texts.empty() ? "" : ", ", one);
+    return fmt::format("[{}]", texts);
+  }
+  if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
   // A block that is left out has the defaults of its fields, unless one of them has none.
   const bool optional =
       field.type == FieldType::record &&
-      std::ranges::all_of(field.record->fields, [](const Field& f) { return f.fallback.given(); });
+      std::ranges::all_of(field.record->fields, [](const Field& f) { return f.fallback.given() || f.optional; });
   return optional ? "its defaults" : "required";
 }
 

@@ -100,6 +100,12 @@ Json value_json(const Value& value, const Field& field) {
       for (const double x : value.numbers()) list.push_back(finite(x));
       return list;
     }
+    case FieldType::texts: return value.texts();
+    case FieldType::color: {
+      Json list = Json::array();
+      for (const double x : value.numbers()) list.push_back(finite(x));
+      return list;
+    }
     case FieldType::colors: {
       Json list = Json::array();
       const std::vector<double>& parts = value.numbers();

@@ -118,10 +118,12 @@ JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
     case FieldType::number: return number_schema(field, suffix, "number");
     case FieldType::text:
       return field.choices.empty() ? type("string") : object_of({{"enum", texts(field.choices)}});
+    case FieldType::texts: return array_of(type("string"));
     case FieldType::numbers: {
       JsonNode numbers = number_schema(field, suffix, "number");
       return field.columns > 0 ? array_of(std::move(numbers), field.columns) : array_of(std::move(numbers));
     }
+    case FieldType::color: return reference("color");
     case FieldType::colors: return array_of(reference("color"));
     case FieldType::record:
       return field.record == &engine::pose_fields() ? reference("pose") : table_schema(*field.record);

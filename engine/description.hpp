@@ -1,0 +1,540 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/ids.hpp"
+#include "base/pose.hpp"
+#include "engine/fields.hpp"
+#include "engine/state_table.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+/// A struct lists its members once, in a function that fills a FieldTable:
+///
+///     enum class Law : std::uint8_t { disc, walls };
+///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
+///
+///     struct Transducer {
+///       Pose pose;
+///       double range_max = 5;
+///       std::int64_t samples = 1;
+///       Law law = Law::disc;
+///       std::optional<double> gain;
+///
+///       static constexpr void describe(engine::Description<Transducer>& d) {
+///         using namespace engine::facts;
+///         using enum engine::Unit;
+///         d.member<&Transducer::pose>("pose", "of the transducer in the sensor's frame");
+///         d.member<&Transducer::range_max>("range_max", meters, above(0), at_most(10'000), "beam length");
+///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "beams");
+///         d.member<&Transducer::law>("law", "what stops it");
+///         d.member<&Transducer::gain>("gain", at_least(0), "that of the sensor where it is not given");
+///       }
+///     };
+///
+/// `described<Transducer>()` is its table, `from_record<Transducer>(record)` the struct that a record fills,
+/// `to_record(transducer)` the record of a struct. A member that is not described, or is described twice,
+/// does not compile. Fields have the order of the description. A struct of another folder is described beside
+/// the code that needs it, by `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
+///
+/// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
+///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
+///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
+///           std::vector of such (records); std::optional of any of these but lists
+/// defaults  those of T{}; a `required` member has none. A std::optional has none either, and may be missing
+/// limits    as described, and no wider than the member's type: what it cannot hold is refused
+///
+/// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
+/// described in the same way. Its members are numbers, bools and arrays of them; its units and texts stand in
+/// recordings.
+
+namespace troupe::engine {
+
+template <class T>
+class Description;
+template <class T>
+const FieldTable& described();
+
+/// Something that is said of a member: a unit, a limit, a text. Made by the functions of `facts`.
+class Fact {
+ public:
+  /// What is said.
+  enum class Kind : std::uint8_t {
+    text,
+    unit,
+    at_least,
+    above,
+    at_most,
+    choices,
+    columns,
+    required,
+    counts_readings,
+    fixed,
+    provenance,
+    sparse,
+    look,
+  };
+
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
+  constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
+  /// Field::choices; the list is read before the call that takes the fact returns.
+  constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
+
+  Kind kind;
+  Unit unit = Unit::none;
+  double number = 0;
+  double high = std::numeric_limits<double>::infinity();  ///< of `at_least`: an upper limit beside it
+  std::string_view words;
+  std::span<const std::string_view> choices;
+};
+
+/// What can be said of a member, besides its unit.
+namespace facts {
+
+/// Limits in SI units; of a list, of each number.
+///@{
+constexpr Fact at_least(double min) {
+  return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
+}
+constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< `min` itself is refused
+constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
+constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
+///@}
+/// Of a std::string: it is one of these. Enums have names_of().
+constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
+  return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
+}
+constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
+/// Of a std::vector<double>: it has so many numbers. Arrays and Eigen vectors have the columns of their type.
+constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
+/// It has no default.
+inline constexpr Fact required{Fact::Kind::required};
+inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
+inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
+/// It says where the others come from: stored, and not compared.
+inline constexpr Fact provenance{Fact::Kind::provenance};
+inline constexpr Fact is_sparse{Fact::Kind::sparse};  ///< of state: StateField::sparse
+inline constexpr Fact is_look{Fact::Kind::look};      ///< of state: StateField::look
+}  // namespace facts
+
+/// How members of one C++ type are read and written by code that does not know the type.
+struct MemberType {
+  FieldType type = FieldType::number;
+  std::size_t columns = 0;                                ///< Field::columns
+  double min = -std::numeric_limits<double>::infinity();  ///< the least that it holds
+  double max = std::numeric_limits<double>::infinity();   ///< the most
+  bool optional = false;                                  ///< it may be missing
+  std::span<const std::string_view> choices = {};         ///< of an enum
+  const FieldTable& (*table)() = nullptr;                 ///< of records: described<T>()
+  /// The value of a member. Null for records.
+  Value (*get)(const void* member) = nullptr;
+  /// Throws std::bad_variant_access for a value of another type, std::invalid_argument for one that the
+  /// member cannot hold. Null for records.
+  void (*set)(void* member, const Value& value) = nullptr;
+  /// Of records: the structs that a member has. One that is a struct has one, a std::optional none or one.
+  ///@{
+  std::size_t (*size)(const void* member) = nullptr;
+  void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: it always has one
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< the i-th
+  ///@}
+  bool is_state = false;           ///< it can be state, of
+  Element element = Element::f64;  ///< these
+};
+
+namespace detail {
+
+struct Anything {
+  template <class T>
+  operator T() const;
+};
+
+template <class T, std::size_t... I>
+constexpr bool takes(std::index_sequence<I...>) {
+  return requires { T{(static_cast<void>(I), Anything{})...}; };
+}
+
+/// Members of an aggregate: the largest number of initialisers it takes.
+template <class T, std::size_t N = 0>
+constexpr std::size_t member_count() {
+  if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
+    return member_count<T, N + 1>();
+  else
+    return N;
+}
+
+template <class T>
+concept HasOwnDescription = requires(Description<T>& d) {
+  T::describe(d);
+};
+template <class T>
+concept Described = HasOwnDescription<T> || requires(Description<T>& d) {
+  describe(d);
+};
+
+template <class T>
+constexpr void describe_members(Description<T>& d) {
+  if constexpr (HasOwnDescription<T>)
+    T::describe(d);
+  else
+    describe(d);
+}
+
+/// One for each member, whose address tells it from the others in constant expressions.
+template <auto k_member>
+inline constexpr char k_tag = 0;
+
+/// The class and the type of a pointer to a member.
+template <class M>
+struct Pointed;
+template <class C, class M>
+struct Pointed<M C::*> {
+  using Type = M;
+};
+
+Value numbers_value(const double* numbers, std::size_t count);
+/// The numbers of a value that must have `count` of them.
+std::span<const double> numbers_of(const Value& value, std::size_t count);
+std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
+std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
+Value color_value(const Color& color);
+void set_color(Color& color, const Value& value);
+Value colors_value(const std::vector<Color>& colors);
+void set_colors(std::vector<Color>& colors, const Value& value);
+
+template <class E>
+inline constexpr auto k_names = names_of(E{});
+
+/// The element type and the size of fixed arrays.
+template <class M>
+struct Fixed {
+  static constexpr std::size_t size = 0;
+};
+template <class E, std::size_t N>
+struct Fixed<std::array<E, N>> {
+  using Element = E;
+  static constexpr std::size_t size = N;
+};
+template <class E, int N>
+struct Fixed<Eigen::Matrix<E, N, 1>> {
+  using Element = E;
+  static constexpr std::size_t size = N;
+};
+
+template <class M>
+inline constexpr bool k_is_id = false;
+template <class K>
+inline constexpr bool k_is_id<Id<K>> = true;
+
+template <class M>
+concept StateNumber = std::is_same_v<M, double> || std::is_same_v<M, float> || std::is_same_v<M, bool> ||
+    std::is_same_v<M, std::int64_t> || std::is_same_v<M, std::int32_t> || std::is_same_v<M, std::uint64_t> ||
+    std::is_same_v<M, std::uint32_t> || std::is_same_v<M, std::uint8_t>;
+
+template <class M>
+constexpr MemberType plain_type() {
+  MemberType type;
+  if constexpr (StateNumber<M>) {
+    type.is_state = true;
+    type.element = element_of<M>();
+  }
+  if constexpr (std::is_same_v<M, bool>) {
+    type.type = FieldType::boolean;
+    type.get = [](const void* m) { return Value(*static_cast<const bool*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<bool*>(m) = value.boolean(); };
+  } else if constexpr (std::is_integral_v<M>) {
+    // Unsigned ones of 64 bits keep their bits: a Value has no more than a signed one.
+    constexpr bool k_wide = sizeof(M) == sizeof(std::int64_t);
+    constexpr auto k_least = k_wide ? std::numeric_limits<std::int64_t>::min()
+                                    : static_cast<std::int64_t>(std::numeric_limits<M>::min());
+    constexpr auto k_most = k_wide ? std::numeric_limits<std::int64_t>::max()
+                                   : static_cast<std::int64_t>(std::numeric_limits<M>::max());
+    type.type = FieldType::integer;
+    if (!k_wide) {
+      type.min = static_cast<double>(k_least);
+      type.max = static_cast<double>(k_most);
+    }
+    type.get = [](const void* m) { return Value(static_cast<std::int64_t>(*static_cast<const M*>(m))); };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<M*>(m) = static_cast<M>(integer_of(value, k_least, k_most));
+    };
+  } else if constexpr (std::is_floating_point_v<M>) {
+    type.type = FieldType::number;
+    if (std::is_same_v<M, float>) {
+      type.min = std::numeric_limits<float>::lowest();
+      type.max = std::numeric_limits<float>::max();
+    }
+    type.get = [](const void* m) { return Value(static_cast<double>(*static_cast<const M*>(m))); };
+    type.set = [](void* m, const Value& value) { *static_cast<M*>(m) = static_cast<M>(value.number()); };
+  } else if constexpr (std::is_same_v<M, std::string>) {
+    type.type = FieldType::text;
+    type.get = [](const void* m) { return Value(*static_cast<const std::string*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<std::string*>(m) = value.text(); };
+  } else if constexpr (std::is_enum_v<M>) {
+    type.type = FieldType::text;
+    type.choices = k_names<M>;
+    type.get = [](const void* m) {
+      return Value(std::string(k_names<M>[static_cast<std::size_t>(*static_cast<const M*>(m))]));
+    };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<M*>(m) = static_cast<M>(choice_of(value, k_names<M>));
+    };
+  } else if constexpr (k_is_id<M>) {
+    type.type = FieldType::integer;
+    type.min = 0;
+    type.max = std::numeric_limits<std::uint32_t>::max();
+    type.get = [](const void* m) { return Value(std::int64_t{static_cast<const M*>(m)->value}); };
+    type.set = [](void* m, const Value& value) {
+      constexpr std::int64_t k_most = std::numeric_limits<std::uint32_t>::max();
+      *static_cast<M*>(m) = M(static_cast<std::size_t>(integer_of(value, 0, k_most)));
+    };
+  } else if constexpr (std::is_same_v<M, std::vector<double>>) {
+    type.type = FieldType::numbers;
+    type.get = [](const void* m) { return Value(*static_cast<const std::vector<double>*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<std::vector<double>*>(m) = value.numbers(); };
+  } else if constexpr (std::is_same_v<M, std::vector<std::string>>) {
+    type.type = FieldType::texts;
+    type.get = [](const void* m) { return Value(*static_cast<const std::vector<std::string>*>(m)); };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<std::vector<std::string>*>(m) = value.texts();
+    };
+  } else if constexpr (std::is_same_v<M, Color>) {
+    type.type = FieldType::color;
+    type.get = [](const void* m) { return color_value(*static_cast<const Color*>(m)); };
+    type.set = [](void* m, const Value& value) { set_color(*static_cast<Color*>(m), value); };
+  } else if constexpr (std::is_same_v<M, std::vector<Color>>) {
+    type.type = FieldType::colors;
+    type.get = [](const void* m) { return colors_value(*static_cast<const std::vector<Color>*>(m)); };
+    type.set = [](void* m, const Value& value) { set_colors(*static_cast<std::vector<Color>*>(m), value); };
+  } else if constexpr (Fixed<M>::size > 0) {
+    using E = typename Fixed<M>::Element;
+    static_assert(std::is_arithmetic_v<E>, "an array that is described is one of numbers");
+    constexpr std::size_t k_size = Fixed<M>::size;
+    type.type = FieldType::numbers;
+    type.columns = k_size;
+    if constexpr (StateNumber<E>) {
+      type.is_state = true;
+      type.element = element_of<E>();
+    }
+    type.get = [](const void* m) {
+      std::array<double, k_size> numbers;
+      const E* from = static_cast<const M*>(m)->data();
+      for (std::size_t i = 0; i < k_size; ++i) numbers[i] = static_cast<double>(from[i]);
+      return numbers_value(numbers.data(), k_size);
+    };
+    type.set = [](void* m, const Value& value) {
+      const std::span<const double> numbers = numbers_of(value, k_size);
+      E* to = static_cast<M*>(m)->data();
+      for (std::size_t i = 0; i < k_size; ++i) to[i] = static_cast<E>(numbers[i]);
+    };
+  } else {
+    static_assert(Described<M>, "a member is of a type that can be described: engine/description.hpp");
+    type.type = FieldType::record;
+    type.table = described<M>;
+    type.size = [](const void*) { return std::size_t{1}; };
+    type.block = [](void* m, std::size_t) { return m; };
+  }
+  return type;
+}
+
+template <class M>
+struct TypeOf {
+  static constexpr MemberType value = plain_type<M>();
+};
+template <class M>
+requires Described<M>
+struct TypeOf<std::vector<M>> {
+  static constexpr MemberType value{
+      .type = FieldType::records,
+      .table = described<M>,
+      .size = [](const void* m) { return static_cast<const std::vector<M>*>(m)->size(); },
+      .resize = [](void* m, std::size_t n) { static_cast<std::vector<M>*>(m)->resize(n); },
+      .block = [](void* m, std::size_t i) -> void* { return &(*static_cast<std::vector<M>*>(m))[i]; }};
+};
+template <class M>
+constexpr MemberType optional_type() {
+  MemberType type = TypeOf<M>::value;
+  static_assert(TypeOf<M>::value.type != FieldType::records, "a list may be empty: it need not be optional");
+  type.optional = true;
+  type.is_state = false;
+  if constexpr (TypeOf<M>::value.type == FieldType::record) {
+    type.size = [](const void* m) {
+      return std::size_t{static_cast<const std::optional<M>*>(m)->has_value()};
+    };
+    type.resize = [](void* m, std::size_t n) {
+      auto& member = *static_cast<std::optional<M>*>(m);
+      if (n == 0)
+        member.reset();
+      else if (!member)
+        member.emplace();
+    };
+    type.block = [](void* m, std::size_t) -> void* { return &**static_cast<std::optional<M>*>(m); };
+  } else {
+    type.get = [](const void* m) {
+      const auto& member = *static_cast<const std::optional<M>*>(m);
+      return member ? TypeOf<M>::value.get(&*member) : Value();
+    };
+    type.set = [](void* m, const Value& value) {
+      auto& member = *static_cast<std::optional<M>*>(m);
+      if (!value.given()) return member.reset();
+      if (!member) member.emplace();
+      TypeOf<M>::value.set(&*member, value);
+    };
+  }
+  return type;
+}
+template <class M>
+struct TypeOf<std::optional<M>> {
+  static constexpr MemberType value = optional_type<M>();
+};
+
+/// Appends the field of a member of a struct. Throws std::logic_error where the facts contradict one another
+/// or the type.
+void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
+               const void* member, std::initializer_list<Fact> facts);
+/// Appends all fields of a part of a struct.
+void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
+
+}  // namespace detail
+
+/// What `describe` is given: see above.
+template <class T>
+class Description {
+ public:
+  /// Counts the members that are described, and adds no fields: for constant expressions.
+  constexpr Description() = default;
+  /// Adds the fields. example: T{}
+  constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
+
+  /// A member that is a field of this name. Names are unique, and live as long as the program or the plug-in.
+  template <auto k_member, class... Facts>
+  [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
+    using Type = typename detail::Pointed<decltype(k_member)>::Type;
+    if (table_ == nullptr)
+      count(&detail::k_tag<k_member>, detail::TypeOf<Type>::value.is_state);
+    else
+      detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
+                        {Fact(facts)...});
+  }
+  /// A described struct whose fields stand among those of this one, in its place: what a kind that makes more
+  /// of another takes of that.
+  template <auto k_member>
+  [[gnu::cold]] constexpr void part() {
+    using Type = typename detail::Pointed<decltype(k_member)>::Type;
+    if (table_ == nullptr)
+      count(&detail::k_tag<k_member>, false);
+    else
+      detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
+  }
+  /// A member that is worked out from the others: no field, neither stored nor compared.
+  template <auto k_member>
+  constexpr void derived() {
+    if (table_ == nullptr) count(&detail::k_tag<k_member>, false);
+  }
+
+  /// Members described so far, each counted once.
+  constexpr std::size_t members() const { return count_; }
+  /// Whether a member was described twice.
+  constexpr bool repeats() const { return repeats_; }
+  /// Whether all of them can be state.
+  constexpr bool is_state() const { return is_state_; }
+
+ private:
+  static constexpr std::size_t k_most_members = 128;
+
+  constexpr void count(const char* tag, bool can_be_state) {
+    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
+    seen_[count_++] = tag;
+    is_state_ = is_state_ && can_be_state;
+  }
+
+  FieldTable* table_ = nullptr;
+  const T* example_ = nullptr;
+  std::size_t count_ = 0;
+  bool repeats_ = false;
+  bool is_state_ = true;
+  std::array<const char*, k_most_members> seen_{};
+};
+
+namespace detail {
+/// What describe() says of a type, without a table.
+template <class T>
+constexpr Description<T> described_members() {
+  Description<T> d;
+  describe_members(d);
+  return d;
+}
+}  // namespace detail
+
+/// The fields of a described struct, in the order of its description; static storage.
+template <class T>
+const FieldTable& described() {
+  static_assert(std::is_aggregate_v<T>, "what is described has no constructors: give members initial values");
+  static_assert(detail::described_members<T>().members() == detail::member_count<T>(),
+                "describe() must describe every member");
+  static_assert(!detail::described_members<T>().repeats(), "describe() describes a member twice");
+  static const FieldTable table = [] {
+    FieldTable fields;
+    const T example{};
+    Description<T> d(fields, example);
+    detail::describe_members(d);
+    return fields;
+  }();
+  return table;
+}
+
+/// What a pose is written as: pose_fields().
+constexpr void describe(Description<Pose>& d) {
+  using namespace facts;
+  using enum Unit;
+  constexpr double k_reach = 100000;     // m: how far a world reaches
+  constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
+  d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "forward");
+  d.member<&Pose::y>("y", meters, within(-k_reach, k_reach), "left");
+  d.member<&Pose::z>("z", meters, within(-k_reach, k_reach), "up");
+  d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
+}
+
+/// The values of a struct, by its table.
+Record record_of(const FieldTable& table, const void* object);
+/// Sets the members that a record, by the struct's table, gives; the others stay as they are. Throws
+/// std::bad_variant_access for values of another type, std::invalid_argument for those that a member cannot
+/// hold; a record that a reader checked has none.
+void fill(const FieldTable& table, void* object, const Record& record);
+
+/// The value of one member of a struct; not given where a std::optional has none.
+Value get(const Field& field, const void* object);
+/// Sets one member. A value that is not given empties a std::optional, and leaves any other member as it is.
+/// Throws as fill() does.
+void set(const Field& field, void* object, const Value& value);
+
+/// The struct that a record by described<T>() fills: T{} with what the record gives. Throws as fill() does.
+template <class T>
+T from_record(const Record& record) {
+  T object{};
+  fill(described<T>(), &object, record);
+  return object;
+}
+/// The values of a struct, by described<T>().
+template <class T>
+Record to_record(const T& object) {
+  return record_of(described<T>(), &object);
+}
+
+/// The fields of a table as those of a component of state whose rows are the described struct.
+std::vector<StateField> state_fields(const FieldTable& table);
+
+}  // namespace troupe::engine

@@ -1,0 +1,156 @@
+#pragma once
+
+#include "engine/controller.hpp"
+#include "engine/description.hpp"
+#include "engine/kinds.hpp"
+
+#include <any>
+#include <iterator>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace troupe::engine {
+namespace detail {
+
+template <class C>
+DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_device) {
+  if constexpr (requires { typename C::Params; }) {
+    const auto params = from_record<typename C::Params>(record);
+    if constexpr (requires { &C::prepare; })
+      return C::prepare(params, pose_body_device);
+    else if constexpr (requires { &C::make; })
+      return {.data = C::make(params, pose_body_device)};
+    else
+      return {.data = C{params}};
+  } else if constexpr (requires { &C::prepare; }) {
+    return C::prepare(pose_body_device);
+  } else {
+    return {.data = C{}};
+  }
+}
+
+}  // namespace detail
+
+/// The kind of a sensor, or of another device, from a class C. What its hooks work with is a C: what they are
+/// given as `data` otherwise. C may have
+///
+///     struct Params { ...; describe };            // its parameters; else it has none
+///     struct State { ...; describe };             // what a row is: its percepts, TROUPE_FIELDS or described
+///     struct Command { ...; describe };           // what controllers may ask of it
+///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
+///         // DeviceKind::prepare; `data` must be a C. Without percepts and commands of its own it has those
+///         of
+///         // State and Command. Without Params it takes the pose alone
+///     static C make(const Params&, const Pose& pose_body_device);
+///         // where nothing but the C is to be prepared; without it, that is C{params}
+///
+/// and, each as the hook of DeviceKind with its name, without `data` (row: where C has a State, a hook may
+/// take a State& instead of the table and the slot):
+///
+///     std::uint64_t sense(const DeviceBatch&) const;
+///     void act(const DeviceBatch&) const;
+///     void settled(const DeviceBatch&) const;
+///     void start(StateTable&, std::size_t slot) const;                   // row
+///     bool is_spent(const StateTable&, std::size_t slot) const;          // row
+///     static Energy energy(const StateTable&, std::size_t slot);         // row
+///     static HeldFlags flags(const StateTable&, std::size_t slot);       // row
+///     void apply(World&, const Effect&) const;
+///     void born(World&, const Effect&, const Birth&) const;
+///     void show(const DeviceView&, Frame&) const;
+///     Result<> mount(const TypeSpec&, std::uint32_t part);
+///     Result<> look(const WorldSpec&);
+///     static std::vector<DeviceKind::Fixture> body(const Params&);
+///     static constexpr std::array<std::string_view, N> joints;
+///     static constexpr bool carries, drives, needs_supply, shows_color;
+///     static constexpr FrameLayer layer;
+template <class C>
+DeviceKind make_device_kind(std::string_view name, std::string_view text) {
+  DeviceKind kind{.name = name, .text = text};
+  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
+  if constexpr (requires { C::joints; }) kind.joints.assign(std::begin(C::joints), std::end(C::joints));
+  if constexpr (requires { C::carries; }) kind.carries = C::carries;
+  if constexpr (requires { C::drives; }) kind.drives = C::drives;
+  if constexpr (requires { C::needs_supply; }) kind.needs_supply = C::needs_supply;
+  if constexpr (requires { C::shows_color; }) kind.shows_color = C::shows_color;
+  if constexpr (requires { C::layer; }) kind.layer = C::layer;
+  if constexpr (requires { &C::body; })
+    kind.body = [](const Record& record) { return C::body(from_record<typename C::Params>(record)); };
+  kind.prepare = [](const Record& record, const Pose& pose_body_device) {
+    DeviceKind::Prepared prepared = detail::prepare_device<C>(record, pose_body_device);
+    if (std::any_cast<C>(&prepared.data) == nullptr)
+      throw std::logic_error("its prepare() gives data of another type than its hooks take");
+    if constexpr (requires { typename C::State; }) {
+      if (prepared.percepts.empty()) {
+        prepared.percepts = memory_fields<typename C::State>();
+        prepared.percept_bytes = sizeof(typename C::State);
+      }
+    }
+    if constexpr (requires { typename C::Command; }) {
+      if (prepared.commands.empty()) {
+        prepared.commands = memory_fields<typename C::Command>();
+        prepared.command_bytes = sizeof(typename C::Command);
+      }
+    }
+    return prepared;
+  };
+  if constexpr (requires { &C::mount; })
+    kind.mount = [](std::any& data, const TypeSpec& type, std::uint32_t part) -> Result<> {
+      return std::any_cast<C>(&data)->mount(type, part);
+    };
+  if constexpr (requires { &C::look; })
+    kind.look = [](std::any& data, const WorldSpec& world) -> Result<> {
+      return std::any_cast<C>(&data)->look(world);
+    };
+  if constexpr (requires { &C::start; })
+    kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
+      const C& device = *std::any_cast<C>(&data);
+      if constexpr (requires { device.start(state, slot); })
+        device.start(state, slot);
+      else
+        device.start(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::sense; })
+    kind.sense = [](const DeviceBatch& batch) -> std::uint64_t {
+      return std::any_cast<C>(&batch.data)->sense(batch);
+    };
+  if constexpr (requires { &C::act; })
+    kind.act = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->act(batch); };
+  if constexpr (requires { &C::settled; })
+    kind.settled = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->settled(batch); };
+  if constexpr (requires { &C::apply; })
+    kind.apply = [](World& world, const std::any& data, const Effect& effect) {
+      std::any_cast<C>(&data)->apply(world, effect);
+    };
+  if constexpr (requires { &C::born; })
+    kind.born = [](World& world, const std::any& data, const Effect& effect, const Birth& birth) {
+      std::any_cast<C>(&data)->born(world, effect, birth);
+    };
+  if constexpr (requires { &C::is_spent; })
+    kind.is_spent = [](const std::any& data, const StateTable& state, std::size_t slot) -> bool {
+      const C& device = *std::any_cast<C>(&data);
+      if constexpr (requires { device.is_spent(state, slot); })
+        return device.is_spent(state, slot);
+      else
+        return device.is_spent(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::energy; })
+    kind.energy = [](const StateTable& state, std::size_t slot) -> Energy {
+      if constexpr (requires { C::energy(state, slot); })
+        return C::energy(state, slot);
+      else
+        return C::energy(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::flags; })
+    kind.flags = [](const StateTable& state, std::size_t slot) -> HeldFlags {
+      if constexpr (requires { C::flags(state, slot); })
+        return C::flags(state, slot);
+      else
+        return C::flags(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::show; })
+    kind.show = [](const DeviceView& view, Frame& frame) { std::any_cast<C>(&view.data)->show(view, frame); };
+  return kind;
+}
+
+}  // namespace troupe::engine
