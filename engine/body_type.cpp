@@ -227,13 +227,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       report(kind->check(params));
       type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s), {}};
       if (kind->localization) {
-        const auto where = std::span(params).subspan(*kind->localization);
-        report(check_localization(where));
-        type.drive->localization = read_localization(where);
+        if (const Result<Localization> how = kind->localization(params))
+          type.drive->localization = *how;
+        else
+          report(how.error());
       }
       if (kind->pushes)
-        type.drive->pushes = static_cast<std::uint8_t>(
-            std::clamp<std::int64_t>(params[*kind->pushes].integer(), 0, k_most_pushed));
+        type.drive->pushes =
+            static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(params), 0, k_most_pushed));
       if (type.pushable)
         diagnostics.error(
             spec.drive->where,

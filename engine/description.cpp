@@ -11,6 +11,10 @@ namespace {
   throw std::logic_error("the description of \"" + std::string(name) + "\" " + what);
 }
 
+std::size_t offset_of(const void* object, const void* member) {
+  return static_cast<std::size_t>(static_cast<const char*>(member) - static_cast<const char*>(object));
+}
+
 void* at(void* object, const Field& field) { return static_cast<char*>(object) + field.offset; }
 const void* at(const void* object, const Field& field) {
   return static_cast<const char*>(object) + field.offset;
@@ -35,6 +39,7 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::choices: field.choices.assign(fact.choices.begin(), fact.choices.end()); break;
     case Fact::Kind::columns: field.columns = static_cast<std::size_t>(fact.number); break;
     case Fact::Kind::counts_readings: field.counts_readings = true; break;
+    case Fact::Kind::fixed: field.fixed = true; break;
     case Fact::Kind::provenance: field.provenance = true; break;
     case Fact::Kind::sparse: field.sparse = true; break;
     case Fact::Kind::look: field.look = true; break;
@@ -110,7 +115,7 @@ void set_colors(std::vector<Color>& colors, const Value& value) {
                       static_cast<float>(parts[i + 2]), 1});
 }
 
-void add_field(FieldTable& table, std::string_view name, const MemberType& type, std::size_t offset,
+void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts) {
   if (table.find(name) >= 0) contradicts(name, "gives two members this name");
   Field field{.name = name, .type = type.type, .min = type.min, .max = type.max, .columns = type.columns};
@@ -118,7 +123,7 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
   field.record = type.table != nullptr ? &type.table() : nullptr;
   field.optional = type.optional;
   field.member = &type;
-  field.offset = offset;
+  field.offset = offset_of(object, member);
   bool required = false;
   for (const Fact& fact : facts) {
     say(field, fact);
@@ -131,19 +136,18 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
     contradicts(name, "gives it other columns than its type has");
   if (required && field.optional) contradicts(name, "requires what is optional");
   if (required && field.type == FieldType::record) contradicts(name, "requires a block that has defaults");
-  // The member lies at the offset from its own struct's begin, not from `member`.
-  Value fallback = fallback_of(field, static_cast<const char*>(member) - offset);
+  Value fallback = fallback_of(field, object);
   if (field.optional && fallback.given()) contradicts(name, "is of an optional that has a default");
   if (!required) field.fallback = std::move(fallback);
   table.fields.push_back(std::move(field));
 }
 
-void add_part(FieldTable& table, const FieldTable& part, std::size_t offset, const void* member) {
+void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member) {
   for (Field field : part.fields) {
     if (table.find(field.name) >= 0) contradicts(field.name, "gives two members this name");
     if (field.fallback.given() || field.type == FieldType::record)
       field.fallback = fallback_of(field, member);
-    field.offset += offset;
+    field.offset += offset_of(object, member);
     table.fields.push_back(std::move(field));
   }
 }
@@ -198,7 +202,7 @@ std::vector<StateField> state_fields(const FieldTable& table) {
   for (const Field& field : table.fields) {
     StateField made;
     made.name = field.name;
-    made.element = member_of(field).element.value();
+    made.element = member_of(field).element;
     made.columns = static_cast<std::uint32_t>(std::max<std::size_t>(field.columns, 1));
     made.unit = unit_suffixes(field.unit).front().symbol;
     made.text = field.text;

@@ -23,8 +23,6 @@
 
 /// A struct lists its members once, in a function that fills a FieldTable:
 ///
-///     using namespace engine::facts;
-///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
 ///
@@ -36,6 +34,8 @@
 ///       std::optional<double> gain;
 ///
 ///       static constexpr void describe(engine::Description<Transducer>& d) {
+///         using namespace engine::facts;
+///         using enum engine::Unit;
 ///         d.member<&Transducer::pose>("pose", "of the transducer in the sensor's frame");
 ///         d.member<&Transducer::range_max>("range_max", meters, above(0), at_most(10'000), "beam length");
 ///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "beams");
@@ -81,6 +81,7 @@ class Fact {
     columns,
     required,
     counts_readings,
+    fixed,
     provenance,
     sparse,
     look,
@@ -101,9 +102,8 @@ class Fact {
   std::span<const std::string_view> choices;
 };
 
-/// What can be said of a member. For `using namespace engine::facts`.
+/// What can be said of a member, besides its unit.
 namespace facts {
-using enum Unit;
 
 /// Limits in SI units; of a list, of each number.
 ///@{
@@ -124,6 +124,7 @@ constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_
 /// It has no default.
 inline constexpr Fact required{Fact::Kind::required};
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
+inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
 /// It says where the others come from: stored, and not compared.
 inline constexpr Fact provenance{Fact::Kind::provenance};
 inline constexpr Fact is_sparse{Fact::Kind::sparse};  ///< of state: StateField::sparse
@@ -150,7 +151,8 @@ struct MemberType {
   void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: it always has one
   void* (*block)(void* member, std::size_t i) = nullptr;  ///< the i-th
   ///@}
-  std::optional<Element> element = {};  ///< of state; none: it cannot be state
+  bool is_state = false;           ///< it can be state, of
+  Element element = Element::f64;  ///< these
 };
 
 namespace detail {
@@ -245,7 +247,10 @@ concept StateNumber = std::is_same_v<M, double> || std::is_same_v<M, float> || s
 template <class M>
 constexpr MemberType plain_type() {
   MemberType type;
-  if constexpr (StateNumber<M>) type.element = element_of<M>();
+  if constexpr (StateNumber<M>) {
+    type.is_state = true;
+    type.element = element_of<M>();
+  }
   if constexpr (std::is_same_v<M, bool>) {
     type.type = FieldType::boolean;
     type.get = [](const void* m) { return Value(*static_cast<const bool*>(m)); };
@@ -320,7 +325,10 @@ constexpr MemberType plain_type() {
     constexpr std::size_t k_size = Fixed<M>::size;
     type.type = FieldType::numbers;
     type.columns = k_size;
-    if constexpr (StateNumber<E>) type.element = element_of<E>();
+    if constexpr (StateNumber<E>) {
+      type.is_state = true;
+      type.element = element_of<E>();
+    }
     type.get = [](const void* m) {
       std::array<double, k_size> numbers;
       const E* from = static_cast<const M*>(m)->data();
@@ -361,7 +369,7 @@ constexpr MemberType optional_type() {
   MemberType type = TypeOf<M>::value;
   static_assert(TypeOf<M>::value.type != FieldType::records, "a list may be empty: it need not be optional");
   type.optional = true;
-  type.element = std::nullopt;
+  type.is_state = false;
   if constexpr (TypeOf<M>::value.type == FieldType::record) {
     type.size = [](const void* m) {
       return std::size_t{static_cast<const std::optional<M>*>(m)->has_value()};
@@ -393,12 +401,12 @@ struct TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member. member: of the default T, `offset` bytes from its begin. Throws
-/// std::logic_error where the facts contradict one another or the type.
-void add_field(FieldTable& table, std::string_view name, const MemberType& type, std::size_t offset,
+/// Appends the field of a member of a struct. Throws std::logic_error where the facts contradict one another
+/// or the type.
+void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
 /// Appends all fields of a part of a struct.
-void add_part(FieldTable& table, const FieldTable& part, std::size_t offset, const void* member);
+void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
 
@@ -413,29 +421,28 @@ class Description {
 
   /// A member that is a field of this name. Names are unique, and live as long as the program or the plug-in.
   template <auto k_member, class... Facts>
-  constexpr void member(std::string_view name, Facts... facts) {
+  [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
-    count<k_member>();
-    is_state_ = is_state_ && detail::TypeOf<Type>::value.element.has_value();
-    if (table_ != nullptr)
-      detail::add_field(*table_, name, detail::TypeOf<Type>::value, offset(&(example_->*k_member)),
-                        &(example_->*k_member), {Fact(facts)...});
+    if (table_ == nullptr)
+      count(&detail::k_tag<k_member>, detail::TypeOf<Type>::value.is_state);
+    else
+      detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
+                        {Fact(facts)...});
   }
   /// A described struct whose fields stand among those of this one, in its place: what a kind that makes more
   /// of another takes of that.
   template <auto k_member>
-  constexpr void part() {
+  [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
-    count<k_member>();
-    is_state_ = false;
-    if (table_ != nullptr)
-      detail::add_part(*table_, described<Type>(), offset(&(example_->*k_member)), &(example_->*k_member));
+    if (table_ == nullptr)
+      count(&detail::k_tag<k_member>, false);
+    else
+      detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
   /// A member that is worked out from the others: no field, neither stored nor compared.
   template <auto k_member>
   constexpr void derived() {
-    count<k_member>();
-    is_state_ = false;
+    if (table_ == nullptr) count(&detail::k_tag<k_member>, false);
   }
 
   /// Members described so far, each counted once.
@@ -448,15 +455,10 @@ class Description {
  private:
   static constexpr std::size_t k_most_members = 128;
 
-  template <auto k_member>
-  constexpr void count() {
-    if (table_ != nullptr) return;
-    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == &detail::k_tag<k_member>;
-    seen_[count_++] = &detail::k_tag<k_member>;
-  }
-  std::size_t offset(const void* member) const {
-    return static_cast<std::size_t>(static_cast<const char*>(member) -
-                                    reinterpret_cast<const char*>(example_));
+  constexpr void count(const char* tag, bool can_be_state) {
+    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
+    seen_[count_++] = tag;
+    is_state_ = is_state_ && can_be_state;
   }
 
   FieldTable* table_ = nullptr;
@@ -497,6 +499,7 @@ const FieldTable& described() {
 /// What a pose is written as: pose_fields().
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
+  using enum Unit;
   constexpr double k_reach = 100000;     // m: how far a world reaches
   constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
   d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "forward");

@@ -79,12 +79,9 @@ constexpr std::string_view k_keeps_shape = "what changes while a world runs must
 
 /// Whether a drive can go on with new parameters; else what is wrong with them.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
-  const auto name_of = [&](std::size_t param) { return kind.params.fields[param].name; };
-  if (kind.localization)
-    for (std::size_t p = *kind.localization; p < *kind.localization + localization_fields().size(); ++p)
-      if (before[p] != params[p]) return Error{fmt::format("\"{}\": {}", name_of(p), k_keeps_shape)};
-  if (kind.pushes && before[*kind.pushes] != params[*kind.pushes])
-    return Error{fmt::format("\"{}\" is the same for as long as the world runs", name_of(*kind.pushes))};
+  for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
+    if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
+      return Error{fmt::format("\"{}\" is the same for as long as the world runs", field.name)};
   return kind.check(params);
 }
 

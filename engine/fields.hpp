@@ -115,6 +115,8 @@ struct Field {
   bool counts_readings = false;
   /// It may be missing, and then has no value: it is neither required nor has it a fallback.
   bool optional = false;
+  /// It stays as it is for as long as the world runs: interventions cannot change it.
+  bool fixed = false;
   /// It says where the others come from (a file and a line): stored, and not compared.
   bool provenance = false;
   bool sparse = false;  ///< of state: StateField::sparse

@@ -295,14 +295,13 @@ struct DriveKind {
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// With which a robot moves until its drive is due for the first time. Null: it stands.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Parameters that the engine carries out itself, by their place in `params`.
+  /// What of its parameters the engine carries out itself.
   ///@{
-  /// The first of localization_fields(), which follow one another. Not given: its robots know their true
-  /// poses.
-  std::optional<std::size_t> localization = {};
-  /// An integer, 0 to k_most_pushed: how many pushable bodies it pushes at once, the same for as long as the
-  /// world runs. Not given: it pushes none.
-  std::optional<std::size_t> pushes = {};
+  /// How its robots know where they are, or why the parameters do not fit together. Null: they know their
+  /// true poses.
+  Result<Localization> (*localization)(const Record& params) = nullptr;
+  /// How many pushable bodies it pushes at once, 0 to k_most_pushed. Null: it pushes none.
+  std::int64_t (*pushes)(const Record& params) = nullptr;
   ///@}
 };
 

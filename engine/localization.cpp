@@ -9,9 +9,6 @@ namespace {
 constexpr double k_way_error = 0.03;
 constexpr double k_turn_error = 0.05;
 
-/// localization_fields(), in their order.
-enum Param : std::size_t { k_kind, k_origin, k_origin_heading, k_error, k_heading };
-
 }  // namespace
 
 Localization::Error Localization::error_of(std::uint64_t seed, BodyId body) const {
@@ -46,55 +43,16 @@ Pose Estimates::of(Row row, std::size_t slot) const {
   return how->origin ? relative_to(*how->origin, pose) : pose;
 }
 
-std::vector<Field> localization_fields() {
-  return {
-      {.name = "localization",
-       .type = FieldType::text,
-       .fallback = "gps",
-       .text = "how it knows where it is: its true pose, or what its wheels counted",
-       .choices = {"gps", "odom"}},
-      {.name = "localization_origin",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .fallback = std::vector<double>{},
-       .text = "[x, y] in the world of the frame it knows its pose in; [] is, with `gps`, the world's own, "
-               "with `odom` that in which it starts at 0"},
-      {.name = "localization_origin_heading",
-       .unit = Unit::radians,
-       .fallback = 0.0,
-       .text = "of that frame, where `localization_origin` is given"},
-      {.name = "odom_error",
-       .type = FieldType::numbers,
-       .fallback = std::vector<double>{},
-       .text = "relative errors of `odom`, [forward, left, turn]; [] draws them for each robot, within "
-               "[0.015, 0.015, 0.025] to either side"},
-      {.name = "odom_heading",
-       .type = FieldType::text,
-       .fallback = "old",
-       .text = "along which a tick's way is laid: the heading before its turn, as the robot moves, or after "
-               "it, as in Stage",
-       .choices = {"old", "new"}},
-  };
-}
-
-Localization read_localization(std::span<const Value> params) {
-  Localization how;
-  if (params[k_kind].text() == "odom") how.kind = Localization::Kind::odom;
-  const std::vector<double>& at = params[k_origin].numbers();
-  if (at.size() == 2) how.origin = Pose{at[0], at[1], 0, params[k_origin_heading].number()};
-  const std::vector<double>& error = params[k_error].numbers();
-  if (error.size() == 3) how.error = {error[0], error[1], error[2]};
-  how.along_new_heading = params[k_heading].text() == "new";
-  return how;
-}
-
-Result<> check_localization(std::span<const Value> params) {
-  const std::size_t at = params[k_origin].numbers().size();
-  if (at != 0 && at != 2) return Error{"localization_origin needs two numbers, [x, y], or none"};
-  const std::size_t errors = params[k_error].numbers().size();
-  if (errors != 0 && errors != 3)
+Result<Localization> LocalizationParams::read() const {
+  const std::vector<double>& at = localization_origin;
+  if (!at.empty() && at.size() != 2) return Error{"localization_origin needs two numbers, [x, y], or none"};
+  const std::vector<double>& error = odom_error;
+  if (!error.empty() && error.size() != 3)
     return Error{"odom_error needs three numbers, [forward, left, turn], or none"};
-  return {};
+  Localization how{.kind = localization, .along_new_heading = odom_heading == Heading::changed};
+  if (!at.empty()) how.origin = Pose{at[0], at[1], 0, localization_origin_heading};
+  if (!error.empty()) how.error = {error[0], error[1], error[2]};
+  return how;
 }
 
 }  // namespace troupe::engine

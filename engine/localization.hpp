@@ -3,11 +3,13 @@
 #include "base/ids.hpp"
 #include "base/pose.hpp"
 #include "base/result.hpp"
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace troupe::engine {
@@ -43,6 +45,45 @@ struct Localization {
   Error error_of(std::uint64_t seed, BodyId body) const;
 };
 
+constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
+
+/// The parameters that say it: a part of those of drives. None of them changes while a world runs, since with
+/// them would the state.
+struct LocalizationParams {
+  enum class Heading : std::uint8_t { old, changed };
+  friend constexpr std::array<std::string_view, 2> names_of(Heading) { return {"old", "new"}; }
+
+  Localization::Kind localization = Localization::Kind::gps;
+  std::vector<double> localization_origin;
+  double localization_origin_heading = 0;
+  std::vector<double> odom_error;
+  Heading odom_heading = Heading::old;
+
+  static constexpr void describe(Description<LocalizationParams>& d) {
+    using namespace facts;
+    using enum Unit;
+    d.member<&LocalizationParams::localization>(
+        "localization", fixed, "how it knows where it is: its true pose, or what its wheels counted");
+    d.member<&LocalizationParams::localization_origin>(
+        "localization_origin", meters, fixed,
+        "[x, y] in the world of the frame it knows its pose in; [] is, with `gps`, the world's own, "
+        "with `odom` that in which it starts at 0");
+    d.member<&LocalizationParams::localization_origin_heading>(
+        "localization_origin_heading", radians, fixed, "of that frame, where `localization_origin` is given");
+    d.member<&LocalizationParams::odom_error>(
+        "odom_error", fixed,
+        "relative errors of `odom`, [forward, left, turn]; [] draws them for each robot, within "
+        "[0.015, 0.015, 0.025] to either side");
+    d.member<&LocalizationParams::odom_heading>(
+        "odom_heading", fixed,
+        "along which a tick's way is laid: the heading before its turn, as the robot moves, or after "
+        "it, as in Stage");
+  }
+
+  /// What they say, or why they do not fit together.
+  Result<Localization> read() const;
+};
+
 /// The component `odometry`, a row a robot that has one: the pose it believes in.
 struct Odometry {
   double x = 0;        ///< m, frame of the origin
@@ -65,12 +106,5 @@ struct Estimates {
   /// That of one robot, m and rad; all 0 where nobody knows.
   Pose of(Row row, std::size_t slot) const;
 };
-
-/// The parameters that say it, for the tables of drives.
-std::vector<Field> localization_fields();
-/// What they say. params: their values, one each, in their order.
-Localization read_localization(std::span<const Value> params);
-/// Whether they fit together; else what is wrong with them. params: the same.
-Result<> check_localization(std::span<const Value> params);
 
 }  // namespace troupe::engine

@@ -1,6 +1,10 @@
 #pragma once
 
 #include "engine/kinds.hpp"
+#include "engine/sensor_params.hpp"
+#include "sensors/ranger_beams.hpp"
+
+#include <cstdint>
 
 namespace troupe::sensors {
 
@@ -18,5 +22,18 @@ namespace troupe::sensors {
 /// source  inverse-depth projection, partition/ranging.hpp; in worlds that ask for the grid engine a walk
 ///         through cells, partition/ray_grid.hpp
 engine::DeviceKind ranger_kind();
+
+/// What a ranger is made of (engine/device_kind.hpp): for kinds that make more of it, which have its Params
+/// as a part of their own.
+struct Ranger {
+  using Params = engine::RangerParams;
+
+  RangerBeams beams;
+
+  /// What the kind declares: its beams and percepts; `data` is a Ranger.
+  static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  /// Writes the readings of every row of the batch. Returns the rays it cast.
+  std::uint64_t sense(const engine::DeviceBatch& batch) const;
+};
 
 }  // namespace troupe::sensors

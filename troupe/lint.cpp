@@ -2,7 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
-#include "sensors/ranger_beams.hpp"
+#include "sensors/ranger.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
@@ -199,8 +199,9 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
 
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                         const Heights& visible) {
-  const auto* ranger = std::any_cast<sensors::RangerBeams>(&sensor.prepared.data);
-  if (!ranger) return;
+  const auto* its_ranger = std::any_cast<sensors::Ranger>(&sensor.prepared.data);
+  if (!its_ranger) return;
+  const sensors::RangerBeams* ranger = &its_ranger->beams;
   const engine::BodyType& body = world_.types()[type];
   const std::string called = called_text(sensor.name, body.name);
   if (ranger->count == 0) {

@@ -16,7 +16,18 @@ struct PowerPackState {
   double given = 0;           ///< to others, by contact
   std::uint8_t infinite = 0;  ///< 1: it never runs out; `stored` stays 0
   std::uint8_t charging = 0;  ///< 1: it was given something in the last tick
-  TROUPE_FIELDS(stored, capacity, dissipated, received, given, infinite, charging)
+
+  static constexpr void describe(engine::Description<PowerPackState>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&PowerPackState::stored>("stored", joules, "what it holds");
+    d.member<&PowerPackState::capacity>("capacity", joules, "what it can hold");
+    d.member<&PowerPackState::dissipated>("dissipated", joules, "by all that runs on it, since tick 0");
+    d.member<&PowerPackState::received>("received", joules, "from others, by contact, since tick 0");
+    d.member<&PowerPackState::given>("given", joules, "to others, by contact, since tick 0");
+    d.member<&PowerPackState::infinite>("infinite", "1: it never runs out");
+    d.member<&PowerPackState::charging>("charging", "1: it was given something in the last tick");
+  }
 
   /// Has nothing left; never where it is infinite.
   bool is_empty() const { return infinite == 0 && stored <= 0; }

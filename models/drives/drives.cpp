@@ -1,24 +1,17 @@
 #include "models/drives/drives.hpp"
 
 #include "base/pose.hpp"
-#include "engine/conflicts.hpp"
+#include "engine/drive_kind.hpp"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <string_view>
-#include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace troupe::models {
 namespace {
 
 using engine::Command;
 using engine::ControlMode;
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
 using engine::Velocity;
 
 struct Bounds {
@@ -39,120 +32,18 @@ constexpr double k_arrived_m = 0.02;       // along both axes
 constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives on once the goal lies within this
 constexpr double k_car_steers = 2;         // 1/s: a car turns by this much of what it is off course
 
-constexpr std::string_view k_pushes = "pushes";
-
-/// What any drive takes: at the end localization_fields().
-std::vector<engine::Field> drive_fields() {
-  constexpr double k_quarter_turn = radians(90);
-  std::vector<engine::Field> fields{
-      {.name = "velocity_min_x", .unit = Unit::meters_per_second, .fallback = -1.0, .text = "backward limit"},
-      {.name = "velocity_max_x", .unit = Unit::meters_per_second, .fallback = 1.0, .text = "forward limit"},
-      {.name = "velocity_min_y",
-       .unit = Unit::meters_per_second,
-       .fallback = -1.0,
-       .text = "rightward limit"},
-      {.name = "velocity_max_y", .unit = Unit::meters_per_second, .fallback = 1.0, .text = "leftward limit"},
-      {.name = "turn_min",
-       .unit = Unit::radians_per_second,
-       .fallback = -k_quarter_turn,
-       .text = "clockwise limit"},
-      {.name = "turn_max",
-       .unit = Unit::radians_per_second,
-       .fallback = k_quarter_turn,
-       .text = "counter-clockwise limit"},
-      {.name = "acceleration_min_x",
-       .unit = Unit::meters_per_second_squared,
-       .fallback = -1.0,
-       .text = "least commanded acceleration forward"},
-      {.name = "acceleration_max_x",
-       .unit = Unit::meters_per_second_squared,
-       .fallback = 1.0,
-       .text = "greatest forward"},
-      {.name = "acceleration_min_y",
-       .unit = Unit::meters_per_second_squared,
-       .fallback = -1.0,
-       .text = "least to the left"},
-      {.name = "acceleration_max_y",
-       .unit = Unit::meters_per_second_squared,
-       .fallback = 1.0,
-       .text = "greatest to the left"},
-      {.name = "turn_acceleration_min",
-       .unit = Unit::radians_per_second_squared,
-       .fallback = -k_quarter_turn,
-       .text = "least of the turn rate"},
-      {.name = "turn_acceleration_max",
-       .unit = Unit::radians_per_second_squared,
-       .fallback = k_quarter_turn,
-       .text = "greatest of the turn rate"},
-      {.name = "start_x",
-       .unit = Unit::meters_per_second,
-       .fallback = 0.0,
-       .text = "speed forward until the drive is due for the first time, not limited"},
-      {.name = "start_y", .unit = Unit::meters_per_second, .fallback = 0.0, .text = "the same to the left"},
-      {.name = "start_turn",
-       .unit = Unit::radians_per_second,
-       .fallback = 0.0,
-       .text = "the same of the turn"},
-  };
-  fields.push_back({.name = k_pushes,
-                    .type = engine::FieldType::integer,
-                    .fallback = std::int64_t{4},
-                    .min = 0,
-                    .max = engine::k_most_pushed,
-                    .text = "how many pushable bodies it pushes at once; more stop it"});
-  for (engine::Field& field : engine::localization_fields()) fields.push_back(std::move(field));
-  return fields;
+Drive drive_of(const DriveParams& params, double wheelbase = 1) {
+  const MotionParams& m = params.motion;
+  return {.x = {m.velocity_min_x, m.velocity_max_x},
+          .y = {m.velocity_min_y, m.velocity_max_y},
+          .turn = {m.turn_min, m.turn_max},
+          .x_rate = {m.acceleration_min_x, m.acceleration_max_x},
+          .y_rate = {m.acceleration_min_y, m.acceleration_max_y},
+          .turn_rate = {m.turn_acceleration_min, m.turn_acceleration_max},
+          .start = {m.start_x, m.start_y, m.start_turn},
+          .wheelbase = wheelbase};
 }
-
-const FieldTable& drive_table() {
-  static const FieldTable table{drive_fields()};
-  return table;
-}
-
-const FieldTable& car_table() {
-  static const FieldTable table = [] {
-    FieldTable fields{{{.name = "wheelbase",
-                        .unit = Unit::meters,
-                        .fallback = 1.0,
-                        .min = 0,
-                        .text = "distance between the axles",
-                        .above_min = true}}};
-    for (engine::Field& field : drive_fields()) fields.fields.push_back(std::move(field));
-    return fields;
-  }();
-  return table;
-}
-
-Drive read(const FieldTable& table, const Record& params) {
-  const auto number = [&](std::string_view name) { return engine::get(table, params, name).number(); };
-  const auto bounds = [&](std::string_view low, std::string_view high) {
-    return Bounds{number(low), number(high)};
-  };
-  return {.x = bounds("velocity_min_x", "velocity_max_x"),
-          .y = bounds("velocity_min_y", "velocity_max_y"),
-          .turn = bounds("turn_min", "turn_max"),
-          .x_rate = bounds("acceleration_min_x", "acceleration_max_x"),
-          .y_rate = bounds("acceleration_min_y", "acceleration_max_y"),
-          .turn_rate = bounds("turn_acceleration_min", "turn_acceleration_max"),
-          .start = {number("start_x"), number("start_y"), number("start_turn")},
-          .wheelbase = table.find("wheelbase") < 0 ? 1 : number("wheelbase")};
-}
-
-Result<> check(const FieldTable& table, const Record& params) {
-  constexpr std::array<std::array<std::string_view, 3>, 6> k_bounds{{
-      {"velocity_min_x", "velocity_max_x", "velocity_x"},
-      {"velocity_min_y", "velocity_max_y", "velocity_y"},
-      {"turn_min", "turn_max", "turn"},
-      {"acceleration_min_x", "acceleration_max_x", "acceleration_x"},
-      {"acceleration_min_y", "acceleration_max_y", "acceleration_y"},
-      {"turn_acceleration_min", "turn_acceleration_max", "turn_acceleration"},
-  }};
-  for (const auto& [low, high, name] : k_bounds)
-    if (engine::get(table, params, low).number() > engine::get(table, params, high).number())
-      return Error{
-          fmt::format("the bounds of {} stand the wrong way round: the lower must come first", name)};
-  return {};
-}
+Drive drive_of(const CarParams& params) { return drive_of(params.drive, params.wheelbase); }
 
 // Not std::clamp: NaN must stay NaN, for the step to name the robot.
 double bounded(double v, const Bounds& bounds) {
@@ -243,54 +134,74 @@ struct Car {
   }
 };
 
-template <class Law>
-void drive_all(const std::any& data, const engine::DriveBatch& batch) {
-  const Drive& d = *std::any_cast<Drive>(&data);
-  if (batch.estimates.empty()) {
-    for (std::size_t i = 0; i < batch.commands.size(); ++i)
-      batch.velocities[i] = Law::speed(d, batch.commands[i]);
-    return;
+const DriveParams& common(const DriveParams& params) { return params; }
+const DriveParams& common(const CarParams& params) { return params.drive; }
+
+template <class Law, class ItsParams>
+struct Driving {
+  using Params = ItsParams;
+
+  Drive its;
+
+  static Driving make(const Params& params) { return {drive_of(params)}; }
+  static Result<> check(const Params& params) { return common(params).motion.check(); }
+  static Result<engine::Localization> localization(const Params& params) {
+    return common(params).localization.read();
   }
-  for (std::size_t i = 0; i < batch.commands.size(); ++i) {
-    const Command& command = batch.commands[i];
-    Velocity& v = batch.velocities[i];
-    switch (command.mode) {
-      case ControlMode::velocity: v = Law::speed(d, command); break;
-      case ControlMode::acceleration: v = Law::accelerate(d, command, v, batch.elapsed_s); break;
-      case ControlMode::position: v = Law::go_to(d, command, batch.estimates[i], batch.elapsed_s); break;
+  static std::int64_t pushes(const Params& params) { return common(params).pushes; }
+
+  Velocity start() const { return its.start; }
+
+  void drive(const engine::DriveBatch& batch) const {
+    if (batch.estimates.empty()) {
+      for (std::size_t i = 0; i < batch.commands.size(); ++i)
+        batch.velocities[i] = Law::speed(its, batch.commands[i]);
+      return;
+    }
+    for (std::size_t i = 0; i < batch.commands.size(); ++i) {
+      const Command& command = batch.commands[i];
+      Velocity& v = batch.velocities[i];
+      switch (command.mode) {
+        case ControlMode::velocity: v = Law::speed(its, command); break;
+        case ControlMode::acceleration: v = Law::accelerate(its, command, v, batch.elapsed_s); break;
+        case ControlMode::position: v = Law::go_to(its, command, batch.estimates[i], batch.elapsed_s); break;
+      }
     }
   }
-}
-
-const FieldTable& table_of(bool car) { return car ? car_table() : drive_table(); }
-
-template <class Law>
-engine::DriveKind make_drive(std::string_view name, std::string_view text) {
-  constexpr bool k_is_car = std::is_same_v<Law, Car>;
-  const FieldTable& table = table_of(k_is_car);
-  return {.name = name,
-          .text = text,
-          .params = table,
-          .prepare = [](const Record& params) { return std::any(read(table_of(k_is_car), params)); },
-          .check = [](const Record& params) { return check(table_of(k_is_car), params); },
-          .drive = drive_all<Law>,
-          .start = [](const std::any& data) { return std::any_cast<const Drive&>(data).start; },
-          .localization = table.fields.size() - engine::localization_fields().size(),
-          .pushes = static_cast<std::size_t>(table.find(k_pushes))};
-}
+};
 
 }  // namespace
 
+Result<> MotionParams::check() const {
+  struct Limits {
+    double low, high;
+    std::string_view name;
+  };
+  for (const Limits& limits :
+       {Limits{velocity_min_x, velocity_max_x, "velocity_x"},
+        Limits{velocity_min_y, velocity_max_y, "velocity_y"}, Limits{turn_min, turn_max, "turn"},
+        Limits{acceleration_min_x, acceleration_max_x, "acceleration_x"},
+        Limits{acceleration_min_y, acceleration_max_y, "acceleration_y"},
+        Limits{turn_acceleration_min, turn_acceleration_max, "turn_acceleration"}})
+    if (limits.low > limits.high)
+      return Error{
+          fmt::format("the bounds of {} stand the wrong way round: the lower must come first", limits.name)};
+  return {};
+}
+
 engine::DriveKind diff_drive() {
-  return make_drive<Diff>("diff", "two driven wheels: forward speed and turn rate");
+  return engine::make_drive_kind<Driving<Diff, DriveParams>>(
+      "diff", "two driven wheels: forward speed and turn rate");
 }
 
 engine::DriveKind omni_drive() {
-  return make_drive<Omni>("omni", "holonomic: forward and sideways speed and turn rate");
+  return engine::make_drive_kind<Driving<Omni, DriveParams>>(
+      "omni", "holonomic: forward and sideways speed and turn rate");
 }
 
 engine::DriveKind car_drive() {
-  return make_drive<Car>("car", "front wheels that steer: speed and steering angle");
+  return engine::make_drive_kind<Driving<Car, CarParams>>(
+      "car", "front wheels that steer: speed and steering angle");
 }
 
 }  // namespace troupe::models

@@ -1,8 +1,89 @@
 #pragma once
 
+#include "engine/conflicts.hpp"
 #include "engine/kinds.hpp"
+#include "engine/localization.hpp"
+
+#include <cstdint>
 
 namespace troupe::models {
+
+/// How fast a drive may go, and how it sets out.
+struct MotionParams {
+  double velocity_min_x = -1;
+  double velocity_max_x = 1;
+  double velocity_min_y = -1;
+  double velocity_max_y = 1;
+  double turn_min = -radians(90);
+  double turn_max = radians(90);
+  double acceleration_min_x = -1;
+  double acceleration_max_x = 1;
+  double acceleration_min_y = -1;
+  double acceleration_max_y = 1;
+  double turn_acceleration_min = -radians(90);
+  double turn_acceleration_max = radians(90);
+  double start_x = 0;
+  double start_y = 0;
+  double start_turn = 0;
+
+  static constexpr void describe(engine::Description<MotionParams>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&MotionParams::velocity_min_x>("velocity_min_x", meters_per_second, "backward limit");
+    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second, "forward limit");
+    d.member<&MotionParams::velocity_min_y>("velocity_min_y", meters_per_second, "rightward limit");
+    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second, "leftward limit");
+    d.member<&MotionParams::turn_min>("turn_min", radians_per_second, "clockwise limit");
+    d.member<&MotionParams::turn_max>("turn_max", radians_per_second, "counter-clockwise limit");
+    d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
+                                                "least commanded acceleration forward");
+    d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
+                                                "greatest forward");
+    d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
+                                                "least to the left");
+    d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
+                                                "greatest to the left");
+    d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
+                                                   "least of the turn rate");
+    d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
+                                                   "greatest of the turn rate");
+    d.member<&MotionParams::start_x>("start_x", meters_per_second,
+                                     "speed forward until the drive is due for the first time, not limited");
+    d.member<&MotionParams::start_y>("start_y", meters_per_second, "the same to the left");
+    d.member<&MotionParams::start_turn>("start_turn", radians_per_second, "the same of the turn");
+  }
+
+  /// Whether the bounds stand the right way round.
+  Result<> check() const;
+};
+
+/// What any drive takes.
+struct DriveParams {
+  MotionParams motion;
+  std::int64_t pushes = 4;
+  engine::LocalizationParams localization;
+
+  static constexpr void describe(engine::Description<DriveParams>& d) {
+    using namespace engine::facts;
+    d.part<&DriveParams::motion>();
+    d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
+                                   "how many pushable bodies it pushes at once; more stop it");
+    d.part<&DriveParams::localization>();
+  }
+};
+
+/// What a car takes.
+struct CarParams {
+  double wheelbase = 1;
+  DriveParams drive;
+
+  static constexpr void describe(engine::Description<CarParams>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&CarParams::wheelbase>("wheelbase", meters, above(0), "distance between the axles");
+    d.part<&CarParams::drive>();
+  }
+};
 
 /// What a command becomes, within the bounds of its drive; docs/driving.md has the whole of it.
 ///

@@ -1,11 +1,11 @@
 #include "models/drives/wheels.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/world.hpp"
 #include "models/drives/drives.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,61 +17,69 @@ using engine::ControlMode;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::DriveKind;
-using engine::FieldTable;
-using engine::FieldType;
 using engine::Record;
 using engine::Velocity;
 
 // How far from its rest it may go: the circle about its body grows with that.
 constexpr double k_most_reach_m = 100;
 
-const std::array<DriveKind, 3>& drives() {
-  static const std::array<DriveKind, 3> kinds{diff_drive(), omni_drive(), car_drive()};
-  return kinds;
-}
+enum class Law : std::uint8_t { diff, omni, car };
+constexpr std::array<std::string_view, 3> names_of(Law) { return {"diff", "omni", "car"}; }
 
-/// All that any drive takes, but for what it knows of where it is, and what it pushes: joints push nothing.
-const FieldTable& table() {
-  static const FieldTable fields = [] {
-    FieldTable all{{{.name = "drive",
-                     .type = FieldType::text,
-                     .fallback = std::string("diff"),
-                     .text = "how it drives",
-                     .choices = {"diff", "omni", "car"}}}};
-    const DriveKind& any = drives().back();
-    for (std::size_t f = 0; f < *any.localization; ++f)  // these come last
-      if (f != any.pushes) all.fields.push_back(any.params.fields[f]);
-    return all;
-  }();
-  return fields;
+const DriveKind& kind_of(Law law) {
+  static const std::array<DriveKind, 3> kinds{diff_drive(), omni_drive(), car_drive()};
+  return kinds[static_cast<std::size_t>(law)];
 }
 
 struct Wheels {
+  /// All that any drive takes, but for what it knows of where it is, and what it pushes: joints push nothing.
+  struct Params {
+    Law drive = Law::diff;
+    double wheelbase = CarParams().wheelbase;
+    MotionParams motion;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::drive>("drive", "how it drives");
+      d.member<&Params::wheelbase>("wheelbase", meters, above(0), "distance between the axles");
+      d.part<&Params::motion>();
+    }
+  };
+  using State = WheelsState;
+  static constexpr std::array joints{std::string_view("joint")};
+  static constexpr bool drives = true;
+
   const DriveKind* kind = nullptr;
   std::any data;
   Result<> bounds;  // whether the parameters fit together
   Pose rest;        // of the part, body frame
 
-  void drive(const Command& command, const Pose& at, double elapsed_s, Velocity& v) const {
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_part) {
+    const DriveKind& kind = kind_of(params.drive);
+    const DriveParams own{.motion = params.motion};
+    const Record record = params.drive == Law::car ? engine::to_record(CarParams{params.wheelbase, own})
+                                                   : engine::to_record(own);
+    return {.data = Wheels{&kind, kind.prepare(record), params.motion.check(), pose_body_part},
+            .commands = engine::command_fields(),
+            .command_bytes = sizeof(Command)};
+  }
+  Result<> mount(const engine::TypeSpec&, std::uint32_t) const {
+    if (bounds) return {};
+    return Error{fmt::format("has drive parameters that contradict one another: {}", bounds.error().text)};
+  }
+
+  void act(const DeviceBatch& batch) const;
+  void settled(const DeviceBatch& batch) const;
+
+  Velocity drive(const Command& command, const Pose& at, double elapsed_s, Velocity v) const {
     engine::DriveBatch batch{
         .commands = {&command, 1}, .velocities = {&v, 1}, .estimates = {}, .elapsed_s = elapsed_s};
     if (command.mode != ControlMode::velocity) batch.estimates = {&at, 1};
     kind->drive(data, batch);
+    return v;
   }
 };
-
-Wheels read(const Record& params, const Pose& rest) {
-  const std::string& name = params[0].text();
-  Wheels wheels{
-      .kind = &*std::ranges::find(drives(), name, &DriveKind::name), .data = {}, .bounds = {}, .rest = rest};
-  Record own = wheels.kind->params.defaults();
-  for (std::size_t f = 0; f < own.size(); ++f)
-    if (const int at = table().find(wheels.kind->params.fields[f].name); at >= 0)
-      own[f] = params[static_cast<std::size_t>(at)];
-  wheels.bounds = wheels.kind->check(own);
-  wheels.data = wheels.kind->prepare(own);
-  return wheels;
-}
 
 /// In the frame of the joint's rest, by the heading at the beginning, as bodies move.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
@@ -79,14 +87,13 @@ Pose moved(const Pose& q, const Velocity& v, double dt) {
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};
 }
 
-void act(const DeviceBatch& batch) {
-  const Wheels& wheels = *std::any_cast<Wheels>(&batch.data);
+void Wheels::act(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<WheelsState>(batch.slot(i));
     const Pose& q = batch.joint(i, 0);
-    const Pose at = compose(batch.mount(i), compose(wheels.rest, q));
-    Velocity v{state.forward, state.left, state.turn};
-    wheels.drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s, v);
+    const Pose at = compose(batch.mount(i), compose(rest, q));
+    const Velocity v = drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s,
+                             {state.forward, state.left, state.turn});
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
       throw engine::StepError(
           fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
@@ -99,7 +106,7 @@ void act(const DeviceBatch& batch) {
   }
 }
 
-void settled(const DeviceBatch& batch) {
+void Wheels::settled(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i)
     if (batch.asked_joint(i, 0))
       batch.state.as<WheelsState>(batch.slot(i)).stalled = !batch.moved_joint(i, 0);
@@ -108,25 +115,7 @@ void settled(const DeviceBatch& batch) {
 }  // namespace
 
 DeviceKind wheels_kind() {
-  DeviceKind kind{.name = "wheels", .text = "a drive of a part of its own, which moves on its body"};
-  kind.params = table();
-  kind.joints = {"joint"};
-  kind.drives = true;
-  kind.prepare = [](const Record& params, const Pose& pose_body_part) {
-    return DeviceKind::Prepared{.data = read(params, pose_body_part),
-                                .percepts = engine::memory_fields<WheelsState>(),
-                                .percept_bytes = sizeof(WheelsState),
-                                .commands = engine::command_fields(),
-                                .command_bytes = sizeof(Command)};
-  };
-  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> Result<> {
-    const Result<>& bounds = std::any_cast<Wheels>(&data)->bounds;
-    if (bounds) return {};
-    return Error{fmt::format("has drive parameters that contradict one another: {}", bounds.error().text)};
-  };
-  kind.act = act;
-  kind.settled = settled;
-  return kind;
+  return engine::make_device_kind<Wheels>("wheels", "a drive of a part of its own, which moves on its body");
 }
 
 }  // namespace troupe::models

@@ -441,9 +441,10 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   const FieldTable& drive = test::registry().drive("diff")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
               HasSubstr("drive \"diff\": the bounds of velocity_x stand the wrong way round"));
-  EXPECT_THAT(
-      doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
-      HasSubstr("\"localization\": what changes while a world runs must keep the shape of its state"));
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
+              HasSubstr("\"localization\" is the same for as long as the world runs"));
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),
+              HasSubstr("\"pushes\" is the same for as long as the world runs"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, test::registry().device("ranger")->params,
                             "transducers", test::ranger("eye", {{.samples = 3}}).params[0])),
               HasSubstr("device \"eye\": what changes while a world runs must keep the shape of its state"));

@@ -175,9 +175,10 @@ TEST(Localization, OnlyRobotsWithOdometryHaveSuchAState) {
 }
 
 TEST(Localization, AWrongNumberOfNumbersIsAnError) {
-  const FieldTable table{localization_fields()};
   const auto check = [&](Params params) {
-    return test::error_text(check_localization(test::record(table, params)));
+    const Record record = test::record(described<LocalizationParams>(), params);
+    const Result<Localization> how = from_record<LocalizationParams>(record).read();
+    return how ? std::string() : how.error().text;
   };
   EXPECT_EQ(check({{"odom_error", std::vector<double>{1, 2}}}),
             "odom_error needs three numbers, [forward, left, turn], or none");

@@ -1,6 +1,6 @@
 #include "engine/watch_spec.hpp"
 #include "worldio/images/floor_image.hpp"
-#include "worldio/json/experiment_document.hpp"
+#include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_world.hpp"

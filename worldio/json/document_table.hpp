@@ -228,10 +228,9 @@ class DocumentKeys {
     static const T example{};
     const auto& member = at<Path...>(static_cast<const void*>(&example));
     using Member = std::remove_cvref_t<decltype(member)>;
-    const auto offset = reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&example);
     engine::FieldTable fields;
-    engine::detail::add_field(fields, name, engine::detail::TypeOf<Member>::value,
-                              static_cast<std::size_t>(offset), &member, {engine::Fact(facts)...});
+    engine::detail::add_field(fields, name, engine::detail::TypeOf<Member>::value, &example, &member,
+                              {engine::Fact(facts)...});
     DocumentKey& key = table_.keys.emplace_back();
     key.field = std::move(fields.fields.front());
     key.field.fallback = {};  // a key that is not there leaves the member as it is

@@ -1,9 +1,8 @@
 #include "base/math.hpp"
-#include "base/random.hpp"
-#include "engine/placement.hpp"
+#include "engine/populations.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/images/floor_image.hpp"
-#include "worldio/json/experiment_document.hpp"
+#include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_reader.hpp"
@@ -28,9 +27,6 @@ using engine::BodySpec;
 using engine::PlacementRule;
 using engine::WorldSpec;
 
-constexpr double k_max_cells = 100000000;       // of a grid rule: each may be looked at
-constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
-constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
 const partition::ObstacleShape k_no_shape;
@@ -40,19 +36,6 @@ struct Model {
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< parts that have names of their own
   std::optional<std::string> reserve_of;  ///< the population into which it may be born
-  std::string pointer;
-};
-
-struct Population {
-  std::string name;
-  TypeId type;
-  std::size_t count = 0;
-  std::size_t reserve = 0;
-  Color color;
-  bool random_color = false;
-  PlacementRule rule;
-  Where where;
-  Where where_place;
   std::string pointer;
 };
 
@@ -104,11 +87,9 @@ class WorldExpander {
   void expand_population(const PopulationDocument& document, const DocumentPath& at);
   PlacementRule expand_rule(const PlaceDocument& document, const DocumentPath& at);
   void expand_region(const PlaceDocument& document, const DocumentPath& at, PlacementRule& rule);
-  void expand_grid(const PlaceDocument& document, const DocumentPath& at, PlacementRule& rule);
   void place_bodies();
-  void check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd);
-  void place_population(const Population& population, const partition::StaticScene& scene,
-                        engine::Crowd& crowd, partition::Parallel& parallel);
+  void make_shapes(engine::Occupancy& occupancy);
+  void check_model(const Model& model, engine::Occupancy& occupancy);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
@@ -128,10 +109,8 @@ class WorldExpander {
   FloorImages images_;                                     // plans may share one
   ImageFolder folder_;
   std::size_t vertices_ = 0;  // of the floor plans
-  double cells_ = 0;          // of the populations on grids
   std::vector<Model> models_;
-  std::vector<Population> populations_;
-  std::vector<partition::ObstacleShape> shapes_;  // beside spec_.types
+  std::vector<engine::PopulationSpec> populations_;
 };
 
 void WorldExpander::expand_settings() {
@@ -230,7 +209,8 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
 }
 
 void WorldExpander::expand_population(const PopulationDocument& document, const DocumentPath& at) {
-  Population population{.name = document.name, .where = document.where, .pointer = at.pointer()};
+  engine::PopulationSpec population{
+      .name = document.name, .path = at.pointer() + "/place", .where = document.where};
   population.type = type_of(document.type, document, at);
   population.count = static_cast<std::size_t>(document.count.value_or(0));
   population.reserve = static_cast<std::size_t>(document.reserve);
@@ -248,7 +228,9 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
   PlacementRule rule;
   if (document.rule) rule.kind = *document.rule;
   expand_region(document, at, rule);
-  if (rule.kind == PlacementRule::Kind::grid) expand_grid(document, at, rule);
+  rule.spill = document.spill.value_or(Box());
+  rule.jitter_m = document.jitter;
+  if (document.pitch) rule.pitch_m = *document.pitch;
   if (document.mean) rule.mean = pair(*document.mean);
   if (document.deviation) rule.deviation = pair(*document.deviation);
   if (document.distance) rule.distance_m = *document.distance;
@@ -279,22 +261,6 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
         "to fill");
 }
 
-void WorldExpander::expand_grid(const PlaceDocument& document, const DocumentPath& at, PlacementRule& rule) {
-  rule.spill = document.spill.value_or(Box());
-  rule.jitter_m = document.jitter;
-  if (!document.pitch || rule.region.empty()) return;
-  rule.pitch_m = *document.pitch;
-  const double cells = grid_cells(rule);
-  cells_ += cells;
-  if (cells > k_max_cells)
-    at.error(fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at", cells,
-                         rule.pitch_m, k_max_cells));
-  else if (cells_ > k_max_cells)
-    at.error(
-        fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at",
-                    cells_, k_max_cells));
-}
-
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
   if (name.empty()) return TypeId(0);
   if (const auto found = type_ids_.find(name); found != type_ids_.end()) return found->second;
@@ -305,45 +271,28 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  double total = static_cast<double>(spec_.bodies.size() + models_.size());
-  for (const Population& population : populations_)
-    total += static_cast<double>(population.count) + static_cast<double>(population.reserve);
-  if (total > options_.most_bodies) {
-    diagnostics_.error(populations_.empty() ? models_.back().body.where : populations_.back().where,
-                       fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
-                                   options_.most_bodies));
-    return;
-  }
-  spec_.bodies.reserve(static_cast<std::size_t>(total));
-
-  std::vector<partition::FixedSolid> walls;
-  for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
-    const BodySpec& body = spec_.bodies[i];
-    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
-      for (const Solid& solid : part.solids)
-        if (part.returns.obstacle)  // whether rangers see it, nobody asks here
-          walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
-  }
-  const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
-  shapes_.resize(spec_.types.size());
-  for (const auto& [name, type] : type_ids_) try {
-      shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
-    } catch (const std::length_error& fault) {
-      diagnostics_.error(spec_.types[type.index()].parts.front().where,
-                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
-    }
+  engine::Occupancy occupancy(spec_, spec_.bodies.size());  // of the floor plans
+  make_shapes(occupancy);
   if (diagnostics_.has_errors()) return;
-
-  engine::Crowd crowd;
-  for (const Model& model : models_) check_model(model, scene, crowd);
+  for (const Model& model : models_) check_model(model, occupancy);
   for (const Model& model : models_) {
     const BodyId body(spec_.bodies.size());
     name_parts(model, body);
     if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
     spec_.bodies.push_back(model.body);
   }
-  partition::Parallel parallel(options_.threads);
-  for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
+  engine::place(populations_, spec_, occupancy,
+                {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
+}
+
+/// Reports every type that bodies cannot be placed of, also one without bodies.
+void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
+  for (const auto& [name, type] : type_ids_) try {
+      occupancy.shape(type);
+    } catch (const std::length_error& fault) {
+      diagnostics_.error(spec_.types[type.index()].parts.front().where,
+                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
+    }
 }
 
 /// Bodies of one reserve follow one another.
@@ -360,17 +309,18 @@ void WorldExpander::add_to_reserve(const std::string& population, BodyId body, T
   reserves.push_back({population, body, 1});
 }
 
-void WorldExpander::check_model(const Model& model, const partition::StaticScene& scene, engine::Crowd& crowd) {
+void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy) {
+  engine::Crowd& crowd = occupancy.crowd();
   const bool overlaps_are_errors = document_.overlaps == WorldDocument::Check::error;
   if (model.reserve_of) return crowd.add(k_no_shape, {});  // it is not there yet
   const BodySpec& body = model.body;
-  const partition::ObstacleShape& shape = shapes_[body.type.index()];
+  const partition::ObstacleShape& shape = occupancy.shape(body.type);
   const auto overlaps = [&](const BodySpec& other) {
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
                                                spec_.names.text(body.name), spec_.names.text(other.name)));
   };
   if (overlaps_are_errors && !shape.empty())
-    for (const BodyId wall : scene.overlapping(shape, body.pose_world_body))
+    for (const BodyId wall : occupancy.scene().overlapping(shape, body.pose_world_body))
       overlaps(spec_.bodies[wall.index()]);
   if (overlaps_are_errors)
     for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
@@ -379,52 +329,6 @@ void WorldExpander::check_model(const Model& model, const partition::StaticScene
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
                                                spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
-}
-
-void WorldExpander::place_population(const Population& population, const partition::StaticScene& scene,
-                                   engine::Crowd& crowd, partition::Parallel& parallel) {
-  const bool on_floor = population.rule.kind == PlacementRule::Kind::free_floor;
-  const double cells =
-      on_floor ? engine::floor_cells(population.rule, shapes_[population.type.index()]) : 0.0;
-  if (cells > k_max_floor_cells) {
-    diagnostics_.error(population.where_place,
-                       fmt::format("{}/place: the region has {:.4g} cells; at most {:.0f} are looked at: "
-                                   "give a larger \"cell_m\"",
-                                   population.pointer, cells, k_max_floor_cells));
-    return;
-  }
-  const std::vector<Pose> poses =
-      engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
-                    population.name, spec_.bounds, scene, crowd, parallel);
-  if (poses.size() < population.count) {
-    const bool grid = population.rule.kind == PlacementRule::Kind::grid;
-    diagnostics_.error(
-        population.where_place,
-        fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
-                    population.count,
-                    grid ? fmt::format("the region has no more free cells (of {:.0f})",
-                                       engine::grid_cells(population.rule))
-                         : fmt::format("{} draws found no free place for the next{}", population.rule.trials,
-                                       on_floor ? " on the floor that is reached" : "")));
-  }
-  if (population.reserve > 0)
-    spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
-                              static_cast<std::uint32_t>(population.reserve)});
-  const std::uint32_t colors = stream_id("color", population.name);
-  for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
-    BodySpec& body = spec_.bodies.emplace_back();
-    body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
-    body.type = population.type;
-    if (i < poses.size()) body.pose_world_body = poses[i];
-    body.color = population.color;
-    body.where = population.where;
-    if (!population.random_color) continue;
-    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
-    body.color.r = static_cast<float>(random.uniform());
-    body.color.g = static_cast<float>(random.uniform());
-    body.color.b = static_cast<float>(random.uniform());
-    body.color.a = 1;
-  }
 }
 
 void WorldExpander::name_parts(const Model& model, BodyId body) {

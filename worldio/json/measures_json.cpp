@@ -1,6 +1,6 @@
 #include "worldio/json/measures_json.hpp"
 
-#include "worldio/json/experiment_document.hpp"
+#include "worldio/json/experiment_json.hpp"
 #include "worldio/json/read_document.hpp"
 #include "worldio/load.hpp"
 

@@ -1,4 +1,4 @@
-#include "worldio/json/experiment_document.hpp"
+#include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/window_fields.hpp"

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/names.hpp"
+#include "engine/sensor_params.hpp"
 #include "engine/shown_color.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
@@ -22,8 +23,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 1e6;                // m: ten times as far as worlds reach
-constexpr std::size_t k_most_beams = 1 << 20;  // of a fan: ten times what a world may say
+constexpr double k_reach = 1e6;                 // m: ten times as far as worlds reach
+constexpr std::int64_t k_most_beams = 1 << 20;  // of a fan: ten times what a world may say
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -105,25 +106,38 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
       for (const Vec2& point : ring) look.radius = std::max(look.radius, point.norm());
 }
 
-/// A parameter of a stored block; a default where it was not worth writing.
-double param(const Json& params, const char* key, double fallback) {
-  const auto found = params.find(key);
-  return found == params.end() ? fallback : number_of(*found);
+/// A stored block of parameters, by its table; a default where it was not worth writing.
+engine::Record record_of(const Json& block, const engine::FieldTable& table) {
+  engine::Record record = table.defaults();
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const engine::Field& field = table.fields[i];
+    const std::string_view unit = engine::unit_suffixes(field.unit).front().suffix;
+    const auto found = block.find(fmt::format("{}{}", field.name, unit));
+    if (found == block.end()) continue;
+    switch (field.type) {
+      case engine::FieldType::boolean: record[i] = found->get<bool>(); break;
+      case engine::FieldType::integer: record[i] = static_cast<std::int64_t>(number_of(*found)); break;
+      case engine::FieldType::number: record[i] = number_of(*found); break;
+      case engine::FieldType::record:
+        record[i] = std::vector<engine::Record>{record_of(*found, *field.record)};
+        break;
+      default: break;  // a transducer has no others
+    }
+  }
+  return record;
 }
 
 std::vector<RecordedScene::Fan> fans_of(const Json& ranger) {
   const Pose pose_body_sensor = pose_of(ranger.at("pose"));
   std::vector<RecordedScene::Fan> fans;
-  for (const Json& transducer : ranger.at("params").value("transducers", Json::array())) {
-    const Json place = transducer.value("pose", Json::object());
-    const Pose pose_sensor_fan{param(place, "x_m", 0), param(place, "y_m", 0), param(place, "z_m", 0),
-                               param(place, "heading_rad", 0)};
-    const double beams = param(transducer, "samples", 1);
-    if (!(beams >= 1 && beams <= k_most_beams)) throw Damaged();
-    fans.push_back({.pose_body_fan = compose(pose_body_sensor, pose_sensor_fan),
-                    .range_max_m = param(transducer, "range_max_m", 0),
-                    .fov_rad = param(transducer, "fov_rad", 0),
-                    .beams = static_cast<std::size_t>(beams)});
+  for (const Json& block : ranger.at("params").value("transducers", Json::array())) {
+    const auto transducer = engine::from_record<engine::TransducerParams>(
+        record_of(block, engine::described<engine::TransducerParams>()));
+    if (!(transducer.samples >= 1 && transducer.samples <= k_most_beams)) throw Damaged();
+    fans.push_back({.pose_body_fan = compose(pose_body_sensor, transducer.pose),
+                    .range_max_m = transducer.range_max,
+                    .fov_rad = transducer.fov,
+                    .beams = static_cast<std::size_t>(transducer.samples)});
   }
   return fans;
 }

@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_demos.hpp"
 
 #include "engine/controller.hpp"
+#include "engine/sensor_params.hpp"
 #include "engine/world_spec.hpp"
 
 #include <fmt/format.h>
@@ -11,11 +12,9 @@ namespace troupe::worldio {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldType;
 using engine::PartSpec;
 using engine::Record;
 using engine::TypeSpec;
-using engine::Unit;
 
 constexpr std::string_view k_dynamic = "dynamic";
 constexpr std::string_view k_lasernoise = "lasernoise";
@@ -23,16 +22,28 @@ constexpr std::string_view k_lasernoise = "lasernoise";
 constexpr double k_child_m = 0.1;
 
 struct Dynamic {
+  struct Params {
+    std::int64_t count = 100;
+    double reach = 1;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::count>("count", within(0, 10000), "children to add");
+      d.member<&Params::reach>("reach", meters, within(0, 1000),
+                               "how far from the model's origin, in x and in y");
+    }
+  };
+
   static constexpr bool needs_drive = false;
-  static Dynamic make(const Record&) { return {}; }
+  static Dynamic make(const Params&) { return {}; }
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
 void add_children(const Record& params, std::uint64_t seed, const engine::Registry&, TypeSpec& type,
                   std::uint32_t part) {
-  const std::int64_t count = params[0].integer();
-  const double reach = params[1].number();
+  const auto [count, reach] = engine::from_record<Dynamic::Params>(params);
   const PartSpec parent = type.parts[part];
   Random random(seed, stream_id(k_dynamic, parent.name), 0, 0);
   for (std::int64_t i = 0; i < count; ++i) {
@@ -57,8 +68,18 @@ void add_children(const Record& params, std::uint64_t seed, const engine::Regist
 }
 
 struct LaserNoise {
+  struct Params {
+    double share = 0.05;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::share>("share", within(0, 1),
+                               "standard deviation of a reading's error, as a share of it");
+    }
+  };
+
   static constexpr bool needs_drive = false;
-  static LaserNoise make(const Record&) { return {}; }
+  static LaserNoise make(const Params&) { return {}; }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
     for (std::size_t d = 0; d < devices.size(); ++d)
       if (devices[d].kind == "ranger") return std::vector{d};  // not claimed: it is for others to read
@@ -67,18 +88,14 @@ struct LaserNoise {
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
-void add_noise(const Record& params, std::uint64_t, const engine::Registry& registry, TypeSpec& type,
+void add_noise(const Record& params, std::uint64_t, const engine::Registry&, TypeSpec& type,
                std::uint32_t part) {
-  const engine::DeviceKind* ranger = registry.device("ranger");
-  const int transducers = ranger ? ranger->params.find("transducers") : -1;
-  if (transducers < 0) return;
-  const auto list = static_cast<std::size_t>(transducers);
-  const int relative = ranger->params.fields[list].record->find("noise_relative");
   for (engine::DeviceSpec& device : type.devices) {
-    if (device.kind != "ranger" || device.part != part || relative < 0) continue;
-    std::vector<Record> records = device.params[list].records();
-    if (!records.empty()) records.front()[static_cast<std::size_t>(relative)] = params[0];
-    device.params[list] = std::move(records);
+    if (device.kind != "ranger" || device.part != part) continue;
+    auto ranger = engine::from_record<engine::RangerParams>(device.params);
+    if (ranger.transducers.empty()) return;
+    ranger.transducers.front().noise_relative = engine::from_record<LaserNoise::Params>(params).share;
+    device.params = engine::to_record(ranger);
     return;
   }
 }
@@ -86,30 +103,13 @@ void add_noise(const Record& params, std::uint64_t, const engine::Registry& regi
 }  // namespace
 
 engine::ControllerKind dynamic_controller() {
-  return engine::make_controller_kind<Dynamic>(
-      k_dynamic, "add small boxes to the model when the world is read",
-      {{{.name = "count",
-         .type = FieldType::integer,
-         .fallback = 100,
-         .min = 0,
-         .max = 10000,
-         .text = "children to add"},
-        {.name = "reach",
-         .unit = Unit::meters,
-         .fallback = 1.0,
-         .min = 0,
-         .max = 1000,
-         .text = "how far from the model's origin, in x and in y"}}});
+  return engine::make_controller_kind<Dynamic>(k_dynamic,
+                                               "add small boxes to the model when the world is read");
 }
 
 engine::ControllerKind lasernoise_controller() {
-  return engine::make_controller_kind<LaserNoise>(
-      k_lasernoise, "give the model's ranger a normal error in proportion",
-      {{{.name = "share",
-         .fallback = 0.05,
-         .min = 0,
-         .max = 1,
-         .text = "standard deviation of a reading's error, as a share of it"}}});
+  return engine::make_controller_kind<LaserNoise>(k_lasernoise,
+                                                  "give the model's ranger a normal error in proportion");
 }
 
 StageAddition stage_addition(std::string_view controller) {

@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_device_writer.hpp"
 
+#include "engine/sensor_params.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/stage/stage_devices.hpp"
 
@@ -56,34 +57,31 @@ void write_parameters(const DeviceSpec& device, const DeviceKind& kind, StageTex
   }
 }
 
-void write_ranger(const DeviceSpec& device, const DeviceKind& kind, StageText& text) {
-  const int at = kind.params.find("transducers");
-  const FieldTable& table = *kind.params.fields[static_cast<std::size_t>(at)].record;
-  if (get(kind.params, device.params, "intensity").boolean()) text.flag("intensity", true);
-  for (const Record& transducer : device.params[static_cast<std::size_t>(at)].records()) {
-    const auto number = [&](std::string_view name) { return get(table, transducer, name).number(); };
-    const Record& pose = get(table, transducer, "pose").records().front();
+void write_ranger(const DeviceSpec& device, StageText& text) {
+  const auto ranger = engine::from_record<engine::RangerParams>(device.params);
+  if (ranger.intensity) text.flag("intensity", true);
+  for (const engine::TransducerParams& transducer : ranger.transducers) {
+    const Pose& pose = transducer.pose;
     constexpr double k_middle = 0.02 / 2;  // m: of the height of Stage's transducers, where their beams leave
-    const double z =
-        solved(pose[2].number(), pose[2].number() - k_middle, [](double x) { return x + k_middle; });
+    const double z = solved(pose.z, pose.z - k_middle, [](double x) { return x + k_middle; });
     text.open("sensor");
-    text.pose("pose", {pose[0].number(), pose[1].number(), z, pose[3].number()});
-    text.numbers("range", std::array{number("range_min"), number("range_max")});
-    text.number("fov", number("fov"));
-    const std::int64_t samples = get(table, transducer, "samples").integer();
-    text.number("samples", static_cast<double>(samples));
-    const double stddev = number("noise_stddev");
-    const double angular = number("noise_angular");
-    if (stddev > 0 || angular > 0 || number("noise_proportional") > 0) {
-      const double step = number("fov") / static_cast<double>(std::max<std::int64_t>(samples - 1, 1));
+    text.pose("pose", {pose.x, pose.y, z, pose.heading});
+    text.numbers("range", std::array{transducer.range_min, transducer.range_max});
+    text.number("fov", transducer.fov);
+    text.number("samples", static_cast<double>(transducer.samples));
+    const double stddev = transducer.noise_stddev;
+    const double angular = transducer.noise_angular;
+    if (stddev > 0 || angular > 0 || transducer.noise_proportional > 0) {
+      const double step =
+          transducer.fov / static_cast<double>(std::max<std::int64_t>(transducer.samples - 1, 1));
       const double variance = solved(stddev, stddev * stddev, [](double x) { return sqrt(x); });
       const double share = angular == 0 || step == 0 ? 0
                                                      : solved(angular, angular / (0.5 * step),
                                                               [step](double x) { return 0.5 * step * x; });
-      text.numbers("noise", std::array{variance, number("noise_proportional"), share});
+      text.numbers("noise", std::array{variance, transducer.noise_proportional, share});
     }
-    if (number("beam_width") > 0) text.number("beam_width", number("beam_width"));
-    if (get(table, transducer, "apply_range_min").boolean()) text.flag("apply_range_min", true);
+    if (transducer.beam_width > 0) text.number("beam_width", transducer.beam_width);
+    if (transducer.apply_range_min) text.flag("apply_range_min", true);
     text.close();
   }
 }
@@ -142,7 +140,7 @@ double stage_milliseconds(double seconds) {
 void write_stage_device(const DeviceSpec& device, const DeviceKind& kind, StageText& text) {
   if (device.active) text.flag("alwayson", true);
   text.number("update_interval", stage_milliseconds(device.period_s));
-  if (device.kind == "ranger") return write_ranger(device, kind, text);
+  if (device.kind == "ranger") return write_ranger(device, text);
   write_parameters(device, kind, text);
   if (device.kind == "bumper") write_bumpers(device, kind, text);
   if (device.kind == "blobfinder") write_blob_colors(device, kind, text);

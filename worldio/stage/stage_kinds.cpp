@@ -15,6 +15,7 @@ using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
+using engine::TransducerParams;
 using engine::Value;
 
 template <class Kind>
@@ -81,14 +82,14 @@ double StageKinds::period_s(const StageModel& model) {
   return ms / 1000;
 }
 
-std::optional<Record> StageKinds::transducer(const StageModel& sensor, const FieldTable& table) {
-  Record record = table.defaults();
+std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor) {
+  const FieldTable& table = engine::described<TransducerParams>();
+  TransducerParams params;
   bool is_right = true;  // all properties are read, so that all that is wrong is reported
   // A value is checked against the field's limits, under the name it has in the file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
-    const int at = table.find(field_name);
-    const Result<> kept =
-        at < 0 ? Result<>() : check_limits(table.fields[static_cast<std::size_t>(at)], value);
+    const auto at = static_cast<std::size_t>(table.find(field_name));
+    const Result<> kept = check_limits(table.fields[at], value);
     if (!kept)
       values_.error(values_.where(property),
                     fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, value));
@@ -100,22 +101,17 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
     if (property && !read_property(*property)) is_right = false;
   };
 
-  Pose pose_sensor_transducer;
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  double range_min = 0;
-  double range_max = 5;
-  double fov = 0.1;
-  std::int64_t samples = 1;
   const bool is_the_ranger = !sensor.alias.empty();  // whose pose and size are those of its body
   if (sensor.alias == "laser") {                     // as the ones that older files mean
-    range_max = 8;
-    fov = radians(180);
-    samples = 180;
+    params.range_max = 8;
+    params.fov = radians(180);
+    params.samples = 180;
   }
   if (!is_the_ranger)
     read("pose", [&](const StageProperty& property) {
       const auto given = values_.pose_in_device(property);
-      pose_sensor_transducer = given.value_or(pose_sensor_transducer);
+      params.pose = given.value_or(params.pose);
       return given.has_value();
     });
   if (!is_the_ranger)
@@ -127,11 +123,12 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
   read("range", [&](const StageProperty& property) {
     const auto given = values_.tuple(property, 2, 2, "[min max]");
     if (!given) return false;
-    range_min = (*given)[0] * values_.length_unit();
-    range_max = (*given)[1] * values_.length_unit();
-    const bool min_is_right = check("range_min", range_min, property);
-    const bool max_is_right = check("range_max", range_max, property);
-    if (!min_is_right || !max_is_right || range_min <= range_max) return min_is_right && max_is_right;
+    params.range_min = (*given)[0] * values_.length_unit();
+    params.range_max = (*given)[1] * values_.length_unit();
+    const bool min_is_right = check("range_min", params.range_min, property);
+    const bool max_is_right = check("range_max", params.range_max, property);
+    if (!min_is_right || !max_is_right || params.range_min <= params.range_max)
+      return min_is_right && max_is_right;
     values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
     return false;
   });
@@ -143,27 +140,24 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
     });
   };
   if (is_the_ranger) {
-    read_limit("range_min", range_min);
-    read_limit("range_max", range_max);
-    if (is_right && range_min > range_max) {
+    read_limit("range_min", params.range_min);
+    read_limit("range_max", params.range_max);
+    if (is_right && params.range_min > params.range_max) {
       values_.error(sensor.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
-                                              range_min, range_max));
+                                              params.range_min, params.range_max));
       return {};
     }
   }
   read("fov", [&](const StageProperty& property) {
     const auto given = values_.number(property);
-    fov = given ? within_a_turn(*given * values_.angle_unit()) : fov;
-    return given && check("fov", fov, property);
+    params.fov = given ? within_a_turn(*given * values_.angle_unit()) : params.fov;
+    return given && check("fov", params.fov, property);
   });
   read("samples", [&](const StageProperty& property) {
     const auto given = values_.integer(property);
-    samples = given.value_or(samples);
-    return given && check("samples", static_cast<double>(samples), property);
+    params.samples = given.value_or(params.samples);
+    return given && check("samples", static_cast<double>(params.samples), property);
   });
-  double stddev = 0;
-  double proportional = 0;
-  double angular = 0;
   read("noise", [&](const StageProperty& property) {
     const auto given = values_.tuple(property, 3, 3, "[variance share angle]");
     if (!given) return false;
@@ -172,50 +166,32 @@ std::optional<Record> StageKinds::transducer(const StageModel& sensor, const Fie
       return false;
     }
     // Stage takes its first number for a variance, and of its third no more than this share.
-    const double step = fov / static_cast<double>(std::max<std::int64_t>(samples - 1, 1));
-    stddev = sqrt((*given)[0] * values_.length_unit());
-    proportional = (*given)[1];
-    angular = 0.5 * step * (*given)[2] * values_.angle_unit();
-    return check("noise_proportional", proportional, property) && check("noise_angular", angular, property);
+    const double step = params.fov / static_cast<double>(std::max<std::int64_t>(params.samples - 1, 1));
+    params.noise_stddev = sqrt((*given)[0] * values_.length_unit());
+    params.noise_proportional = (*given)[1];
+    params.noise_angular = 0.5 * step * (*given)[2] * values_.angle_unit();
+    return check("noise_proportional", params.noise_proportional, property) &&
+           check("noise_angular", params.noise_angular, property);
   });
-  double beam_width = 0;
   read("beam_width", [&](const StageProperty& property) {
     const auto given = values_.number(property);
-    beam_width = given ? *given * values_.angle_unit() : beam_width;
-    return given && check("beam_width", beam_width, property);
+    params.beam_width = given ? *given * values_.angle_unit() : params.beam_width;
+    return given && check("beam_width", params.beam_width, property);
   });
-  bool apply_range_min = false;
   read("apply_range_min", [&](const StageProperty& property) {
     const auto given = values_.flag(property);
-    apply_range_min = given.value_or(false);
+    params.apply_range_min = given.value_or(false);
     return given.has_value();
   });
   if (!is_right) return {};
 
-  pose_sensor_transducer.z += size.z() / 2;  // beams leave from the middle of the transducer's height
-  Record pose = engine::pose_fields().defaults();
-  set(engine::pose_fields(), pose, "x", pose_sensor_transducer.x);
-  set(engine::pose_fields(), pose, "y", pose_sensor_transducer.y);
-  set(engine::pose_fields(), pose, "z", pose_sensor_transducer.z);
-  set(engine::pose_fields(), pose, "heading", pose_sensor_transducer.heading);
-  set(table, record, "pose", std::vector<Record>{std::move(pose)});
-  set(table, record, "range_min", range_min);
-  set(table, record, "range_max", range_max);
-  set(table, record, "fov", fov);
-  set(table, record, "samples", samples);
-  set(table, record, "noise_stddev", stddev);
-  set(table, record, "noise_proportional", proportional);
-  set(table, record, "noise_angular", angular);
-  set(table, record, "beam_width", beam_width);
-  set(table, record, "apply_range_min", apply_range_min);
-  return record;
+  params.pose.z += size.z() / 2;  // beams leave from the middle of the transducer's height
+  return params;
 }
 
 std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
                                                      const std::vector<StageModel>& sensors) {
-  const engine::DeviceKind* kind = registry_.device("ranger");
-  const int transducers = kind ? kind->params.find("transducers") : -1;
-  if (transducers < 0) {
+  if (registry_.device("ranger") == nullptr) {
     values_.error(model.where, "this build has no ranger");
     return {};
   }
@@ -224,16 +200,14 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
     values_.warning_once(model.where, "a ranger without a sensor( ... ) measures nothing");
     return {};
   }
-  const FieldTable& table = *kind->params.fields[static_cast<std::size_t>(transducers)].record;
-  std::vector<Record> records;
+  engine::RangerParams params;
   for (const StageModel& sensor : is_sensor ? std::vector{model} : sensors)
-    if (auto record = transducer(sensor, table)) records.push_back(std::move(*record));
-  if (records.size() < sensors.size() + is_sensor) return {};
+    if (const auto one = transducer(sensor)) params.transducers.push_back(*one);
+  if (params.transducers.size() < sensors.size() + is_sensor) return {};
 
-  engine::DeviceSpec spec{.kind = "ranger", .params = kind->params.defaults(), .where = model.where};
-  set(kind->params, spec.params, "transducers", std::move(records));
   if (const StageProperty* property = model.find(document_, "intensity"))
-    set(kind->params, spec.params, "intensity", values_.flag(*property).value_or(false));
+    params.intensity = values_.flag(*property).value_or(false);
+  engine::DeviceSpec spec{.kind = "ranger", .params = engine::to_record(params), .where = model.where};
   spec.period_s = period_s(model);
   spec.active = is_always_on(model);
   return spec;

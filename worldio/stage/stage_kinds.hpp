@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/kinds.hpp"
+#include "engine/sensor_params.hpp"
 #include "engine/world_spec.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_values.hpp"
@@ -48,7 +49,7 @@ class StageKinds {
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   bool add_bumpers(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
-  std::optional<engine::Record> transducer(const StageModel& sensor, const engine::FieldTable& table);
+  std::optional<engine::TransducerParams> transducer(const StageModel& sensor);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
   bool set_argument(const engine::Field& field, double to_si, std::string_view text,
                     std::string_view controller, Where where, engine::Value& value);

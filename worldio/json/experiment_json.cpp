@@ -1,4 +1,4 @@
-#include "worldio/json/experiment_document.hpp"
+#include "worldio/json/experiment_json.hpp"
 
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_text.hpp"

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "engine/description.hpp"
+#include "engine/kinds.hpp"
+
+#include <any>
+#include <string_view>
+
+namespace troupe::engine {
+
+/// The kind of a drive from a class D, which has
+///
+///     struct Params { ...; describe };         // its parameters
+///     void drive(const DriveBatch&) const;     // DriveKind::drive, as are those that it may have:
+///     static D make(const Params&);            // else it is D{params}
+///     static Result<> check(const Params&);
+///     Velocity start() const;
+///     static Result<Localization> localization(const Params&);
+///     static std::int64_t pushes(const Params&);
+template <class D>
+DriveKind make_drive_kind(std::string_view name, std::string_view text) {
+  using Params = typename D::Params;
+  DriveKind kind{.name = name, .text = text, .params = described<Params>()};
+  kind.prepare = [](const Record& record) -> std::any {
+    const auto params = from_record<Params>(record);
+    if constexpr (requires { &D::make; })
+      return D::make(params);
+    else
+      return D{params};
+  };
+  kind.check = [](const Record& record) -> Result<> {
+    if constexpr (requires { &D::check; })
+      return D::check(from_record<Params>(record));
+    else
+      return {};
+  };
+  kind.drive = [](const std::any& data, const DriveBatch& batch) { std::any_cast<D>(&data)->drive(batch); };
+  if constexpr (requires { &D::start; })
+    kind.start = [](const std::any& data) -> Velocity { return std::any_cast<D>(&data)->start(); };
+  if constexpr (requires { &D::localization; })
+    kind.localization = [](const Record& record) { return D::localization(from_record<Params>(record)); };
+  if constexpr (requires { &D::pushes; })
+    kind.pushes = [](const Record& record) { return D::pushes(from_record<Params>(record)); };
+  return kind;
+}
+
+}  // namespace troupe::engine
