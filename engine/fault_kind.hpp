@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 
 #include <cstdint>
 #include <string_view>
@@ -31,5 +31,15 @@ struct FaultKind {
   /// For bodies of this type, once, when the world is built; or why such a body cannot fail so.
   Result<Ailment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
+
+/// A kind of a class F that has a described `struct Params` and
+///
+///     static Result<Ailment> prepare(const Params&, const BodyType&);
+template <class F>
+FaultKind make_fault_kind(std::string_view name, std::string_view text) {
+  return {name, text, described<typename F::Params>(), [](const Record& record, const BodyType& type) {
+            return F::prepare(from_record<typename F::Params>(record), type);
+          }};
+}
 
 }  // namespace troupe::engine

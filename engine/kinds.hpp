@@ -70,11 +70,6 @@ struct DeviceBatch {
   /// Others beside them, a sequence for each name: of a kind that makes more of another, so that what it
   /// draws changes nothing of what that draws.
   Random random(std::size_t i, std::string_view name) const;
-  /// The same rows, for the kind that this one makes more of: with what that one prepared, which this one
-  /// keeps.
-  DeviceBatch with(const std::any& prepared) const {
-    return {world, prepared, rows, state, commands, effects, links, device, stream, period_s};
-  }
   /// Where the body's frame is in the world as seen from the device: that of the joint it stands on.
   Mount mount(std::size_t i) const;
   /// Where the n-th joint that the device moves is, relative to its rest.

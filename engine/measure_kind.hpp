@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/ids.hpp"
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -40,18 +40,24 @@ struct MeasureKind {
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 
-/// A kind of a class that is made from (world, params, robots).
+/// A kind of a class M that is made from (world, robots), or, where it has a described `struct Params`, from
+/// (world, params, robots).
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
-                              std::string_view definition, FieldTable params = {}) {
-  return {name,
-          unit,
-          text,
-          definition,
-          std::move(params),
-          [](const World& world, const Record& record, std::vector<Row> robots) -> std::unique_ptr<Measure> {
-            return std::make_unique<M>(world, record, std::move(robots));
-          }};
+                              std::string_view definition) {
+  MeasureKind kind{.name = name, .unit = unit, .text = text, .definition = definition};
+  if constexpr (requires { typename M::Params; }) {
+    kind.params = described<typename M::Params>();
+    kind.make = [](const World& world, const Record& record,
+                   std::vector<Row> robots) -> std::unique_ptr<Measure> {
+      return std::make_unique<M>(world, from_record<typename M::Params>(record), std::move(robots));
+    };
+  } else {
+    kind.make = [](const World& world, const Record&, std::vector<Row> robots) -> std::unique_ptr<Measure> {
+      return std::make_unique<M>(world, std::move(robots));
+    };
+  }
+  return kind;
 }
 
 }  // namespace troupe::engine

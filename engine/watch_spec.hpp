@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 
 #include <cstdint>
 
@@ -16,6 +16,16 @@ struct WatchSpec {
   double rate = 1;      ///< times real time, for who wants the world's own pace; 0: as fast as possible
   bool paused = false;  ///< who shows the world in a window begins at rest
   friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
+
+  static constexpr void describe(Description<WatchSpec>& d) {
+    using namespace facts;
+    d.member<&WatchSpec::clock>("clock", "tell the time on the way");
+    d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks), "how often");
+    d.member<&WatchSpec::rate>(
+        "rate", within(0, k_most_rate),
+        "the world's own pace, times real time, for `--rate world`; 0: as fast as possible");
+    d.member<&WatchSpec::paused>("paused", "a window would begin at rest");
+  }
 };
 
 /// The same as a block of parameters, for files: `clock`, `clock_ticks`, `rate`, `paused`.

@@ -12,7 +12,10 @@ namespace troupe::sensors {
 /// What a light shows: the state of a device whose prepared data are a LightSource.
 struct LightState {
   std::uint8_t lit = 0;  ///< 1: it shines in this tick
-  TROUPE_FIELDS(lit)
+
+  static constexpr void describe(engine::Description<LightState>& d) {
+    d.member<&LightState::lit>("lit", engine::facts::is_look);
+  }
 };
 
 /// What a kind of light prepares (engine::DeviceKind::Prepared::data): a light sensor knows lights by it.

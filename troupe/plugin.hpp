@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/controller.hpp"
+#include "engine/device_kind.hpp"
 #include "engine/sight.hpp"
 #include "sensors/ranger.hpp"
 #include "troupe/plugin_library.hpp"
@@ -22,13 +23,14 @@
 ///     };
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
-/// The class may also have `static constexpr std::string_view text`, `static FieldTable parameters()` with
-/// `static Dancer make(const Record&)`, `choose` and a form that decides for many robots at once
-/// (engine/controller.hpp). The library links troupe::plugin, and is called dancer.so.
+/// The class may also have `static constexpr std::string_view text`, parameters (`struct Params`, described:
+/// engine/description.hpp), `choose` and a form that decides for many robots at once (engine/controller.hpp).
+/// The library links troupe::plugin, and is called dancer.so.
 ///
-/// A sensor, or another device, is a function that makes its kind (docs/extending.md):
+/// A sensor, or another device, is a function that makes its kind (docs/extending.md), of a class
+/// (engine/device_kind.hpp) or by hand:
 ///
-///     troupe::DeviceKind compass();
+///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
 ///
 /// What a kind may look at stands in engine/world.hpp and engine/sight.hpp.
@@ -38,6 +40,7 @@ namespace troupe {
 using engine::Actions;
 using engine::Command;
 using engine::DecideBatch;
+using engine::Description;
 using engine::DeviceBatch;
 using engine::DeviceInfo;
 using engine::DeviceKind;
@@ -45,6 +48,8 @@ using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::first_met;
+using engine::from_record;
+using engine::make_device_kind;
 using engine::memory_fields;
 using engine::Percept;
 using engine::Record;
@@ -57,7 +62,9 @@ using engine::TypeSpec;
 using engine::Unit;
 using engine::Value;
 using engine::World;
+using sensors::Ranger;
 using sensors::ranger_kind;
+namespace facts = engine::facts;
 
 // Hidden: what two plug-ins of one process have of this are two.
 #pragma GCC visibility push(hidden)
@@ -83,14 +90,10 @@ template <class C>
 engine::ControllerKind kind_of(std::string_view name) {
   std::string_view text;
   if constexpr (requires { C::text; }) text = C::text;
-  FieldTable parameters;
-  if constexpr (requires { C::parameters(); }) {
-    static_assert(
-        requires(const Record& record) { C::make(record); },
-        "a controller with parameters() takes them in `static C make(const Record&)`");
-    parameters = C::parameters();
-  }
-  return engine::make_controller_kind<C>(name, text, std::move(parameters));
+  static_assert(
+      !requires { C::parameters(); },
+      "parameters are a described `struct Params` now, docs/controllers.md: parameters() is not called");
+  return engine::make_controller_kind<C>(name, text);
 }
 
 template <engine::DeviceKind (*k_make)()>

@@ -34,7 +34,7 @@
 namespace troupe::plugin {
 
 /// Of struct Library and of what the functions in it mean.
-inline constexpr std::uint32_t k_interface = 3;
+inline constexpr std::uint32_t k_interface = 4;
 
 /// What changes types or bits without changing a header.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY

@@ -1,5 +1,6 @@
 #include "models/devices/flags.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/world.hpp"
 
 #include <algorithm>
@@ -11,12 +12,10 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Effect;
 using engine::Element;
-using engine::FieldType;
-using engine::Record;
 using engine::StateTable;
 using engine::World;
 
-constexpr std::int64_t k_most_flags = 1000;
+constexpr double k_most_flags = 1000;
 
 /// The flags of one row.
 class FlagList {
@@ -56,23 +55,6 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-void act(const DeviceBatch& batch) {
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const auto& command = batch.commands->as<FlagCommand>(batch.slot(i));
-    std::uint32_t& done = batch.state.cell<std::uint32_t>(batch.slot(i), k_flag_request)[0];
-    if (command.request == done) continue;
-    done = command.request;
-    FlagList own(batch.state, batch.slot(i));
-    switch (command.verb) {
-      case FlagCommand::push: own.push({command.color, command.size}); break;
-      case FlagCommand::pop: own.pop(); break;
-      case FlagCommand::take:
-      case FlagCommand::give: batch.emit(i, 0, command.verb, BodyId(command.target)); break;
-      default: break;
-    }
-  }
-}
-
 /// The flags of a body, where it holds any.
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
@@ -83,63 +65,79 @@ std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* ki
   return {};
 }
 
-void apply(World& world, const std::any&, const Effect& effect) {
-  const Row row = world.row(effect.source);
-  const engine::BodyType::Device& device = world.type(row).devices[effect.device];
-  FlagList own(world.state(device), world.slot(row));
-  std::optional<FlagList> other = flags_of(world, effect.target, device.kind);
-  if (!other || effect.target == effect.source) return;
-  const bool takes = effect.verb == FlagCommand::take;
-  FlagList& from = takes ? *other : own;
-  FlagList& to = takes ? own : *other;
-  if (from.empty() || to.full()) return;
-  to.push(from.pop());
-  if (!takes) to.count_received();
-}
+struct Flags {
+  struct Params {
+    std::int64_t most = 16;
+    std::int64_t yellow = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::most>("most", within(1, k_most_flags), "how many it can hold");
+      d.member<&Params::yellow>("yellow", within(0, k_most_flags),
+                                "yellow ones of 0.25 m that it holds at the start");
+    }
+  };
+  using Command = FlagCommand;
+
+  Params params;
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
+    const auto most = static_cast<std::uint32_t>(params.most);
+    return {.data = Flags{params},
+            .percepts = {{"received", Element::u64, 1, "", "flags that others gave it since tick 0"},
+                         {"count", Element::u32, 1, "", "flags it holds"},
+                         {"request", Element::u32, 1, "", "the last one that was carried out"},
+                         {"colors", Element::u32, most, "", "of each flag, the first one first: 0xRRGGBBAA"},
+                         {"sizes", Element::f32, most, "m", "of each flag"}},
+            .most_effects = 1};
+  }
+
+  void start(StateTable& state, std::size_t slot) const {
+    FlagList flags(state, slot);
+    for (std::int64_t i = 0; i < std::min(params.most, params.yellow); ++i) flags.push(k_yellow_flag);
+  }
+
+  void act(const DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const auto& command = batch.commands->as<FlagCommand>(batch.slot(i));
+      std::uint32_t& done = batch.state.cell<std::uint32_t>(batch.slot(i), k_flag_request)[0];
+      if (command.request == done) continue;
+      done = command.request;
+      FlagList own(batch.state, batch.slot(i));
+      switch (command.verb) {
+        case FlagCommand::push: own.push({command.color, command.size}); break;
+        case FlagCommand::pop: own.pop(); break;
+        case FlagCommand::take:
+        case FlagCommand::give: batch.emit(i, 0, command.verb, BodyId(command.target)); break;
+        default: break;
+      }
+    }
+  }
+
+  void apply(World& world, const Effect& effect) const {
+    const Row row = world.row(effect.source);
+    const engine::BodyType::Device& device = world.type(row).devices[effect.device];
+    FlagList own(world.state(device), world.slot(row));
+    std::optional<FlagList> other = flags_of(world, effect.target, device.kind);
+    if (!other || effect.target == effect.source) return;
+    const bool takes = effect.verb == FlagCommand::take;
+    FlagList& from = takes ? *other : own;
+    FlagList& to = takes ? own : *other;
+    if (from.empty() || to.full()) return;
+    to.push(from.pop());
+    if (!takes) to.count_received();
+  }
+
+  static engine::HeldFlags flags(const StateTable& state, std::size_t slot) {
+    return {.count = state.cell<std::uint32_t>(slot, k_flag_count)[0],
+            .received = state.cell<std::uint64_t>(slot, k_flag_received)[0]};
+  }
+};
 
 }  // namespace
 
 DeviceKind flags_kind() {
-  DeviceKind kind{.name = "flags", .text = "tokens that a body holds, takes and gives"};
-  kind.params = {{
-      {.name = "most",
-       .type = FieldType::integer,
-       .fallback = 16,
-       .min = 1,
-       .max = static_cast<double>(k_most_flags),
-       .text = "how many it can hold"},
-      {.name = "yellow",
-       .type = FieldType::integer,
-       .fallback = 0,
-       .min = 0,
-       .max = static_cast<double>(k_most_flags),
-       .text = "yellow ones of 0.25 m that it holds at the start"},
-  }};
-  kind.prepare = [](const Record& params, const Pose&) {
-    const auto most = static_cast<std::uint32_t>(params[0].integer());
-    DeviceKind::Prepared prepared{
-        .data = std::min(params[0].integer(), params[1].integer()),
-        .percepts = {{"received", Element::u64, 1, "", "flags that others gave it since tick 0"},
-                     {"count", Element::u32, 1, "", "flags it holds"},
-                     {"request", Element::u32, 1, "", "the last one that was carried out"},
-                     {"colors", Element::u32, most, "", "of each flag, the first one first: 0xRRGGBBAA"},
-                     {"sizes", Element::f32, most, "m", "of each flag"}},
-        .commands = engine::memory_fields<FlagCommand>(),
-        .command_bytes = sizeof(FlagCommand)};
-    prepared.most_effects = 1;
-    return prepared;
-  };
-  kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
-    FlagList flags(state, slot);
-    for (std::int64_t i = 0; i < *std::any_cast<std::int64_t>(&data); ++i) flags.push(k_yellow_flag);
-  };
-  kind.act = act;
-  kind.apply = apply;
-  kind.flags = [](const StateTable& state, std::size_t slot) {
-    return engine::HeldFlags{.count = state.cell<std::uint32_t>(slot, k_flag_count)[0],
-                             .received = state.cell<std::uint64_t>(slot, k_flag_received)[0]};
-  };
-  return kind;
+  return engine::make_device_kind<Flags>("flags", "tokens that a body holds, takes and gives");
 }
 
 }  // namespace troupe::models

@@ -1,5 +1,6 @@
 #include "models/devices/gripper.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/frame.hpp"
 #include "engine/world.hpp"
 #include "partition/placed_shape.hpp"
@@ -14,10 +15,7 @@ namespace {
 
 using engine::DeviceBatch;
 using engine::DeviceKind;
-using engine::FieldType;
 using engine::Mount;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 
 constexpr double k_rate = 0.5;                // ends of travel a second: 2 s from end to end
@@ -25,48 +23,74 @@ constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, behind the tip
 enum Verb : std::uint32_t { k_grip, k_release };
 enum JointIndex : std::size_t { k_left, k_right };
 
-struct Gripper {
-  Eigen::Vector3d size{0.2, 0.3, 0.2};
-  Eigen::Vector3d paddle{0.66, 0.1, 0.4};  // shares of the size
-  bool starts_closed = false;
-  bool starts_up = false;
-  bool autosnatch = false;
-  Mount mount;  // the gripper's frame in the body's
+enum class Paddles : std::uint8_t { open, closed };
+constexpr std::array<std::string_view, 2> names_of(Paddles) { return {"open", "closed"}; }
+enum class Lift : std::uint8_t { down, up };
+constexpr std::array<std::string_view, 2> names_of(Lift) { return {"down", "up"}; }
 
-  double base_front() const { return -size.x() / 2 + (1 - paddle.x()) * size.x(); }
-  double thickness() const { return paddle.y() * size.y(); }
-  double height() const { return paddle.z() * size.z(); }
+struct Gripper {
+  struct Params {
+    Eigen::Vector3d size{0.2, 0.3, 0.2};
+    Eigen::Vector3d paddle_size{0.66, 0.1, 0.4};
+    Paddles paddles = Paddles::open;
+    Lift lift = Lift::down;
+    bool autosnatch = false;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::size>("size", engine::Unit::meters, above(0), at_most(1000),
+                              "of base and paddles together, [x, y, z]");
+      d.member<&Params::paddle_size>("paddle_size", above(0), at_most(0.999),
+                                     "of each paddle, in shares of the gripper's; y below 0.5");
+      d.member<&Params::paddles>("paddles", "at the start");
+      d.member<&Params::lift>("lift", "at the start");
+      d.member<&Params::autosnatch>("autosnatch",
+                                    "closes by itself when a beam is broken, opens when none is");
+    }
+  };
+  using State = GripperState;
+  using Command = GripperCommand;
+  static constexpr std::array joints{std::string_view("left"), std::string_view("right")};
+  static constexpr bool carries = true;
+  static constexpr engine::FrameLayer layer = engine::FrameLayer::grips;
+
+  Params params;
+  Mount place = {};  // the gripper's frame in the body's
+
+  double base_front() const { return -size().x() / 2 + (1 - paddle().x()) * size().x(); }
+  double thickness() const { return paddle().y() * size().y(); }
+  double height() const { return paddle().z() * size().z(); }
   /// How far a paddle goes from open to closed, and from down to up.
-  double travel() const { return size.y() / 2 - thickness(); }
-  double rise() const { return size.z() - height(); }
+  double travel() const { return size().y() / 2 - thickness(); }
+  double rise() const { return size().z() - height(); }
   /// y of the left paddle's inner face.
   double face(double position) const { return (1 - position) * travel(); }
   Pose left(double position, double lift) const { return {0, -position * travel(), lift * rise(), 0}; }
   Pose right(double position, double lift) const { return {0, position * travel(), lift * rise(), 0}; }
-};
+  const Eigen::Vector3d& size() const { return params.size; }
+  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // shares of the size
+  bool starts_closed() const { return params.paddles == Paddles::closed; }
+  bool starts_up() const { return params.lift == Lift::up; }
 
-Gripper read(const Record& params) {
-  Gripper gripper;
-  for (int i = 0; i < 3; ++i) {
-    gripper.size[i] = params[0].numbers()[static_cast<std::size_t>(i)];
-    gripper.paddle[i] = params[1].numbers()[static_cast<std::size_t>(i)];
-  }
-  gripper.starts_closed = params[2].text() == "closed";
-  gripper.starts_up = params[3].text() == "up";
-  gripper.autosnatch = params[4].boolean();
-  return gripper;
-}
+  static std::vector<DeviceKind::Fixture> body(const Params& params);
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_gripper);
+  void start(State& row) const;
+  void act(const DeviceBatch& batch) const;
+  void settled(const DeviceBatch& batch) const;
+  void apply(World& world, const engine::Effect& effect) const;
+  void show(const engine::DeviceView& view, engine::Frame& frame) const;
+};
 
 Solid block(double x0, double x1, double y0, double y1, double height) {
   return {{{Vec2(x0, y0), Vec2(x1, y0), Vec2(x1, y1), Vec2(x0, y1)}}, {0, height}};
 }
 
 /// The base and the paddles, open and down.
-std::vector<DeviceKind::Fixture> body(const Record& params) {
-  const Gripper g = read(params);
-  const double half_x = g.size.x() / 2;
-  const double half_y = g.size.y() / 2;
-  return {{block(-half_x, g.base_front(), -half_y, half_y, g.size.z()), -1},
+std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
+  const Gripper g{params};
+  const double half_x = g.size().x() / 2;
+  const double half_y = g.size().y() / 2;
+  return {{block(-half_x, g.base_front(), -half_y, half_y, g.size().z()), -1},
           {block(g.base_front(), half_x, half_y - g.thickness(), half_y, g.height()), k_left},
           {block(g.base_front(), half_x, -half_y, -half_y + g.thickness(), g.height()), k_right}};
 }
@@ -87,7 +111,7 @@ class Hand {
   /// visit(row, its shape in place) for the bodies that it may feel.
   template <class Visit>
   void for_each_near(Visit&& visit) const {
-    const double reach = gripper_.size.head<2>().norm() / 2;
+    const double reach = gripper_.size().head<2>().norm() / 2;
     world_.index().for_each_near(
         Box::around(frame_.transform.position, reach), [&](const partition::BodyCircle& circle) {
           const Row other(circle.row);
@@ -100,7 +124,7 @@ class Hand {
   }
 
   bool breaks_beam(const partition::PlacedShape& shape, double behind_tips) const {
-    const double x = gripper_.size.x() / 2 - behind_tips * gripper_.size.x();
+    const double x = gripper_.size().x() / 2 - behind_tips * gripper_.size().x();
     const double y = gripper_.face(state_.paddle_position);
     const Vec2 left = frame_.transform * Vec2(x, y);
     const Vec2 right = frame_.transform * Vec2(x, -y);
@@ -114,7 +138,7 @@ class Hand {
     const double from_y = side * gripper_.face(state_.paddle_position);
     const double to_y = side * gripper_.face(to);
     const double x0 = gripper_.base_front();
-    const double x1 = gripper_.size.x() / 2;
+    const double x1 = gripper_.size().x() / 2;
     std::array<Vec2, 4> swept{Vec2(x0, std::min(from_y, to_y)), Vec2(x1, std::min(from_y, to_y)),
                               Vec2(x1, std::max(from_y, to_y)), Vec2(x0, std::max(from_y, to_y))};
     for (Vec2& corner : swept) corner = frame_.transform * corner;
@@ -209,19 +233,18 @@ void finish(GripperState& state) {
   if (state.lift == S::sinking && state.lift_position == 0) state.lift = S::is_down;
 }
 
-void act(const DeviceBatch& batch) {
+void Gripper::act(const DeviceBatch& batch) const {
   using S = GripperState;
-  const Gripper& gripper = *std::any_cast<Gripper>(&batch.data);
   const double step = k_rate * batch.period_s;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<GripperState>(batch.slot(i));
     if (has_lost(batch.world, batch.body(i), state)) state.held = 0;
-    const Mount frame = compose(batch.mount(i), gripper.mount);
-    const Hand hand(batch.world, gripper, state, batch.rows[i], frame);
+    const Mount frame = compose(batch.mount(i), place);
+    const Hand hand(batch.world, *this, state, batch.rows[i], frame);
     Touched touched;
     feel(batch.world, hand, towards(state.paddle_position, 1, step), state, touched);
     state.stalled = 0;
-    if (gripper.autosnatch)
+    if (params.autosnatch)
       obey(state.beam_inner != 0 || state.beam_outer != 0 ? GripperCommand::close : GripperCommand::open,
            state);
     else
@@ -246,12 +269,12 @@ void act(const DeviceBatch& batch) {
       finish(state);
       continue;
     }
-    batch.move_joint(i, k_left, gripper.left(paddle, lift));
-    batch.move_joint(i, k_right, gripper.right(paddle, lift));
+    batch.move_joint(i, k_left, left(paddle, lift));
+    batch.move_joint(i, k_right, right(paddle, lift));
   }
 }
 
-void settled(const DeviceBatch& batch) {
+void Gripper::settled(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     if (!batch.asked_joint(i, k_left)) continue;
     auto& state = batch.state.as<GripperState>(batch.slot(i));
@@ -266,8 +289,7 @@ void settled(const DeviceBatch& batch) {
 }
 
 /// Where both have moved: whether it is still there to be held is asked again.
-void apply(World& world, const std::any& data, const engine::Effect& effect) {
-  const Gripper& gripper = *std::any_cast<Gripper>(&data);
+void Gripper::apply(World& world, const engine::Effect& effect) const {
   const Row row = world.row(effect.source);
   const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may say anything
   const Row target = is_body ? world.row(effect.target) : Row();
@@ -279,8 +301,8 @@ void apply(World& world, const std::any& data, const engine::Effect& effect) {
     finish(state);
     return;
   }
-  const Mount frame = compose(world.mount(row, device.joint), gripper.mount);
-  const Hand hand(world, gripper, state, row, frame);
+  const Mount frame = compose(world.mount(row, device.joint), place);
+  const Hand hand(world, *this, state, row, frame);
   const partition::PlacedShape shape(world.type(target).grip, world.transform(target),
                                      world.poses()[target.index()].z);
   const double closer =
@@ -294,91 +316,43 @@ void apply(World& world, const std::any& data, const engine::Effect& effect) {
 }
 
 /// The beams between its paddles, and what it holds.
-void show(const engine::DeviceView& view, engine::Frame& frame) {
+void Gripper::show(const engine::DeviceView& view, engine::Frame& frame) const {
   using engine::FrameTie;
-  const Gripper& gripper = *std::any_cast<Gripper>(&view.data);
   const auto& state = view.state.as<GripperState>(view.slot);
-  const double face = gripper.face(state.paddle_position);
-  const double height = state.lift_position * gripper.rise();
+  const double side = face(state.paddle_position);
+  const double lifted = state.lift_position * rise();
   for (const auto& [behind_tips, broken] :
        {std::pair(k_beams[1], state.beam_outer), std::pair(k_beams[0], state.beam_inner)}) {
-    const double x = gripper.size.x() * (0.5 - behind_tips);
+    const double x = size().x() * (0.5 - behind_tips);
     frame.grips.push_back({broken != 0 ? FrameTie::Kind::broken_beam : FrameTie::Kind::beam,
-                           view.at(x, face, height), view.at(x, -face, height)});
+                           view.at(x, side, lifted), view.at(x, -side, lifted)});
   }
   if (state.held == 0) return;
   const Pose held = view.world.pose(BodyId(std::size_t{state.held} - 1));
-  frame.grips.push_back({FrameTie::Kind::holds, view.at(0, 0, height), {held.x, held.y, held.z}});
+  frame.grips.push_back({FrameTie::Kind::holds, view.at(0, 0, lifted), {held.x, held.y, held.z}});
+}
+
+DeviceKind::Prepared Gripper::prepare(const Params& params, const Pose& pose_body_gripper) {
+  const Gripper gripper{params, Mount(pose_body_gripper)};
+  return {.data = gripper,
+          .reach_m = gripper.size().head<2>().norm(),
+          .most_effects = 1,
+          .joints = {gripper.left(gripper.starts_closed(), gripper.starts_up()),
+                     gripper.right(gripper.starts_closed(), gripper.starts_up())},
+          .joint_reach_m = gripper.travel()};
+}
+
+void Gripper::start(State& row) const {
+  row.paddles = starts_closed() ? State::closed : State::is_open;
+  row.lift = starts_up() ? State::is_up : State::is_down;
+  row.paddle_position = row.asked_paddle = starts_closed();
+  row.lift_position = row.asked_lift = starts_up();
 }
 
 }  // namespace
 
 DeviceKind gripper_kind() {
-  DeviceKind kind{.name = "gripper", .text = "two paddles that close on bodies, hold and lift them"};
-  kind.params = {{
-      {.name = "size",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .fallback = std::vector<double>{0.2, 0.3, 0.2},
-       .min = 0,
-       .max = 1000,
-       .text = "of base and paddles together, [x, y, z]",
-       .columns = 3,
-       .above_min = true},
-      {.name = "paddle_size",
-       .type = FieldType::numbers,
-       .fallback = std::vector<double>{0.66, 0.1, 0.4},
-       .min = 0,
-       .max = 0.999,
-       .text = "of each paddle, in shares of the gripper's; y below 0.5",
-       .columns = 3,
-       .above_min = true},
-      {.name = "paddles",
-       .type = FieldType::text,
-       .fallback = std::string("open"),
-       .text = "at the start",
-       .choices = {"open", "closed"}},
-      {.name = "lift",
-       .type = FieldType::text,
-       .fallback = std::string("down"),
-       .text = "at the start",
-       .choices = {"down", "up"}},
-      {.name = "autosnatch",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "closes by itself when a beam is broken, opens when none is"},
-  }};
-  kind.joints = {"left", "right"};
-  kind.carries = true;
-  kind.body = body;
-  kind.prepare = [](const Record& params, const Pose& pose_body_gripper) {
-    Gripper gripper = read(params);
-    gripper.mount = Mount(pose_body_gripper);
-    return DeviceKind::Prepared{.data = gripper,
-                                .percepts = engine::memory_fields<GripperState>(),
-                                .percept_bytes = sizeof(GripperState),
-                                .commands = engine::memory_fields<GripperCommand>(),
-                                .command_bytes = sizeof(GripperCommand),
-                                .reach_m = gripper.size.head<2>().norm(),
-                                .most_effects = 1,
-                                .joints = {gripper.left(gripper.starts_closed, gripper.starts_up),
-                                           gripper.right(gripper.starts_closed, gripper.starts_up)},
-                                .joint_reach_m = gripper.travel()};
-  };
-  kind.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
-    const Gripper& gripper = *std::any_cast<Gripper>(&data);
-    auto& s = state.as<GripperState>(slot);
-    s.paddles = gripper.starts_closed ? GripperState::closed : GripperState::is_open;
-    s.lift = gripper.starts_up ? GripperState::is_up : GripperState::is_down;
-    s.paddle_position = s.asked_paddle = gripper.starts_closed;
-    s.lift_position = s.asked_lift = gripper.starts_up;
-  };
-  kind.act = act;
-  kind.settled = settled;
-  kind.apply = apply;
-  kind.layer = engine::FrameLayer::grips;
-  kind.show = show;
-  return kind;
+  return engine::make_device_kind<Gripper>("gripper", "two paddles that close on bodies, hold and lift them");
 }
 
 }  // namespace troupe::models

@@ -24,7 +24,10 @@ struct LedCommand {
 /// The colour of the part that carries it. Others may change it, as brushes do (models/devices/brush.hpp).
 struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue
-  TROUPE_FIELDS(shown_color)
+
+  static constexpr void describe(engine::Description<LedState>& d) {
+    d.member<&LedState::shown_color>("shown_color", engine::facts::is_look);
+  }
 };
 
 /// An LED, or paint: the part that carries it has the colour that it was given last, to blob finders and

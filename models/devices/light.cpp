@@ -1,5 +1,6 @@
 #include "models/devices/light.hpp"
 
+#include "engine/description.hpp"
 #include "engine/world.hpp"
 
 #include <cmath>
@@ -9,9 +10,6 @@ namespace {
 
 using engine::DeviceBatch;
 using engine::DeviceKind;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using sensors::LightSource;
 
 /// Whether the light is on at `time_s` (s) if no controller has switched it.
@@ -22,73 +20,68 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-DeviceKind::Prepared prepare(const LightSource& light) {
-  std::vector<engine::StateField> state = engine::memory_fields<LightState>();
-  state.front().look = true;
-  return {.data = light,
-          .percepts = std::move(state),
-          .percept_bytes = sizeof(LightState),
-          .commands = engine::memory_fields<LightCommand>(),
-          .command_bytes = sizeof(LightCommand)};
+/// The kind of a light with these parameters. Its data are a LightSource, by which light sensors know it.
+template <class Params>
+DeviceKind make_light(std::string_view name, std::string_view text) {
+  DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};
+  kind.prepare = [](const engine::Record& record, const Pose& pose_body_light) {
+    return DeviceKind::Prepared{.data = engine::from_record<Params>(record).source(pose_body_light),
+                                .percepts = engine::memory_fields<LightState>(),
+                                .percept_bytes = sizeof(LightState),
+                                .commands = engine::memory_fields<LightCommand>(),
+                                .command_bytes = sizeof(LightCommand)};
+  };
+  kind.act = [](const DeviceBatch& batch) {
+    const LightSource& light = *std::any_cast<LightSource>(&batch.data);
+    const bool by_itself = is_lit(light, batch.world.time_s());
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const auto& command = batch.commands->as<LightCommand>(batch.slot(i));
+      const bool lit =
+          command.state == LightCommand::as_world_says ? by_itself : command.state == LightCommand::on;
+      batch.state.as<LightState>(batch.slot(i)).lit = lit;
+    }
+  };
+  return kind;
 }
 
-void act(const DeviceBatch& batch) {
-  const LightSource& light = *std::any_cast<LightSource>(&batch.data);
-  const bool by_itself = is_lit(light, batch.world.time_s());
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const auto& command = batch.commands->as<LightCommand>(batch.slot(i));
-    const bool lit =
-        command.state == LightCommand::as_world_says ? by_itself : command.state == LightCommand::on;
-    batch.state.as<LightState>(batch.slot(i)).lit = lit;
+struct IndicatorParams {
+  double intensity = 1;
+
+  static constexpr void describe(engine::Description<IndicatorParams>& d) {
+    d.member<&IndicatorParams::intensity>("intensity", engine::facts::within(0, 1e6),
+                                          "what a light sensor reads that faces it from 1 m");
   }
-}
+  LightSource source(const Pose& pose_body_light) const {
+    return {.pose_body_light = pose_body_light, .intensity = intensity};
+  }
+};
 
-engine::Field intensity_field() {
-  return {.name = "intensity",
-          .fallback = 1.0,
-          .min = 0,
-          .max = 1e6,
-          .text = "what a light sensor reads that faces it from 1 m"};
-}
+struct BlinkenParams {
+  double period = 1;
+  double dutycycle = 1;
+  bool enabled = true;
+  IndicatorParams light;
+
+  static constexpr void describe(engine::Description<BlinkenParams>& d) {
+    using namespace engine::facts;
+    d.member<&BlinkenParams::period>("period", engine::Unit::seconds, within(0, 1e6),
+                                     "from one flash to the next; 0: it shines all the time");
+    d.member<&BlinkenParams::dutycycle>("dutycycle", within(0, 1),
+                                        "the share of each period for which it is lit");
+    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks before a controller switches it");
+    d.part<&BlinkenParams::light>();
+  }
+  LightSource source(const Pose& pose_body_light) const {
+    return {pose_body_light, light.intensity, period, dutycycle, enabled};
+  }
+};
 
 }  // namespace
 
-DeviceKind blinkenlight_kind() {
-  DeviceKind kind{.name = "blinkenlight", .text = "a light that blinks"};
-  kind.params = {{
-      {.name = "period",
-       .unit = Unit::seconds,
-       .fallback = 1.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "from one flash to the next; 0: it shines all the time"},
-      {.name = "dutycycle",
-       .fallback = 1.0,
-       .min = 0,
-       .max = 1,
-       .text = "the share of each period for which it is lit"},
-      {.name = "enabled",
-       .type = FieldType::boolean,
-       .fallback = true,
-       .text = "whether it blinks before a controller switches it"},
-      intensity_field(),
-  }};
-  kind.prepare = [](const Record& params, const Pose& pose_body_light) {
-    return prepare(
-        {pose_body_light, params[3].number(), params[0].number(), params[1].number(), params[2].boolean()});
-  };
-  kind.act = act;
-  return kind;
-}
+DeviceKind blinkenlight_kind() { return make_light<BlinkenParams>("blinkenlight", "a light that blinks"); }
 
 DeviceKind lightindicator_kind() {
-  DeviceKind kind{.name = "lightindicator", .text = "a light that controllers switch"};
-  kind.params = {{intensity_field()}};
-  kind.prepare = [](const Record& params, const Pose& pose_body_light) {
-    return prepare({.pose_body_light = pose_body_light, .intensity = params[0].number()});
-  };
-  kind.act = act;
-  return kind;
+  return make_light<IndicatorParams>("lightindicator", "a light that controllers switch");
 }
 
 }  // namespace troupe::models

@@ -1,3 +1,4 @@
+#include "engine/device_kind.hpp"
 #include "engine/world.hpp"
 #include "models/devices/power.hpp"
 #include "partition/closeness.hpp"
@@ -13,19 +14,40 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Effect;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 using partition::PlacedShape;
 
-struct Contact {
-  double give = 0;
-  double take = 0;
-  partition::ObstacleShape shape;  ///< of the part, body frame
+struct PowerContact {
+  struct Params {
+    double give = 0;
+    double take = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      constexpr double k_most_watts = 1e9;
+      d.member<&Params::give>("give", watts, within(0, k_most_watts),
+                              "at most, to each contact that it touches and that takes");
+      d.member<&Params::take>("take", watts, within(0, k_most_watts),
+                              "at most, from each contact that touches it and gives");
+    }
+  };
+  using State = PowerContactState;
+  static constexpr bool needs_supply = true;
+
+  Params params;
+  partition::ObstacleShape shape = {};  ///< of the part, body frame
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
+    return {.data = PowerContact{params}, .most_effects = params.give > 0 ? k_most_takers : 0};
+  }
+  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  void act(const DeviceBatch& batch) const;
+  void apply(World& world, const Effect& effect) const;
 };
 
-const Contact* as_contact(const BodyType::Device& device) {
-  return std::any_cast<Contact>(&device.prepared.data);
+const PowerContact* as_contact(const BodyType::Device& device) {
+  return std::any_cast<PowerContact>(&device.prepared.data);
 }
 
 /// A contact that is touched: which body's, and which of its devices.
@@ -56,31 +78,42 @@ class Takers {
 void add_touched(const World& world, const PlacedShape& giver, Row other, Takers& takers) {
   const BodyType& type = world.type(other);
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
-    const Contact* contact = as_contact(type.devices[d]);
-    if (!contact || !(contact->take > 0) || !type.devices[d].supply || contact->shape.empty()) continue;
+    const PowerContact* contact = as_contact(type.devices[d]);
+    if (!contact || !(contact->params.take > 0) || !type.devices[d].supply || contact->shape.empty())
+      continue;
     const PlacedShape shape(contact->shape, world.mount(other, type.devices[d].joint).transform, 0);
     if (partition::come_within(giver, shape, k_contact_m)) takers.add({world.body(other), d});
   }
 }
 
+Result<> PowerContact::mount(const engine::TypeSpec& type, std::uint32_t part) {
+  std::vector<ConvexPrism> pieces;
+  try {
+    for (const Solid& solid : type.parts[part].solids)
+      for (ConvexPrism& piece : convex_pieces(solid)) pieces.push_back(std::move(piece));
+  } catch (const std::length_error& error) {
+    return Error{error.what()};
+  }
+  shape = partition::make_obstacle_shape(pieces);
+  return {};
+}
+
 /// Givers look about them: poses are those of the last tick, and what packs hold shows when effects are
 /// applied.
-void act(const DeviceBatch& batch) {
-  const Contact& contact = *std::any_cast<Contact>(&batch.data);
-  if (!(contact.give > 0) || contact.shape.empty()) return;
+void PowerContact::act(const DeviceBatch& batch) const {
+  if (!(params.give > 0) || shape.empty()) return;
   const World& world = batch.world;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Row row = batch.rows[i];
     const Transform at = batch.mount(i).transform;
-    const PlacedShape shape(contact.shape, at, 0);
+    const PlacedShape placed(shape, at, 0);
     Takers takers;
-    world.index().for_each_near(Box::around(shape.position(), contact.shape.radius + k_contact_m),
+    world.index().for_each_near(Box::around(placed.position(), shape.radius + k_contact_m),
                                 [&](const partition::BodyCircle& circle) {
                                   if (const Row other(circle.row); !world.same_tree(other, row))
-                                    add_touched(world, shape, other, takers);
+                                    add_touched(world, placed, other, takers);
                                 });
-    batch.state.as<PowerContactState>(batch.slot(i)).touched =
-        static_cast<std::uint8_t>(takers.list().size());
+    batch.state.as<State>(batch.slot(i)).touched = static_cast<std::uint8_t>(takers.list().size());
     std::uint32_t sequence = 0;
     for (const Taker& taker : takers.list())
       batch.emit(i, sequence++, 0, taker.body, {static_cast<double>(taker.device), batch.period_s});
@@ -91,14 +124,14 @@ PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) 
   return world.state(world.type(row).devices[*contact.supply]).as<PowerPackState>(world.slot(row));
 }
 
-void apply(World& world, const std::any& data, const Effect& effect) {
+void PowerContact::apply(World& world, const Effect& effect) const {
   const Row giver_row = world.row(effect.source);
   const Row taker_row = world.row(effect.target);
   const BodyType::Device& taking = world.type(taker_row).devices[static_cast<std::size_t>(effect.payload[0])];
   PowerPackState& giver = pack_of(world, giver_row, world.type(giver_row).devices[effect.device]);
   PowerPackState& taker = pack_of(world, taker_row, taking);
   if (taker.infinite != 0) return;
-  const double watts = std::min(std::any_cast<Contact>(&data)->give, as_contact(taking)->take);
+  const double watts = std::min(params.give, as_contact(taking)->params.take);
   double joules = std::min(watts * effect.payload[1], taker.capacity - taker.stored);
   if (giver.infinite == 0) {
     joules = std::min(joules, giver.stored);
@@ -111,49 +144,11 @@ void apply(World& world, const std::any& data, const Effect& effect) {
   taker.charging = 1;
 }
 
-Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t part) {
-  std::vector<ConvexPrism> pieces;
-  try {
-    for (const Solid& solid : type.parts[part].solids)
-      for (ConvexPrism& piece : convex_pieces(solid)) pieces.push_back(std::move(piece));
-  } catch (const std::length_error& error) {
-    return Error{error.what()};
-  }
-  std::any_cast<Contact>(&data)->shape = partition::make_obstacle_shape(pieces);
-  return {};
-}
-
 }  // namespace
 
 DeviceKind power_contact_kind() {
-  constexpr double k_most_watts = 1e9;
-  DeviceKind kind{.name = "power_contact", .text = "gives energy to, or takes it from, bodies it touches"};
-  kind.params = {{
-      {.name = "give",
-       .unit = Unit::watts,
-       .fallback = 0.0,
-       .min = 0,
-       .max = k_most_watts,
-       .text = "at most, to each contact that it touches and that takes"},
-      {.name = "take",
-       .unit = Unit::watts,
-       .fallback = 0.0,
-       .min = 0,
-       .max = k_most_watts,
-       .text = "at most, from each contact that touches it and gives"},
-  }};
-  kind.prepare = [](const Record& params, const Pose&) {
-    const Contact contact{.give = params[0].number(), .take = params[1].number(), .shape = {}};
-    return DeviceKind::Prepared{.data = contact,
-                                .percepts = engine::memory_fields<PowerContactState>(),
-                                .percept_bytes = sizeof(PowerContactState),
-                                .most_effects = contact.give > 0 ? k_most_takers : 0};
-  };
-  kind.mount = mount;
-  kind.act = act;
-  kind.apply = apply;
-  kind.needs_supply = true;
-  return kind;
+  return engine::make_device_kind<PowerContact>("power_contact",
+                                                "gives energy to, or takes it from, bodies it touches");
 }
 
 }  // namespace troupe::models

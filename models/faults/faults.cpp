@@ -15,9 +15,6 @@ namespace {
 
 using engine::Ailment;
 using engine::BodyType;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 
 /// "ir, sonar" -> ir, sonar.
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -33,72 +30,89 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-Result<Ailment> dead_sensors(const Record& params, const BodyType& type) {
-  Ailment ailment;
-  std::vector<std::string_view> sensors;  // of the type
-  for (const BodyType::Device& device : type.devices)
-    if (device.kind->is_sensor()) sensors.push_back(device.name);
-  std::vector<std::string_view> wanted = words_of(params[0].text());
-  if (wanted.empty()) wanted = sensors;
-  if (wanted.empty()) return Error{fmt::format("bodies of type \"{}\" have no sensor", type.name)};
-  for (const std::string_view name : wanted) {
-    const auto device = std::ranges::find(type.devices, name, &BodyType::Device::name);
-    if (device == type.devices.end() || !device->kind->is_sensor())
-      return Error{unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors)};
-    const auto d = static_cast<std::size_t>(device - type.devices.begin());
-    if (d >= engine::k_most_fallible)
-      return Error{fmt::format("\"{}\" is device {} of type \"{}\", and the first {} can fail", name, d + 1,
-                               type.name, engine::k_most_fallible)};
-    ailment.dead |= std::uint32_t{1} << d;
+struct DeadSensors {
+  struct Params {
+    std::string sensors;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::sensors>("sensors",
+                                 "their names, with commas between them; empty: all that the robot has");
+    }
+  };
+
+  static Result<Ailment> prepare(const Params& params, const BodyType& type) {
+    Ailment ailment;
+    std::vector<std::string_view> sensors;  // of the type
+    for (const BodyType::Device& device : type.devices)
+      if (device.kind->is_sensor()) sensors.push_back(device.name);
+    std::vector<std::string_view> wanted = words_of(params.sensors);
+    if (wanted.empty()) wanted = sensors;
+    if (wanted.empty()) return Error{fmt::format("bodies of type \"{}\" have no sensor", type.name)};
+    for (const std::string_view name : wanted) {
+      const auto device = std::ranges::find(type.devices, name, &BodyType::Device::name);
+      if (device == type.devices.end() || !device->kind->is_sensor())
+        return Error{unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors)};
+      const auto d = static_cast<std::size_t>(device - type.devices.begin());
+      if (d >= engine::k_most_fallible)
+        return Error{fmt::format("\"{}\" is device {} of type \"{}\", and the first {} can fail", name, d + 1,
+                                 type.name, engine::k_most_fallible)};
+      ailment.dead |= std::uint32_t{1} << d;
+    }
+    return ailment;
   }
-  return ailment;
-}
+};
+
+struct SlowWheels {
+  struct Params {
+    double factor = 1;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::factor>("factor", above(0), at_most(1), required,
+                                "what its speeds are multiplied by");
+    }
+  };
+
+  static Result<Ailment> prepare(const Params& params, const BodyType& type) {
+    if (!type.drive) return Error{fmt::format("bodies of type \"{}\" have no drive", type.name)};
+    return Ailment{.speed = params.factor};
+  }
+};
+
+struct DropOut {
+  struct Params {
+    double rate = 0;
+    double duration = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::rate>("rate", per_second, above(0), at_most(1e6), required,
+                              "how often it happens to one robot, in the mean; the probability that it has "
+                              "happened within t is 1 - exp(-rate t)");
+      d.member<&Params::duration>(
+          "for", seconds, within(0, 1e9),
+          "how long it is out; then it works again, until the next time; 0: for good");
+    }
+  };
+
+  static Result<Ailment> prepare(const Params& params, const BodyType&) {
+    return Ailment{.drops_out = true, .per_s = params.rate, .lasts_s = params.duration};
+  }
+};
 
 }  // namespace
 
 engine::FaultKind dead_sensors_fault() {
-  engine::FaultKind kind{.name = "dead_sensors", .text = "sensors that keep the reading they had"};
-  kind.params = {{{.name = "sensors",
-                   .type = FieldType::text,
-                   .fallback = "",
-                   .text = "their names, with commas between them; empty: all that the robot has"}}};
-  kind.prepare = dead_sensors;
-  return kind;
+  return engine::make_fault_kind<DeadSensors>("dead_sensors", "sensors that keep the reading they had");
 }
 
 engine::FaultKind slow_wheels_fault() {
-  engine::FaultKind kind{.name = "slow_wheels", .text = "a drive that gives less than it is asked for"};
-  kind.params = {{{.name = "factor",
-                   .min = 0,
-                   .max = 1,
-                   .text = "what its speeds are multiplied by",
-                   .above_min = true}}};
-  kind.prepare = [](const Record& params, const BodyType& type) -> Result<Ailment> {
-    if (!type.drive) return Error{fmt::format("bodies of type \"{}\" have no drive", type.name)};
-    return Ailment{.speed = params[0].number()};
-  };
-  return kind;
+  return engine::make_fault_kind<SlowWheels>("slow_wheels", "a drive that gives less than it is asked for");
 }
 
 engine::FaultKind drop_out_fault() {
-  engine::FaultKind kind{.name = "drop_out", .text = "a robot that stops with all it has"};
-  kind.params = {{{.name = "rate",
-                   .unit = Unit::per_second,
-                   .min = 0,
-                   .max = 1e6,
-                   .text = "how often it happens to one robot, in the mean; the probability that it has "
-                           "happened within t is 1 - exp(-rate t)",
-                   .above_min = true},
-                  {.name = "for",
-                   .unit = Unit::seconds,
-                   .fallback = 0.0,
-                   .min = 0,
-                   .max = 1e9,
-                   .text = "how long it is out; then it works again, until the next time; 0: for good"}}};
-  kind.prepare = [](const Record& params, const BodyType&) -> Result<Ailment> {
-    return Ailment{.drops_out = true, .per_s = params[0].number(), .lasts_s = params[1].number()};
-  };
-  return kind;
+  return engine::make_fault_kind<DropOut>("drop_out", "a robot that stops with all it has");
 }
 
 }  // namespace troupe::models

@@ -10,29 +10,25 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
 using engine::Measure;
-using engine::Record;
 using engine::Unit;
 using engine::World;
-
-const FieldTable& cluster_fields() {
-  static const FieldTable table{{{.name = "distance",
-                                  .unit = Unit::meters,
-                                  .min = 0,
-                                  .max = 1000,
-                                  .text = "origins that are no farther apart are of one cluster",
-                                  .above_min = true}}};
-  return table;
-}
 
 /// Pushable bodies, joined where they lie near one another.
 class Clusters : public Measure {
  public:
-  Clusters(const World& world, const Record& params, const std::vector<Row>&)
-      : distance_(engine::get(cluster_fields(), params, "distance").number()),
-        parents_(world.rows()),
-        sizes_(world.rows()) {}
+  struct Params {
+    double distance = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::distance>("distance", Unit::meters, above(0), at_most(1000), required,
+                                  "origins that are no farther apart are of one cluster");
+    }
+  };
+
+  Clusters(const World& world, const Params& params, const std::vector<Row>&)
+      : distance_(params.distance), parents_(world.rows()), sizes_(world.rows()) {}
 
  protected:
   struct Count {
@@ -99,16 +95,14 @@ engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
       "clusters", Unit::none, "in how many heaps the pushable bodies lie",
       "The connected components of the graph that joins pushable bodies whose origins are at most `distance` "
-      "apart; a body that lies alone counts as one. Whichever robots are measured.",
-      cluster_fields());
+      "apart; a body that lies alone counts as one. Whichever robots are measured.");
 }
 
 engine::MeasureKind largest_cluster_measure() {
   return engine::make_measure_kind<LargestCluster>(
       "largest_cluster", Unit::none, "which share of the pushable bodies lies in the largest heap",
       "The bodies of the largest of the components that `clusters` counts, over all pushable bodies. Not a "
-      "number where there are none.",
-      cluster_fields());
+      "number where there are none.");
 }
 
 }  // namespace troupe::models

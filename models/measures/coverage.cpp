@@ -13,23 +13,11 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
 using engine::Measure;
-using engine::Record;
 using engine::Unit;
 using engine::World;
 
 constexpr double k_most_cells = 25e6;  // two bytes each
-
-const FieldTable& fields() {
-  static const FieldTable table{{{.name = "cell",
-                                  .unit = Unit::meters,
-                                  .fallback = 1.0,
-                                  .min = 0.001,
-                                  .max = 100000,
-                                  .text = "edge of the square cells"}}};
-  return table;
-}
 
 /// Where robots may be; where nothing says so, the ground on which anything stands at the start.
 Box ground_of(const World& world, std::span<const Row> robots) {
@@ -43,8 +31,17 @@ Box ground_of(const World& world, std::span<const Row> robots) {
 
 class Coverage : public Measure {
  public:
-  Coverage(const World& world, const Record& params, std::vector<Row> robots)
-      : robots_(std::move(robots)), grid_{engine::get(fields(), params, "cell").number(), 0} {
+  struct Params {
+    double cell = 1;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, 100000),
+                              "edge of the square cells");
+    }
+  };
+
+  Coverage(const World& world, const Params& params, std::vector<Row> robots)
+      : robots_(std::move(robots)), grid_{params.cell, 0} {
     const Box ground = ground_of(world, robots_);
     if (ground.empty()) return;
     const Vec2 size = ground.size() / grid_.cell_m;
@@ -151,8 +148,7 @@ engine::MeasureKind coverage_measure() {
       "share in which the origin of a robot has been at the end of any tick since measuring began. A cell is "
       "free when its centre lies in the bounds of the world and in no obstacle that never moves, whatever "
       "its height. A world without bounds has those of what stands in it at the start. Ground that no robot "
-      "can reach counts.",
-      fields());
+      "can reach counts.");
 }
 
 }  // namespace troupe::models

@@ -15,10 +15,7 @@ namespace troupe::models {
 namespace {
 
 using engine::Element;
-using engine::FieldTable;
-using engine::FieldType;
 using engine::Measure;
-using engine::Record;
 using engine::StateTable;
 using engine::Unit;
 using engine::World;
@@ -26,7 +23,7 @@ using engine::World;
 /// A measure of the state alone.
 class OfRobots : public Measure {
  public:
-  OfRobots(const World&, const Record&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+  OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
 
  protected:
   std::span<const Row> robots() const { return robots_; }
@@ -78,8 +75,8 @@ class Displacement : public OfRobots {
 
 class PathLength : public OfRobots {
  public:
-  PathLength(const World& world, const Record& params, std::vector<Row> rows)
-      : OfRobots(world, params, std::move(rows)), lengths_(robots().size(), 0), tick_(world.tick()) {
+  PathLength(const World& world, std::vector<Row> rows)
+      : OfRobots(world, std::move(rows)), lengths_(robots().size(), 0), tick_(world.tick()) {
     for (const Row row : robots()) places_.push_back(world.transform(row).position);
   }
 
@@ -167,51 +164,32 @@ class Spread : public OfRobots {
   }
 };
 
-const FieldTable& share_within_fields() {
-  static const FieldTable table{{
-      {.name = "center",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .text = "[x, y] of the circle",
-       .columns = 2},
-      {.name = "radius", .unit = Unit::meters, .min = 0, .text = "of the circle"},
-  }};
-  return table;
-}
-
 class ShareWithin : public OfRobots {
  public:
-  ShareWithin(const World& world, const Record& params, std::vector<Row> rows)
-      : OfRobots(world, params, std::move(rows)),
-        center_(params[0].numbers()[0], params[0].numbers()[1]),
-        radius_(params[1].number()) {}
+  struct Params {
+    Vec2 center = Vec2::Zero();
+    double radius = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::center>("center", Unit::meters, required, "[x, y] of the circle");
+      d.member<&Params::radius>("radius", Unit::meters, at_least(0), required, "of the circle");
+    }
+  };
+
+  ShareWithin(const World& world, const Params& params, std::vector<Row> rows)
+      : OfRobots(world, std::move(rows)), circle_(params) {}
 
   double value(World& world) override {
     return mean(world, [&](std::size_t i) {
-      return (world.transform(robots()[i]).position - center_).squaredNorm() <= radius_ * radius_;
+      return (world.transform(robots()[i]).position - circle_.center).squaredNorm() <=
+             circle_.radius * circle_.radius;
     });
   }
 
  private:
-  Vec2 center_;
-  double radius_;
+  Params circle_;
 };
-
-const FieldTable& state_mean_fields() {
-  static const FieldTable table{{
-      {.name = "component",
-       .type = FieldType::text,
-       .text = "of the state, as \"KIND/0\" is the memory of the first controller"},
-      {.name = "field", .type = FieldType::text, .text = "of the component"},
-      {.name = "column",
-       .type = FieldType::integer,
-       .fallback = 0,
-       .min = 0,
-       .max = 1e6,
-       .text = "of a field that is an array"},
-  }};
-  return table;
-}
 
 /// Of those robots whose state has the component.
 class StateMean : public OfRobots {
@@ -223,7 +201,21 @@ class StateMean : public OfRobots {
   static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
 
  public:
-  StateMean(const World& world, const Record& params, std::vector<Row> rows)
+  struct Params {
+    std::string component;
+    std::string field;
+    std::int64_t column = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::component>("component", required,
+                                   "of the state, as \"KIND/0\" is the memory of the first controller");
+      d.member<&Params::field>("field", required, "of the component");
+      d.member<&Params::column>("column", within(0, 1e6), "of a field that is an array");
+    }
+  };
+
+  StateMean(const World& world, const Params& params, std::vector<Row> rows)
       : StateMean(world, params, std::move(rows), cells_of(world, params)) {}
 
   double value(World& world) override {
@@ -235,15 +227,15 @@ class StateMean : public OfRobots {
 
  private:
   /// cells: by body.
-  StateMean(const World& world, const Record& params, std::vector<Row> rows, const std::vector<Cell>& cells)
-      : OfRobots(world, params, with(world, cells, std::move(rows))),
-        column_(static_cast<std::size_t>(params[2].integer())) {
+  StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
+      : OfRobots(world, with(world, cells, std::move(rows))),
+        column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
   /// Each type that has the component keeps a table of its own.
-  static std::vector<Cell> cells_of(const World& world, const Record& params) {
-    const std::string& component = params[0].text();
+  static std::vector<Cell> cells_of(const World& world, const Params& params) {
+    const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
     std::vector<std::string_view> known;
     bool has_component = false;
@@ -262,15 +254,15 @@ class StateMean : public OfRobots {
     }
     return cells;
   }
-  static std::size_t field_of(const StateTable& table, const Record& params) {
-    const std::string& name = params[1].text();
+  static std::size_t field_of(const StateTable& table, const Params& params) {
+    const std::string& name = params.field;
     std::vector<std::string_view> known;
     for (const engine::StateField& field : table.fields()) {
       if (field.name != name) {
         known.push_back(field.name);
         continue;
       }
-      if (params[2].integer() >= field.columns)
+      if (params.column >= field.columns)
         throw std::invalid_argument(fmt::format("the last column of \"{}\" is {}", name, field.columns - 1));
       return known.size();
     }
@@ -304,17 +296,19 @@ class Alive : public OfRobots {
   double value(World& world) override { return static_cast<double>(engine::count_there(world, robots())); }
 };
 
-const FieldTable& deaths_fields() {
-  static const FieldTable table{{
-      {.name = "type", .type = FieldType::text, .text = "of the bodies that are counted, robots or not"},
-  }};
-  return table;
-}
-
 class Deaths : public Measure {
  public:
-  Deaths(const World& world, const Record& params, const std::vector<Row>&) {
-    const std::string& type = params[0].text();
+  struct Params {
+    std::string type;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::type>("type", engine::facts::required,
+                              "of the bodies that are counted, robots or not");
+    }
+  };
+
+  Deaths(const World& world, const Params& params, const std::vector<Row>&) {
+    const std::string& type = params.type;
     std::vector<std::string_view> known;
     for (std::size_t r = 0; r < world.rows(); ++r) {
       const std::string& name = world.type(Row(r)).name;
@@ -354,8 +348,7 @@ engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "bodies of a type that have died",
       "The number of bodies of a type that were in the world and are no more: pucks that a remover took, "
-      "robots whose packs ran empty. Whichever robots are measured.",
-      deaths_fields());
+      "robots whose packs ran empty. Whichever robots are measured.");
 }
 
 engine::MeasureKind held_measure() {
@@ -404,16 +397,14 @@ engine::MeasureKind spread_measure() {
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
       "share_within", Unit::none, "share of the robots that are in a circle",
-      "The share of the robots whose origin lies within `radius` of `center`, the circle included.",
-      share_within_fields());
+      "The share of the robots whose origin lies within `radius` of `center`, the circle included.");
 }
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
       "state_mean", Unit::none, "a number of the robots' state, in the mean",
       "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
-      "sensor reads. Of a field that is 0 or 1 it is a share.",
-      state_mean_fields());
+      "sensor reads. Of a field that is 0 or 1 it is a share.");
 }
 
 }  // namespace troupe::models

@@ -10,9 +10,7 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
 using engine::Measure;
-using engine::Record;
 using engine::Unit;
 using engine::World;
 
@@ -66,7 +64,7 @@ class AmongRobots : public Measure {
 
 class MeanNearestDistance : public AmongRobots {
  public:
-  MeanNearestDistance(const World& world, const Record&, std::vector<Row> robots)
+  MeanNearestDistance(const World& world, std::vector<Row> robots)
       : AmongRobots(world, std::move(robots)), distances_(world.rows(), 0) {}
 
   double value(World& world) override {
@@ -96,23 +94,19 @@ class MeanNearestDistance : public AmongRobots {
   std::vector<double> distances_;  // a row each, when they were last asked for
 };
 
-const FieldTable& neighbours_fields() {
-  static const FieldTable table{{{.name = "radius",
-                                  .unit = Unit::meters,
-                                  .fallback = 1.0,
-                                  .min = 0,
-                                  .max = 1000,
-                                  .text = "how near a neighbour is",
-                                  .above_min = true}}};
-  return table;
-}
-
 class Neighbours : public AmongRobots {
  public:
-  Neighbours(const World& world, const Record& params, std::vector<Row> robots)
-      : AmongRobots(world, std::move(robots)),
-        radius_(engine::get(neighbours_fields(), params, "radius").number()),
-        counts_(world.rows(), 0) {}
+  struct Params {
+    double radius = 1;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000), "how near a neighbour is");
+    }
+  };
+
+  Neighbours(const World& world, const Params& params, std::vector<Row> robots)
+      : AmongRobots(world, std::move(robots)), radius_(params.radius), counts_(world.rows(), 0) {}
 
   double value(World& world) override {
     const std::size_t there = engine::count_there(world, robots());
@@ -148,8 +142,7 @@ engine::MeasureKind neighbours_measure() {
       "neighbours", Unit::none, "how many other robots are near, in the mean",
       "The mean over the robots of the number of others, of those that are measured, whose origin lies "
       "within `radius` of its own, walls or not: the mean degree of the graph that joins robots within that "
-      "distance.",
-      neighbours_fields());
+      "distance.");
 }
 
 }  // namespace troupe::models

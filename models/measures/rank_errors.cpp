@@ -10,28 +10,23 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
 using engine::Measure;
-using engine::Record;
 using engine::Unit;
 using engine::World;
 
-const FieldTable& rank_errors_fields() {
-  static const FieldTable table{{{.name = "center",
-                                  .type = FieldType::numbers,
-                                  .unit = Unit::meters,
-                                  .text = "[x, y]: from where distances count",
-                                  .columns = 2}}};
-  return table;
-}
-
 class RankErrors : public Measure {
  public:
-  RankErrors(const World& world, const Record& params, std::vector<Row> robots)
-      : robots_(std::move(robots)),
-        center_(params[0].numbers()[0], params[0].numbers()[1]),
-        met_(world.spec().types.size(), 0) {
+  struct Params {
+    Vec2 center = Vec2::Zero();
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::center>("center", Unit::meters, required, "[x, y]: from where distances count");
+    }
+  };
+
+  RankErrors(const World& world, const Params& params, std::vector<Row> robots)
+      : robots_(std::move(robots)), center_(params.center), met_(world.spec().types.size(), 0) {
     ranked_.reserve(robots_.size());
   }
 
@@ -73,8 +68,7 @@ engine::MeasureKind rank_errors_measure() {
       "Of all pairs of robots of different types, the share in which the one whose type stands later in the "
       "world is nearer to `center`. 0: robots stand in rings, type by type; about one half: they are mixed. "
       "Not a number where all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
-      "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.",
-      rank_errors_fields());
+      "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.");
 }
 
 }  // namespace troupe::models

@@ -66,20 +66,24 @@ struct Counter {
     std::uint32_t calls = 10;
     TROUPE_FIELDS(calls)
   };
-  double step;
+  struct Params {
+    double step = 0.5;
 
-  static Counter make(const Record& params) { return {params[0].number()}; }
+    static constexpr void describe(Description<Params>& d) { d.member<&Params::step>("step", "forward"); }
+  };
+
+  Params params;
+
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>&) const {
-    if (step < 0) return Error{"cannot count down"};
+    if (params.step < 0) return Error{"cannot count down"};
     return std::vector<std::size_t>();
   }
   void operator()(Memory& memory, const Percept&, Random&, Actions& actions) const {
     ++memory.calls;
-    actions.command.x = step * memory.calls;
+    actions.command.x = params.step * memory.calls;
   }
 };
 struct Forgetful {
-  static Forgetful make(const Record&) { return {}; }
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) const { return {2, 0}; }
   void operator()(const Percept& percept, Random&, Actions& actions) const {
     actions.command.turn = percept.tick_s;
@@ -87,8 +91,7 @@ struct Forgetful {
 };
 
 TEST(ControllerKind, KeepsItsMemoryInTheTable) {
-  const ControllerKind kind =
-      make_controller_kind<Counter>("counter", "counts", {{{.name = "step", .fallback = 0.5}}});
+  const ControllerKind kind = make_controller_kind<Counter>("counter", "counts");
   EXPECT_EQ(kind.name, "counter");
   EXPECT_EQ(kind.memory_bytes, sizeof(Counter::Memory));
   ASSERT_EQ(kind.memory.size(), 1u);
@@ -120,7 +123,7 @@ TEST(ControllerKind, KeepsItsMemoryInTheTable) {
 }
 
 TEST(ControllerKind, NeedsNoMemory) {
-  const ControllerKind kind = make_controller_kind<Forgetful>("forgetful", "", {});
+  const ControllerKind kind = make_controller_kind<Forgetful>("forgetful", "");
   EXPECT_TRUE(kind.memory.empty());
   EXPECT_EQ(kind.memory_bytes, 0u);
   std::vector<bool> claimed;

@@ -445,8 +445,9 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
               HasSubstr("\"localization\" is the same for as long as the world runs"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),
               HasSubstr("\"pushes\" is the same for as long as the world runs"));
-  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, test::registry().device("ranger")->params,
-                            "transducers", test::ranger("eye", {{.samples = 3}}).params[0])),
+  const FieldTable& ranger = test::registry().device("ranger")->params;
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
+                            get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
               HasSubstr("device \"eye\": what changes while a world runs must keep the shape of its state"));
 
   const auto failing = [&](FaultSpec spec) {

@@ -173,7 +173,7 @@ struct Counter {
 
 TEST(Lives, PeriodsCountFromTheBirth) {
   Registry registry = test::registry();
-  registry.controllers.push_back(make_controller_kind<Counter>("counter", "", {}));
+  registry.controllers.push_back(make_controller_kind<Counter>("counter", ""));
   SceneBuilder scene;
   const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
   scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};

@@ -131,7 +131,6 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
 }
 
 struct Thrower {
-  static Thrower make(const Record&) { return {}; }
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(const Percept& percept, Random&, Actions&) const {
     if (percept.body >= 40) throw std::runtime_error(std::to_string(percept.body));
@@ -140,7 +139,7 @@ struct Thrower {
 
 TEST(World, AnExceptionOfAControllerComesOutOfTheStep) {
   Registry registry = test::registry();
-  registry.controllers.push_back(make_controller_kind<Thrower>("thrower", "", {}));
+  registry.controllers.push_back(make_controller_kind<Thrower>("thrower", ""));
   for (const unsigned threads : {1u, 2u, 8u}) {
     SceneBuilder scene;
     const TypeId type = scene.robot("robot", {box(0.4, 0.4)});

@@ -48,28 +48,32 @@ struct Holder {
 /// Asks for what its parameters say, once, in the first tick.
 struct Asker {
   static constexpr bool needs_drive = false;
-  FlagCommand::Verb verb;
-  std::uint32_t target;
-  std::uint32_t color;
+  struct Params {
+    std::uint8_t verb = 0;
+    std::uint32_t target = 0;
+    std::uint32_t color = 0;
 
-  static Asker make(const engine::Record& p) {
-    return {static_cast<FlagCommand::Verb>(p[0].integer()), static_cast<std::uint32_t>(p[1].integer()),
-            static_cast<std::uint32_t>(p[2].integer())};
-  }
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::verb>("verb");
+      d.member<&Params::target>("target");
+      d.member<&Params::color>("color");
+    }
+  };
+
+  Params params;
+
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {0}; }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    if (percept.tick == 1) actions.device<FlagCommand>(0).ask(verb, target, {color, 0.1f});
+    if (percept.tick != 1) return;
+    const auto verb = static_cast<FlagCommand::Verb>(params.verb);
+    actions.device<FlagCommand>(0).ask(verb, params.target, {params.color, 0.1f});
   }
 };
 
 const engine::Registry& registry_with_asker() {
   static const engine::Registry registry = [] {
     engine::Registry kinds = make_registry();
-    const auto number = [](std::string_view name) {
-      return engine::Field{.name = name, .type = engine::FieldType::integer, .fallback = 0};
-    };
-    kinds.controllers.push_back(engine::make_controller_kind<Asker>(
-        "asker", "", {{number("verb"), number("target"), number("color")}}));
+    kinds.controllers.push_back(engine::make_controller_kind<Asker>("asker", ""));
     return kinds;
   }();
   return registry;

@@ -50,7 +50,6 @@ TEST(Light, BlinksByPeriodAndDutycycle) {
 
 /// Switches the light on at tick 2 and leaves it to itself from tick 5 on.
 struct Switcher {
-  static Switcher make(const engine::Record&) { return {}; }
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {0}; }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     seen_lit = percept.devices[0].as<LightState>().lit;
@@ -63,7 +62,7 @@ struct Switcher {
 
 TEST(Light, IsSwitchedByControllersATickLater) {
   engine::Registry registry = test::registry();
-  registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", "", {}));
+  registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", ""));
   engine::World world = world_of({.name = "lamp", .kind = "lightindicator", .params = {1.0}, .where = {}},
                                  {{.kind = "switcher", .params = {}, .where = {}}}, registry);
   EXPECT_EQ(lit(world, 7), (std::vector{0, 0, 1, 1, 1, 0, 0}));

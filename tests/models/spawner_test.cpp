@@ -106,7 +106,7 @@ struct Giver {
 
 TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
   engine::Registry registry = test::registry();
-  registry.controllers.push_back(engine::make_controller_kind<Giver>("giver", "", {}));
+  registry.controllers.push_back(engine::make_controller_kind<Giver>("giver", ""));
   SceneBuilder scene;
   const TypeId nest = scene.type("nest", {box(0.4, 0.4)});
   scene[nest].devices = {device("spawner", {{"population", "bot"}, {"per_flags", 2}}, {1, 0, 0, 0}),

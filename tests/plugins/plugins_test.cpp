@@ -182,8 +182,8 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
   EXPECT_THAT(fault_of("another_version"),
               MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 3., this is troupe 0.1.0 "
-                           ".interface 3.: build it again"));
+                           "was built for troupe 99.1.0 .interface 4., this is troupe 0.1.0 "
+                           ".interface 4.: build it again"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
@@ -427,7 +427,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(fault(room("another_version"), "unusable"),
               MatchesRegex(at("3", "/kind") +
                            "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                           "99.1.0 .interface 3., this is troupe 0.1.0 .interface 3.: build it again"));
+                           "99.1.0 .interface 4., this is troupe 0.1.0 .interface 4.: build it again"));
   EXPECT_THAT(
       fault(room("ranger:ranger"), "unusable"),
       EndsWith("ranger.so has a sensor or device \"ranger\", a name that Troupe's own has: give it another"));

@@ -34,8 +34,10 @@ struct ForMany {
 };
 
 struct WhenMade {
-  static troupe::FieldTable parameters() { return {}; }
-  static WhenMade make(const troupe::Record&) { throw 42; }
+  struct Params {
+    static constexpr void describe(troupe::Description<Params>&) {}
+  };
+  static WhenMade make(const Params&) { throw 42; }
   void operator()(const troupe::Percept&, troupe::Random&, troupe::Actions&) const {}
 };
 

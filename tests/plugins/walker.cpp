@@ -7,17 +7,18 @@
 #endif
 
 struct Walker {  // not in an unnamed namespace: others may bring one of this name
-  double speed;
+  struct Params {
+    double speed = 0.3;
+
+    static constexpr void describe(troupe::Description<Params>& d) {
+      using namespace troupe::facts;
+      d.member<&Params::speed>("speed", troupe::Unit::meters_per_second, at_least(0), "on the way");
+    }
+  };
+
+  Params params;
 
   static constexpr std::string_view text = "walk in wiggles";
-  static troupe::FieldTable parameters() {
-    return {{{.name = "speed",
-              .unit = troupe::Unit::meters_per_second,
-              .fallback = 0.3,
-              .min = 0,
-              .text = "on the way"}}};
-  }
-  static Walker make(const troupe::Record& params) { return {params[0].number()}; }
 
   struct Memory {
     double phase = 0;
@@ -31,7 +32,7 @@ struct Walker {  // not in an unnamed namespace: others may bring one of this na
     memory.phase += TURN * random.normal();
     memory.faint = 0.5 * (memory.faint + 0x1p-1050 * random.uniform());
     ++memory.steps;
-    actions.command = {speed * troupe::cos(memory.phase), 0, troupe::sin(memory.phase)};
+    actions.command = {params.speed * troupe::cos(memory.phase), 0, troupe::sin(memory.phase)};
   }
 };
 

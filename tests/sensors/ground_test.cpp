@@ -63,8 +63,8 @@ struct Signaller {
 const engine::Registry& registry() {
   static const engine::Registry kinds = [] {
     engine::Registry all = make_registry();
-    all.controllers.push_back(engine::make_controller_kind<Painter>("painter", "", {}));
-    all.controllers.push_back(engine::make_controller_kind<Signaller>("signaller", "", {}));
+    all.controllers.push_back(engine::make_controller_kind<Painter>("painter", ""));
+    all.controllers.push_back(engine::make_controller_kind<Signaller>("signaller", ""));
     return all;
   }();
   return kinds;

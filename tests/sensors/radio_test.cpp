@@ -70,8 +70,8 @@ struct Wordy {
 const engine::Registry& registry() {
   static const engine::Registry kinds = [] {
     engine::Registry all = make_registry();
-    all.controllers.push_back(engine::make_controller_kind<Counting>("counting", "", {}));
-    all.controllers.push_back(engine::make_controller_kind<Wordy>("wordy", "", {}));
+    all.controllers.push_back(engine::make_controller_kind<Counting>("counting", ""));
+    all.controllers.push_back(engine::make_controller_kind<Wordy>("wordy", ""));
     return all;
   }();
   return kinds;

@@ -30,7 +30,6 @@ struct Honest : Parameterless {
     std::uint8_t odd = 0;
     TROUPE_FIELDS(sum, odd)
   };
-  static Honest make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     memory.sum += random.uniform() + 0.001 * percept.body;
@@ -41,7 +40,6 @@ struct Honest : Parameterless {
 
 /// Honest, too: by where it believes to be, which has moved on when the decision is taken again.
 struct Believer : Parameterless {
-  static Believer make(const engine::Record&) { return {}; }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     actions.set_speed(0.1 + 0.01 * percept.estimate.x, 0.02 * percept.estimate.y,
                       0.1 * percept.estimate.heading);
@@ -51,7 +49,6 @@ struct Believer : Parameterless {
 };
 
 struct CallsRand : Parameterless {
-  static CallsRand make(const engine::Record&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
     actions.command.turn = static_cast<double>(std::rand()) / RAND_MAX;
   }
@@ -62,7 +59,6 @@ struct KeepsAStatic : Parameterless {
     std::uint32_t calls = 0;
     TROUPE_FIELDS(calls)
   };
-  static KeepsAStatic make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     static std::atomic<std::uint32_t> calls = 0;
     memory.calls = ++calls;
@@ -74,7 +70,6 @@ struct KeepsAThreadLocal : Parameterless {
     std::uint32_t calls = 0;
     TROUPE_FIELDS(calls)
   };
-  static KeepsAThreadLocal make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     static thread_local std::uint32_t calls = 0;
     memory.calls = ++calls;
@@ -86,7 +81,6 @@ struct ChangesAMember : Parameterless {
   mutable std::atomic<bool> asked = false;
   ChangesAMember() = default;
   ChangesAMember(const ChangesAMember& other) : Parameterless(), asked(other.asked.load()) {}
-  static ChangesAMember make(const engine::Record&) { return {}; }
   void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
     actions.command.x = asked.exchange(true) ? 0.1 : 0.2;
   }
@@ -97,7 +91,6 @@ struct ReadsAFastClock : Parameterless {
     std::int64_t now = 0;
     TROUPE_FIELDS(now)
   };
-  static ReadsAFastClock make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     memory.now = std::chrono::steady_clock::now().time_since_epoch().count();
   }
@@ -108,7 +101,6 @@ struct ReadsASlowClock : Parameterless {
     std::int64_t now = 0;
     TROUPE_FIELDS(now)
   };
-  static ReadsASlowClock make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     memory.now = std::time(nullptr);
   }
@@ -131,7 +123,7 @@ struct LeavesAMemberUnset : Parameterless {
 /// A different controller each time it is made: what an unset member comes to, and can be relied on.
 struct IsMadeUnlike : Parameterless {
   double bias = 0;
-  static IsMadeUnlike make(const engine::Record&) {
+  static IsMadeUnlike make() {
     static std::atomic<int> made = 0;
     IsMadeUnlike controller;
     controller.bias = 0.1 * ++made;
@@ -147,7 +139,6 @@ struct LooksAtAnAddress : Parameterless {
     std::uint64_t place = 0;
     TROUPE_FIELDS(place)
   };
-  static LooksAtAnAddress make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     memory.place = std::bit_cast<std::uintptr_t>(&memory);
   }
@@ -160,7 +151,6 @@ struct LooksAtPadding : Parameterless {
     std::uint64_t hash = 0;
     TROUPE_FIELDS(odd, hash)
   };
-  static LooksAtPadding make(const engine::Record&) { return {}; }
   void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
     memory.hash = hash_bytes(std::as_bytes(std::span(&memory, 1)));
   }
@@ -172,7 +162,6 @@ struct LooksAtItsBatch : Parameterless {
     std::uint32_t before = 0;
     TROUPE_FIELDS(before)
   };
-  static LooksAtItsBatch make(const engine::Record&) { return {}; }
   void operator()(const engine::DecideBatch& batch) const {
     for (std::size_t i = 0; i < batch.size(); ++i)
       reinterpret_cast<Memory*>(batch.memory(i))->before = static_cast<std::uint32_t>(i);
@@ -187,29 +176,28 @@ inline engine::ControllerKind starts_half() {
       std::int32_t unset = 0;
       TROUPE_FIELDS(set, unset)
     };
-    static Half make(const engine::Record&) { return {}; }
     void operator()(Memory&, const engine::Percept&, Random&, engine::Actions&) const {}
   };
-  engine::ControllerKind kind = engine::make_controller_kind<Half>("starts_half", "", {});
+  engine::ControllerKind kind = engine::make_controller_kind<Half>("starts_half", "");
   kind.start = [](std::byte* memory) { reinterpret_cast<Half::Memory*>(memory)->set = 1; };
   return kind;
 }
 
 inline std::vector<engine::ControllerKind> rogue_controllers() {
   using engine::make_controller_kind;
-  return {make_controller_kind<Honest>("honest", "", {}),
-          make_controller_kind<Believer>("believer", "", {}),
-          make_controller_kind<CallsRand>("calls_rand", "", {}),
-          make_controller_kind<KeepsAStatic>("keeps_a_static", "", {}),
-          make_controller_kind<KeepsAThreadLocal>("keeps_a_thread_local", "", {}),
-          make_controller_kind<ChangesAMember>("changes_a_member", "", {}),
-          make_controller_kind<ReadsAFastClock>("reads_a_fast_clock", "", {}),
-          make_controller_kind<ReadsASlowClock>("reads_a_slow_clock", "", {}),
-          make_controller_kind<LeavesAMemberUnset>("leaves_a_member_unset", "", {}),
-          make_controller_kind<IsMadeUnlike>("is_made_unlike", "", {}),
-          make_controller_kind<LooksAtAnAddress>("looks_at_an_address", "", {}),
-          make_controller_kind<LooksAtPadding>("looks_at_padding", "", {}),
-          make_controller_kind<LooksAtItsBatch>("looks_at_its_batch", "", {}),
+  return {make_controller_kind<Honest>("honest", ""),
+          make_controller_kind<Believer>("believer", ""),
+          make_controller_kind<CallsRand>("calls_rand", ""),
+          make_controller_kind<KeepsAStatic>("keeps_a_static", ""),
+          make_controller_kind<KeepsAThreadLocal>("keeps_a_thread_local", ""),
+          make_controller_kind<ChangesAMember>("changes_a_member", ""),
+          make_controller_kind<ReadsAFastClock>("reads_a_fast_clock", ""),
+          make_controller_kind<ReadsASlowClock>("reads_a_slow_clock", ""),
+          make_controller_kind<LeavesAMemberUnset>("leaves_a_member_unset", ""),
+          make_controller_kind<IsMadeUnlike>("is_made_unlike", ""),
+          make_controller_kind<LooksAtAnAddress>("looks_at_an_address", ""),
+          make_controller_kind<LooksAtPadding>("looks_at_padding", ""),
+          make_controller_kind<LooksAtItsBatch>("looks_at_its_batch", ""),
           starts_half()};
 }
 

@@ -311,7 +311,7 @@ struct Counter {
 TEST_F(Checkpoint, HoldsTheMemoriesOfControllersThatOnlyTheProgramKnows) {
   const auto registry = [] {
     engine::Registry kinds = make_registry();
-    kinds.controllers.push_back(engine::make_controller_kind<Counter>("counter", "counts", {}));
+    kinds.controllers.push_back(engine::make_controller_kind<Counter>("counter", "counts"));
     return kinds;
   };
   Simulation straight(write("own.json", R"({"troupe": 1,

@@ -155,7 +155,7 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
 
 TEST_F(RecordingTest, WhatABodyLacksIsNoNumber) {
   engine::Registry registry = make_registry();
-  registry.controllers.push_back(engine::make_controller_kind<test::Honest>("honest", "for this test", {}));
+  registry.controllers.push_back(engine::make_controller_kind<test::Honest>("honest", "for this test"));
   write("mixed.json", R"({"troupe": 1,
     "types": {"thinker": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "honest"}},
               "cart": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},

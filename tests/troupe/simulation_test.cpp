@@ -132,7 +132,7 @@ TEST_F(SimulationTest, KindsOfTheCallersOwnStandBesideOurs) {
     "models": [{"name": "r0", "type": "bot"}]})");
   EXPECT_THAT(message_of<InputError>([&] { Simulation simulation(file); }), HasSubstr("spinner"));
   engine::Registry registry = make_registry();
-  registry.controllers.push_back(engine::make_controller_kind<Spinner>("spinner", "turns on the spot", {}));
+  registry.controllers.push_back(engine::make_controller_kind<Spinner>("spinner", "turns on the spot"));
   Simulation simulation(file, {}, registry);
   simulation.run_for(0.2);
   EXPECT_EQ(simulation.find("r0").speed().turn, 0.5);

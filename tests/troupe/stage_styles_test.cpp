@@ -3,6 +3,7 @@
 // threads.
 
 #include "base/diagnostics.hpp"
+#include "engine/sensor_params.hpp"
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -243,7 +244,9 @@ TEST(StageStylesLayers, LaterLayersWinAndChildrenAddUp) {
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{2, 2, 0, 0}));
   std::vector<std::string> devices;
   for (const engine::DeviceSpec& device : spec.types[spec.bodies[1].type.index()].devices)
-    devices.push_back(device.name + " " + std::to_string(device.params[0].records().size()));
+    devices.push_back(
+        device.name + " " +
+        std::to_string(engine::from_record<engine::RangerParams>(device.params).transducers.size()));
   EXPECT_THAT(devices, ::testing::ElementsAre("one 2", "two 3", "three 2"));
   std::vector<std::string> parts;
   for (const engine::PartSpec& part : spec.types[spec.bodies[2].type.index()].parts)

@@ -68,7 +68,7 @@ TEST(ExperimentJson, ConditionsAreRead) {
                                  "alive <= 4", "alive < 4"));
   EXPECT_EQ(conditions[0].comparison, Comparison::at_least);
   EXPECT_EQ(conditions[1].measure.of, "r");
-  EXPECT_EQ(conditions[3].measure.params[0], engine::Value(0.5));
+  EXPECT_EQ(conditions[3].measure.params, (engine::Record{0.5}));
   EXPECT_EQ(conditions[0].measure.where.line, 10u);
 }
 
@@ -131,9 +131,11 @@ TEST(ExperimentJson, InterventionsAreRead) {
   EXPECT_EQ(engine::get(drive, at[6].setting->params, "velocity_max_x"), engine::Value(0.1));
   EXPECT_FALSE(engine::get(drive, at[6].setting->params, "velocity_min_x").given());
   EXPECT_EQ(at[7].setting->of, SettingSpec::Of::device);
-  EXPECT_EQ(at[7].setting->params[0].records().size(), 1u);
+  const engine::FieldTable& ranger = Loaded::registry().device("ranger")->params;
+  EXPECT_EQ(engine::get(ranger, at[7].setting->params, "transducers").records().size(), 1u);
   EXPECT_EQ(at[8].setting->of, SettingSpec::Of::controller);
-  EXPECT_EQ(at[8].setting->params[0], engine::Value(0.2));
+  const engine::FieldTable& expand = Loaded::registry().controller("expand")->params;
+  EXPECT_EQ(engine::get(expand, at[8].setting->params, "speed"), engine::Value(0.2));
 }
 
 TEST(ExperimentJson, WrongInterventionsAreTold) {
@@ -190,7 +192,7 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
   EXPECT_EQ(faults[0].whom.share, 0.3);
   ASSERT_EQ(faults[0].ailments.size(), 2u);
   EXPECT_EQ(faults[0].ailments[0].kind, "dead_sensors") << "in the order of the registry";
-  EXPECT_EQ(faults[0].ailments[1].params[0], engine::Value(0.5));
+  EXPECT_EQ(faults[0].ailments[1].params, (engine::Record{0.5}));
   EXPECT_EQ(faults[1].from_s, 0);
   EXPECT_EQ(faults[1].ailments[0].params, (engine::Record{0.01, 20.0}));
 

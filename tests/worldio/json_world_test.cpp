@@ -106,7 +106,9 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_EQ(minibot.devices[0].params, (engine::Record{std::vector<engine::Record>{transducer}, false}));
   ASSERT_EQ(minibot.controllers.size(), 1u);
   EXPECT_EQ(minibot.controllers[0].kind, "expand");  // of which expand_swarm is a preset
-  EXPECT_EQ(minibot.controllers[0].params[0], engine::Value(2.5));
+  EXPECT_EQ(
+      engine::get(json_test_registry().controller("expand")->params, minibot.controllers[0].params, "gain"),
+      engine::Value(2.5));
   EXPECT_EQ(spec.types[2].parts[0].kind, "model");
   EXPECT_FALSE(spec.types[2].drive);
 
@@ -176,11 +178,16 @@ TEST(JsonWorld, SettingsAndUnits) {
   EXPECT_EQ(type.devices[0].period_s, 0.5);
   EXPECT_FALSE(type.devices[0].active);
   EXPECT_EQ(type.devices[0].pose_body_sensor, (Pose{0, 0, 0.1, 0}));
-  const engine::Record& transducer = type.devices[0].params[0].records()[0];
-  EXPECT_EQ(transducer[2].number(), 2 * k_pi);  // the limit itself, in degrees
-  EXPECT_EQ(transducer[0].records()[0][0].number(), 0.01);
-  EXPECT_EQ(transducer[0].records()[0][3].number(), radians(90));
-  EXPECT_TRUE(type.devices[0].params[1].boolean());
+  const engine::Registry registry = json_test_registry();
+  const engine::FieldTable& ranger = registry.device("ranger")->params;
+  const engine::FieldTable& fan = *ranger.fields.front().record;
+  const engine::Record& transducer =
+      engine::get(ranger, type.devices[0].params, "transducers").records().front();
+  EXPECT_EQ(engine::get(fan, transducer, "fov").number(), 2 * k_pi);  // the limit itself, in degrees
+  const auto pose = engine::from_record<Pose>(engine::get(fan, transducer, "pose").records().front());
+  EXPECT_EQ(pose.x, 0.01);
+  EXPECT_EQ(pose.heading, radians(90));
+  EXPECT_TRUE(engine::get(ranger, type.devices[0].params, "intensity").boolean());
   ASSERT_EQ(type.controllers.size(), 2u);
   EXPECT_EQ(type.controllers[0].params, (engine::Record{1.0, std::vector<double>{0.5, 0.25}, "far"}));
   EXPECT_DOUBLE_EQ(spec.bodies[1].pose_world_body.heading, radians(90));

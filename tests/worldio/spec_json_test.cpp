@@ -1,6 +1,7 @@
 // A stored world comes back to the last bit, without the files that it was loaded from.
 
 #include "worldio/json/spec_json.hpp"
+#include "engine/sensor_params.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -312,11 +313,15 @@ WorldSpec full_spec() {
   type.parts = {part, part, part};
   type.parts[2].parent = 1;
   type.drive = engine::DriveSpec{"omni", registry.drive("omni")->params.defaults(), 0.25, {file, 8}};
-  type.drive->params[0] = -1.0 / 3;
+  const auto set = [](const engine::FieldTable& table, engine::Record& record, std::string_view name,
+                      engine::Value value) {
+    record.at(static_cast<std::size_t>(table.find(name))) = std::move(value);
+  };
+  set(registry.drive("omni")->params, type.drive->params, "velocity_min_x", -1.0 / 3);
   engine::DeviceSpec sensor{
       .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
-  const engine::FieldTable& fans = *registry.device("ranger")->params.fields[0].record;
-  sensor.params[0] = std::vector<engine::Record>{fans.defaults(), fans.defaults()};
+  const engine::Record fan = engine::described<engine::TransducerParams>().defaults();
+  set(registry.device("ranger")->params, sensor.params, "transducers", std::vector{fan, fan});
   sensor.part = 2;
   sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
@@ -325,9 +330,11 @@ WorldSpec full_spec() {
   type.devices = {sensor};
   type.controllers = {{"script", 0, registry.controller("script")->params.defaults(), 0, {file, 10}},
                       {"expand", 1, registry.controller("expand")->params.defaults(), 0.7, {file, 11}}};
-  type.controllers[0].params[1] = std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}};
-  type.controllers[1].params[3] = std::vector<double>{0.1, 0.2};
-  type.controllers[1].params[5] = true;
+  set(registry.controller("script")->params, type.controllers[0].params, "legs",
+      std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}});
+  const engine::FieldTable& expand = registry.controller("expand")->params;
+  set(expand, type.controllers[1].params, "clearances", std::vector<double>{0.1, 0.2});
+  set(expand, type.controllers[1].params, "invert", true);
   spec.types.push_back(type);
   spec.bodies.push_back({.name = spec.names.add("r", 17),
                          .type = TypeId(1),
@@ -438,9 +445,13 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
   EXPECT_EQ(spec.resolution_m, 0.5);
   EXPECT_EQ(spec.bounds->max.y(), 4);
   EXPECT_EQ(spec.types[1].drive->period_s, 0.5);
-  EXPECT_EQ(spec.types[1].drive->params[1].number(), 0.125);
+  const engine::Registry registry = make_registry();
+  const auto number = [](const engine::FieldTable& table, const engine::Record& record,
+                         std::string_view name) { return engine::get(table, record, name).number(); };
+  EXPECT_EQ(number(registry.drive("omni")->params, spec.types[1].drive->params, "velocity_max_x"), 0.125);
   EXPECT_TRUE(spec.types[1].devices[0].active);
-  EXPECT_EQ(spec.types[1].controllers[1].params[0].number(), 0.75);
+  EXPECT_EQ(number(registry.controller("expand")->params, spec.types[1].controllers[1].params, "speed"),
+            0.75);
 }
 
 TEST(SpecJson, RefusesOtherChangesAndWrongValues) {

@@ -2,7 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
@@ -29,16 +29,49 @@ constexpr std::int64_t k_version = 1;
 constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "max"};
 
 const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = 1e12};
-const Field k_measure_every{
-    .name = "measure_every", .unit = Unit::seconds, .fallback = 1.0, .min = 0, .max = 1e9};
+const Field k_measure_every{.name = "measure_every", .unit = Unit::seconds, .min = 0, .max = 1e9};
 const Field k_random_seed{.name = "random_seed",
                           .type = FieldType::integer,
-                          .fallback = 1,
                           .min = 0,
                           .max = static_cast<double>(std::numeric_limits<std::int32_t>::max())};
 
 Field whole(std::string_view name, double min, double max, std::string_view about) {
   return {.name = name, .type = FieldType::integer, .min = min, .max = max, .text = about};
+}
+
+/// Values at equal distances.
+struct Steps {
+  double from = 0;
+  double to = 0;
+  std::int64_t steps = 2;
+
+  static constexpr void describe(engine::Description<Steps>& d) {
+    using namespace engine::facts;
+    d.member<&Steps::from>("from", required, "the first value");
+    d.member<&Steps::to>("to", required, "the last value");
+    d.member<&Steps::steps>("steps", within(2, k_most_runs), required, "how many values");
+  }
+};
+
+constexpr double k_most_seed = 9007199254740991;  // 2^53 - 1
+
+struct SeedRange {
+  std::int64_t from = 0;
+  std::int64_t count = 1;
+
+  static constexpr void describe(engine::Description<SeedRange>& d) {
+    using namespace engine::facts;
+    d.member<&SeedRange::from>("from", within(0, k_most_seed), required, "the first seed");
+    d.member<&SeedRange::count>("count", within(1, k_most_runs), required, "how many seeds");
+  }
+};
+
+/// What an object says; empty, with errors, where it does not say all of it.
+template <class T>
+std::optional<T> read_all(JsonObject& object) {
+  const engine::Record record = read_fields(object, engine::described<T>());
+  if (!std::ranges::all_of(record, &Value::given)) return std::nullopt;
+  return engine::from_record<T>(record);
 }
 
 /// The text of a value as --set reads it back.
@@ -94,8 +127,8 @@ class StudyReader {
     each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
     read_seeds(object);
     read_measures(object);
-    const engine::FieldTable table{{k_random_seed}};
-    study_.random_seed = static_cast<std::uint64_t>(read_fields(object, table)[0].integer());
+    if (const Value seed = read_field(object, k_random_seed); seed.given())
+      study_.random_seed = static_cast<std::uint64_t>(seed.integer());
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
@@ -199,15 +232,12 @@ Choice StudyReader::read_list_of_values(const JsonCursor& at) {
 
 Choice StudyReader::read_steps(JsonObject& object) {
   Choice choice;
-  const engine::FieldTable table{{{.name = "from", .text = "the first value"},
-                                  {.name = "to", .text = "the last value"},
-                                  whole("steps", 2, k_most_runs, "how many values")}};
-  const engine::Record record = read_fields(object, table);
-  if (!record[0].given() || !record[1].given() || !record[2].given()) return choice;
+  const std::optional<Steps> given = read_all<Steps>(object);
+  if (!given) return choice;
   choice.kind = Kind::steps;
-  choice.low = record[0].number();
-  choice.high = record[1].number();
-  choice.steps = static_cast<std::size_t>(record[2].integer());
+  choice.low = given->from;
+  choice.high = given->to;
+  choice.steps = static_cast<std::size_t>(given->steps);
   if (!std::isfinite(choice.high - choice.low))
     object.at().error("\"from\" and \"to\" are further apart than the largest number, 1.8e308");
   return choice;
@@ -238,10 +268,9 @@ void StudyReader::read_seeds(JsonObject& object) {
   const JsonNode* node = object.find("seeds");
   if (!node) return;
   const JsonCursor at(object.at(), "seeds", *node);
-  constexpr double k_most = 9007199254740991;  // 2^53 - 1
   if (node->list()) {
     for (std::size_t i = 0; i < node->list()->size(); ++i) {
-      const Value seed = read_value(JsonCursor(at, i, (*node->list())[i]), whole("seed", 0, k_most, ""));
+      const Value seed = read_value(JsonCursor(at, i, (*node->list())[i]), whole("seed", 0, k_most_seed, ""));
       if (seed.given()) study_.seeds.push_back(static_cast<std::uint64_t>(seed.integer()));
     }
     if (node->list()->empty()) at.expected("at least one seed");
@@ -249,13 +278,11 @@ void StudyReader::read_seeds(JsonObject& object) {
   }
   if (!node->object()) return at.expected("a list of seeds, or {\"from\": 1, \"count\": 8}");
   JsonObject range(at);
-  const engine::FieldTable table{
-      {whole("from", 0, k_most, "the first seed"), whole("count", 1, k_most_runs, "how many seeds")}};
-  const engine::Record record = read_fields(range, table);
+  const std::optional<SeedRange> seeds = read_all<SeedRange>(range);
   range.finish();
-  if (!record[0].given() || !record[1].given()) return;
-  for (std::int64_t i = 0; i < record[1].integer(); ++i)
-    study_.seeds.push_back(static_cast<std::uint64_t>(record[0].integer() + i));
+  if (!seeds) return;
+  for (std::int64_t i = 0; i < seeds->count; ++i)
+    study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
 void StudyReader::read_measures(JsonObject& object) {
@@ -275,8 +302,8 @@ void StudyReader::read_measures(JsonObject& object) {
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);
-  const engine::FieldTable table{{k_measure_every}};
-  study_.measure_every_s = read_fields(object, table)[0].number();
+  if (const Value every = read_field(object, k_measure_every); every.given())
+    study_.measure_every_s = every.number();
 }
 
 void StudyReader::check_runs(const JsonCursor& at) {

@@ -7,17 +7,22 @@
 namespace {
 
 struct FollowWall {
-  double speed, distance;
+  struct Params {
+    double speed = 0.3;
+    double distance = 0.5;
+
+    static constexpr void describe(troupe::Description<Params>& d) {
+      using namespace troupe::facts;
+      using enum troupe::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "along the wall");
+      d.member<&Params::distance>("distance", meters, at_least(0), "from the wall");
+    }
+  };
+
+  Params params;
 
   static constexpr std::string_view text = "keep a wall at the left";
   static constexpr std::array k_uses{std::string_view("ranger")};  // one that looks ahead and to the left
-  static troupe::FieldTable parameters() {
-    using enum troupe::Unit;
-    return {
-        {{.name = "speed", .unit = meters_per_second, .fallback = 0.3, .min = 0, .text = "along the wall"},
-         {.name = "distance", .unit = meters, .fallback = 0.5, .min = 0, .text = "from the wall"}}};
-  }
-  static FollowWall make(const troupe::Record& params) { return {params[0].number(), params[1].number()}; }
 
   struct Memory {
     std::uint32_t corners = 0;  // times that the wall ahead was near
@@ -30,11 +35,11 @@ struct FollowWall {
     const std::span<const float> ranges = percept.ranges(0);  // m, from ahead to the left
     if (ranges.empty()) return;
     const float ahead = *std::ranges::min_element(ranges.first(ranges.size() / 2 + 1));
-    const bool is_blocked = ahead < 1.2 * distance;
+    const bool is_blocked = ahead < 1.2 * params.distance;
     memory.corners += is_blocked && !memory.turning;
     memory.turning = is_blocked;
-    const double too_far = std::clamp(ranges.back() - distance, -0.3, 0.3);
-    actions.command = is_blocked ? troupe::Command{0, 0, -1} : troupe::Command{speed, 0, 2 * too_far};
+    const double too_far = std::clamp(ranges.back() - params.distance, -0.3, 0.3);
+    actions.command = is_blocked ? troupe::Command{0, 0, -1} : troupe::Command{params.speed, 0, 2 * too_far};
   }
 };
 

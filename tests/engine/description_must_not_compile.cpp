@@ -1,0 +1,58 @@
+// Descriptions that must not compile. Compiled once for each FAULT, which must fail with its message, and
+// once without, which must not (tests/CMakeLists.txt).
+#include "engine/controller.hpp"
+
+#define UNDESCRIBED 1
+#define TWICE 2
+#define POINTER 3
+#define CONSTRUCTED 4
+#define TEXT 5
+#define UNNAMED 6
+
+enum class Law : std::uint8_t { disc, walls };
+#if FAULT != UNNAMED
+constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
+#endif
+
+struct Params {
+  double speed = 0.3;
+  std::optional<bool> again;
+  Law law = Law::disc;
+#if FAULT == UNDESCRIBED
+  bool forgotten = false;
+#elif FAULT == POINTER
+  const float* pointer = nullptr;
+#elif FAULT == CONSTRUCTED
+  Params() {}
+#endif
+
+  static constexpr void describe(troupe::engine::Description<Params>& d) {
+    d.member<&Params::speed>("speed", troupe::engine::facts::at_least(0), "on the way");
+#if FAULT == TWICE
+    d.member<&Params::speed>("pace", "on the way");
+#else
+    d.member<&Params::again>("again", "from the start");
+#endif
+    d.member<&Params::law>("law", "of the road");
+#if FAULT == POINTER
+    d.member<&Params::pointer>("pointer", "to the way");
+#endif
+  }
+};
+
+struct State {
+  double x = 0;
+#if FAULT == TEXT
+  std::array<char, 8> text{};
+#endif
+
+  static constexpr void describe(troupe::engine::Description<State>& d) {
+    d.member<&State::x>("x");
+#if FAULT == TEXT
+    d.member<&State::text>("text");
+#endif
+  }
+};
+
+const troupe::engine::FieldTable& fields() { return troupe::engine::described<Params>(); }
+std::vector<troupe::engine::StateField> state() { return troupe::engine::memory_fields<State>(); }

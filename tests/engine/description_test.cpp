@@ -1,0 +1,417 @@
+#include "engine/description.hpp"
+
+#include "engine/device_kind.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace troupe::engine {
+namespace {
+
+using testing::HasSubstr;
+
+enum class Law : std::uint8_t { disc, walls };
+constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
+
+struct Inner {
+  double length = 0;
+  std::optional<double> width;
+
+  static constexpr void describe(Description<Inner>& d) {
+    using namespace facts;
+    d.member<&Inner::length>("length", Unit::meters, above(0), required, "from end to end");
+    d.member<&Inner::width>("width", Unit::meters, at_least(0), "across");
+  }
+  friend bool operator==(const Inner&, const Inner&) = default;
+};
+
+/// A member of each type that there may be.
+struct All {
+  bool flag = true;
+  std::int32_t small = -3;
+  std::uint8_t byte = 200;
+  std::uint64_t wide = 18446744073709551615u;
+  float single = 0.25f;
+  double angle = 0.5;
+  std::string word = "near";
+  Law law = Law::walls;
+  std::vector<double> numbers{1, 2};
+  std::vector<std::string> words{"a", "b"};
+  std::array<float, 3> array{1, 2, 3};
+  Eigen::Vector3d vector{4, 5, 6};
+  Color color{0.5f, 0.25f, 0, 0.75f};
+  std::vector<Color> colors{{1, 0, 0, 1}, {0, 1, 0, 1}};
+  BodyId body = BodyId(7);
+  Pose pose;
+  Inner inner;
+  std::vector<Inner> inners;
+  std::optional<double> number_or_none;
+  std::optional<Law> law_or_none;
+  std::optional<std::string> word_or_none;
+  std::optional<Color> color_or_none;
+  std::optional<Pose> pose_or_none;
+  std::optional<Inner> inner_or_none;
+  std::vector<int> cache;
+
+  static constexpr void describe(Description<All>& d) {
+    using namespace facts;
+    using enum Unit;
+    d.member<&All::flag>("flag");
+    d.member<&All::small>("small", at_least(-100));
+    d.member<&All::byte>("byte", counts_readings);
+    d.member<&All::wide>("wide");
+    d.member<&All::single>("single");
+    d.member<&All::angle>("angle", radians, within(-1, 1), "to the left");
+    d.member<&All::word>("word", one_of({"near", "far"}));
+    d.member<&All::law>("law", fixed);
+    d.member<&All::numbers>("numbers", meters);
+    d.member<&All::words>("words");
+    d.member<&All::array>("array");
+    d.member<&All::vector>("vector", meters);
+    d.member<&All::color>("color");
+    d.member<&All::colors>("colors");
+    d.member<&All::body>("body", provenance);
+    d.member<&All::pose>("pose");
+    d.member<&All::inner>("inner");
+    d.member<&All::inners>("inners");
+    d.member<&All::number_or_none>("number_or_none", seconds);
+    d.member<&All::law_or_none>("law_or_none");
+    d.member<&All::word_or_none>("word_or_none");
+    d.member<&All::color_or_none>("color_or_none");
+    d.member<&All::pose_or_none>("pose_or_none");
+    d.member<&All::inner_or_none>("inner_or_none");
+    d.derived<&All::cache>();
+  }
+};
+
+const Field& field(const FieldTable& table, std::string_view name) {
+  return table.fields.at(static_cast<std::size_t>(table.find(name)));
+}
+Value& value(Record& record, const FieldTable& table, std::string_view name) {
+  return record.at(static_cast<std::size_t>(table.find(name)));
+}
+
+TEST(Description, FieldsSayWhatWasSaidOfTheMembers) {
+  const FieldTable& table = described<All>();
+  EXPECT_EQ(table.fields.size(), 24u);  // all but the derived one, in the order of the description
+  EXPECT_EQ(table.fields.front().name, "flag");
+  EXPECT_EQ(table.fields.back().name, "inner_or_none");
+  const Field& angle = field(table, "angle");
+  EXPECT_EQ(angle.type, FieldType::number);
+  EXPECT_EQ(angle.unit, Unit::radians);
+  EXPECT_EQ(angle.min, -1);
+  EXPECT_EQ(angle.max, 1);
+  EXPECT_EQ(angle.text, "to the left");
+  EXPECT_EQ(angle.fallback, Value(0.5));
+  EXPECT_TRUE(field(table, "law").fixed);
+  EXPECT_TRUE(field(table, "byte").counts_readings);
+  EXPECT_TRUE(field(table, "body").provenance);
+  EXPECT_THAT(field(table, "law").choices, testing::ElementsAre("disc", "walls"));
+  EXPECT_EQ(field(table, "law").fallback, Value("walls"));
+  EXPECT_THAT(field(table, "word").choices, testing::ElementsAre("near", "far"));
+  EXPECT_EQ(field(table, "vector").columns, 3u);
+  EXPECT_EQ(field(table, "vector").type, FieldType::numbers);
+  EXPECT_EQ(field(table, "pose").record, &pose_fields());
+  EXPECT_TRUE(field(described<Inner>(), "length").above_min);
+}
+
+TEST(Description, LimitsAreNoWiderThanTheMember) {
+  const FieldTable& table = described<All>();
+  EXPECT_EQ(field(table, "small").min, -100);
+  EXPECT_EQ(field(table, "small").max, 2147483647);
+  EXPECT_EQ(field(table, "byte").min, 0);
+  EXPECT_EQ(field(table, "byte").max, 255);
+  EXPECT_EQ(field(table, "single").max, std::numeric_limits<float>::max());
+  EXPECT_EQ(field(table, "angle").max, 1);
+}
+
+TEST(Description, WhatHasNoDefaultIsRequiredOrOptional) {
+  const FieldTable& table = described<All>();
+  EXPECT_FALSE(field(table, "angle").required());
+  EXPECT_TRUE(field(described<Inner>(), "length").required());
+  EXPECT_FALSE(field(described<Inner>(), "length").optional);
+  EXPECT_TRUE(field(described<Inner>(), "width").optional);
+  EXPECT_FALSE(field(described<Inner>(), "width").required());
+  EXPECT_FALSE(field(table, "inner_or_none").required());
+  // A block that is not given has the defaults of its fields, of which one may be required.
+  const Record defaults = table.defaults();
+  Record of_table = defaults;
+  EXPECT_FALSE(value(of_table, table, "inner").records().front().front().given());
+  EXPECT_FALSE(value(of_table, table, "inner_or_none").given());
+}
+
+TEST(Description, ARecordAndItsStructSayTheSame) {
+  All given;
+  given.flag = false;
+  given.angle = -0.0;
+  given.law = Law::disc;
+  given.inners = {{1, {}}, {2, 3}};
+  given.number_or_none = 0.25;
+  given.law_or_none = Law::disc;
+  given.word_or_none = "";
+  given.color_or_none = Color{0, 0, 1, 0};
+  given.pose_or_none = Pose{1, 2, 3, 4};
+  given.inner_or_none = Inner{5, 6};
+  const Record record = to_record(given);
+  const All back = from_record<All>(record);
+  EXPECT_EQ(to_record(back), record);
+  EXPECT_EQ(back.wide, given.wide);
+  EXPECT_EQ(back.law, Law::disc);
+  EXPECT_TRUE(std::signbit(back.angle));
+  EXPECT_EQ(back.inners, given.inners);
+  EXPECT_EQ(back.color, given.color);
+  EXPECT_EQ(back.colors, given.colors);
+  EXPECT_EQ(back.body, given.body);
+  EXPECT_EQ(back.vector, given.vector);
+  EXPECT_EQ(back.pose_or_none, given.pose_or_none);
+  EXPECT_EQ(back.inner_or_none, given.inner_or_none);
+  EXPECT_EQ(back.color_or_none, given.color_or_none);
+}
+
+TEST(Description, WhatARecordDoesNotGiveStaysAsItIs) {
+  const FieldTable& table = described<All>();
+  Record record(table.fields.size());
+  value(record, table, "small") = 9;
+  const All all = from_record<All>(record);
+  EXPECT_EQ(all.small, 9);
+  EXPECT_EQ(all.byte, 200);
+  EXPECT_EQ(all.words.size(), 2u);
+  EXPECT_FALSE(all.inner_or_none);
+  // A list that is given is what it is now; what its records do not give is as in new structs.
+  All other;
+  other.inners = {{7, 8}};
+  value(record, table, "inners") = std::vector<Record>{Record{Value(), Value(1.0)}};
+  fill(table, &other, record);
+  EXPECT_EQ(other.inners, (std::vector<Inner>{{0, 1}}));
+  other.number_or_none = 3;
+  set(field(table, "number_or_none"), &other, Value());
+  EXPECT_FALSE(other.number_or_none);
+}
+
+TEST(Description, WhatAMemberCannotHoldIsRefused) {
+  const FieldTable& table = described<All>();
+  const auto refused = [&](std::string_view name, Value given) -> std::string {
+    Record record(table.fields.size());
+    value(record, table, name) = std::move(given);
+    try {
+      from_record<All>(record);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(refused("byte", 256), "\"byte\" must be from 0 to 255, found 256");
+  EXPECT_EQ(refused("byte", -1), "\"byte\" must be from 0 to 255, found -1");
+  EXPECT_EQ(refused("law", "mesh"), "\"law\" unknown name \"mesh\"");
+  EXPECT_EQ(refused("vector", std::vector<double>{1, 2}), "\"vector\" needs 3 numbers, found 2");
+  EXPECT_EQ(refused("color", std::vector<double>{1, 2, 3}), "\"color\" needs 4 numbers, found 3");
+  EXPECT_EQ(refused("byte", 255), "");
+  Record record(table.fields.size());
+  value(record, table, "angle") = "left";
+  EXPECT_THROW(from_record<All>(record), std::bad_variant_access);
+}
+
+struct Outer {
+  std::int32_t first = 1;
+  Inner inner{.length = 4, .width = {}};
+  bool last = false;
+
+  static constexpr void describe(Description<Outer>& d) {
+    d.member<&Outer::first>("first");
+    d.part<&Outer::inner>();
+    d.member<&Outer::last>("last");
+  }
+};
+
+TEST(Description, FieldsOfAPartStandAmongThoseOfItsStruct) {
+  const FieldTable& table = described<Outer>();
+  ASSERT_EQ(table.fields.size(), 4u);
+  EXPECT_EQ(table.fields[1].name, "length");
+  EXPECT_TRUE(table.fields[1].required());
+  EXPECT_EQ(table.fields[3].name, "last");
+  const Outer outer = from_record<Outer>({2, 5.0, 6.0, true});
+  EXPECT_EQ(outer.first, 2);
+  EXPECT_EQ(outer.inner, (Inner{5, 6}));
+  EXPECT_TRUE(outer.last);
+  EXPECT_EQ(to_record(outer), (Record{2, 5.0, 6.0, true}));
+}
+
+struct Motion {
+  double speed = 0.5;
+
+  static constexpr void describe(Description<Motion>& d) { d.member<&Motion::speed>("speed"); }
+};
+struct Fast {
+  Motion motion{.speed = 2};
+  Motion block{.speed = 3};
+
+  static constexpr void describe(Description<Fast>& d) {
+    d.part<&Fast::motion>();
+    d.member<&Fast::block>("block");
+  }
+};
+
+TEST(Description, DefaultsAreThoseOfTheOuterStruct) {
+  const Record defaults = described<Fast>().defaults();
+  EXPECT_EQ(defaults, (Record{2.0, std::vector<Record>{{3.0}}}));
+}
+
+template <class T>
+std::string contradiction() {
+  try {
+    described<T>();
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  return {};
+}
+struct SameNames {
+  bool a = false;
+  bool b = false;
+  static constexpr void describe(Description<SameNames>& d) {
+    d.member<&SameNames::a>("a");
+    d.member<&SameNames::b>("a");
+  }
+};
+struct NoNumber {
+  bool a = false;
+  static constexpr void describe(Description<NoNumber>& d) { d.member<&NoNumber::a>("a", Unit::meters); }
+};
+struct NothingBetween {
+  std::uint8_t a = 0;
+  static constexpr void describe(Description<NothingBetween>& d) {
+    d.member<&NothingBetween::a>("a", facts::at_least(256));
+  }
+};
+struct RequiredOptional {
+  std::optional<double> a;
+  static constexpr void describe(Description<RequiredOptional>& d) {
+    d.member<&RequiredOptional::a>("a", facts::required);
+  }
+};
+struct OtherColumns {
+  std::array<double, 3> a{};
+  static constexpr void describe(Description<OtherColumns>& d) {
+    d.member<&OtherColumns::a>("a", facts::columns(2));
+  }
+};
+struct DefaultedOptional {
+  std::optional<double> a = 1;
+  static constexpr void describe(Description<DefaultedOptional>& d) { d.member<&DefaultedOptional::a>("a"); }
+};
+
+TEST(Description, FactsThatContradictOneAnotherAreTold) {
+  EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives two members this name"));
+  EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to what is no number"));
+  EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("leaves no value between its limits"));
+  EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("requires what is optional"));
+  EXPECT_THAT(contradiction<OtherColumns>(), HasSubstr("other columns than its type has"));
+  EXPECT_THAT(contradiction<DefaultedOptional>(), HasSubstr("of an optional that has a default"));
+}
+
+struct State {
+  double heading = 1;
+  std::array<float, 2> pair{};
+  std::uint8_t lit = 0;
+
+  static constexpr void describe(Description<State>& d) {
+    using namespace facts;
+    d.member<&State::heading>("heading", Unit::radians, is_sparse, "to the north");
+    d.member<&State::pair>("two", Unit::meters_per_second);
+    d.member<&State::lit>("lit", is_look, "1: it shines");
+  }
+};
+struct Listed {
+  double heading = 1;
+  std::array<float, 2> two{};
+  std::uint8_t lit = 0;
+  TROUPE_FIELDS(heading, two, lit)
+};
+
+TEST(Description, StateHasUnitsAndTextsAndThePlacesOfItsMembers) {
+  const std::vector<StateField> fields = memory_fields<State>();
+  const std::vector<StateField> listed = memory_fields<Listed>();
+  ASSERT_EQ(fields.size(), 3u);
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    EXPECT_EQ(fields[f].name, listed[f].name);
+    EXPECT_EQ(fields[f].element, listed[f].element);
+    EXPECT_EQ(fields[f].columns, listed[f].columns);
+    EXPECT_EQ(fields[f].offset, listed[f].offset);
+    EXPECT_EQ(listed[f].unit + listed[f].text, "");
+  }
+  EXPECT_EQ(fields[0].unit, "rad");
+  EXPECT_EQ(fields[0].text, "to the north");
+  EXPECT_TRUE(fields[0].sparse);
+  EXPECT_EQ(fields[1].unit, "m/s");
+  EXPECT_TRUE(fields[2].look);
+  EXPECT_FALSE(fields[2].sparse);
+}
+
+// ---- kinds of classes
+
+struct Lamp {
+  struct Params {
+    double intensity = 2;
+    static constexpr void describe(Description<Params>& d) { d.member<&Params::intensity>("intensity"); }
+  };
+  using State = engine::State;
+  struct Command {
+    std::uint8_t on = 0;
+    TROUPE_FIELDS(on)
+  };
+  static constexpr bool shows_color = true;
+
+  Params params;
+  double height = 0;
+
+  static Lamp make(const Params& params, const Pose& pose) { return {params, pose.z}; }
+  void start(State& row) const { row.heading = params.intensity + height; }
+  bool is_spent(const StateTable& state, std::size_t slot) const {
+    return state.as<State>(slot).heading > params.intensity;
+  }
+  Result<> mount(const TypeSpec&, std::uint32_t) {
+    height = 9;
+    return {};
+  }
+};
+
+TEST(DeviceKinds, AreMadeOfTheHooksThatAClassHas) {
+  const DeviceKind kind = make_device_kind<Lamp>("lamp", "shines");
+  EXPECT_EQ(kind.name, "lamp");
+  EXPECT_EQ(kind.text, "shines");
+  EXPECT_EQ(kind.params.fields.front().name, "intensity");
+  EXPECT_TRUE(kind.shows_color);
+  EXPECT_FALSE(kind.carries);
+  EXPECT_EQ(kind.sense, nullptr);
+  EXPECT_EQ(kind.act, nullptr);
+  EXPECT_EQ(kind.apply, nullptr);
+  EXPECT_EQ(kind.look, nullptr);
+
+  DeviceKind::Prepared prepared = kind.prepare({5.0}, {0, 0, 0.5, 0});
+  EXPECT_EQ(prepared.percepts.size(), 3u);
+  EXPECT_EQ(prepared.percept_bytes, sizeof(State));
+  EXPECT_EQ(prepared.commands.size(), 1u);
+  EXPECT_EQ(prepared.command_bytes, 1u);
+  StateTable table("lamp", HashGroup::sensor, StateTable::Layout::rows, prepared.percepts, {BodyId(0)},
+                   prepared.percept_bytes);
+  kind.start(prepared.data, table, 0);
+  EXPECT_EQ(table.as<State>(0).heading, 5.5);
+  EXPECT_TRUE(kind.is_spent(prepared.data, table, 0));
+  EXPECT_TRUE(kind.mount(prepared.data, TypeSpec(), 0));
+  EXPECT_EQ(std::any_cast<Lamp>(prepared.data).height, 9);
+}
+
+struct Stranger {
+  static DeviceKind::Prepared prepare(const Pose&) { return {.data = 1}; }
+};
+
+TEST(DeviceKinds, RefuseDataOfAnotherType) {
+  const DeviceKind kind = make_device_kind<Stranger>("stranger", "");
+  EXPECT_TRUE(kind.params.fields.empty());
+  EXPECT_THROW(kind.prepare({}, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace troupe::engine
