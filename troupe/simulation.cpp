@@ -449,9 +449,8 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options,
                        engine::Registry registry)
     : Simulation(load(file, options, std::move(registry), {},
-                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
-                        return worldio::load_world(file, kinds, how, found);
-                      })) {}
+                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how,
+                          Diagnostics& found) { return worldio::load_world(file, kinds, how, found); })) {}
 
 Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
                                  const SimulationOptions& options) {
@@ -470,12 +469,12 @@ Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& optio
     : Simulation(world, options, make_registry()) {}
 
 Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry)
-    : Simulation(load(world.name(), options, std::move(registry), {},
-                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
-                        return worldio::load_json_node(
-                            world.node(found.files()->add(world.name().string())), world.name(), kinds, how,
-                            found);
-                      })) {}
+    : Simulation(
+          load(world.name(), options, std::move(registry), {},
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(world.node(found.files()->add(world.name().string())),
+                                                world.name(), kinds, how, found);
+               })) {}
 
 Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
                        const SimulationOptions& options)
@@ -483,11 +482,12 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
 
 Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
                        const SimulationOptions& options, engine::Registry registry)
-    : Simulation(load(name, options, std::move(registry), world.files,
-                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
-                        return worldio::load_json_node(worldio::json_world_node(world, name, kinds, found), name,
-                                                       kinds, how, found);
-                      })) {}
+    : Simulation(
+          load(name, options, std::move(registry), world.files,
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(worldio::json_world_node(world, name, kinds, found), name,
+                                                kinds, how, found);
+               })) {}
 
 /// files: what the places of findings point into; null: nothing yet
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,

@@ -279,8 +279,8 @@ class Simulation {
   /// The same with kinds of the caller's own.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
   /// Makes a world that a document describes: what a world file in JSON says, as plain data
-  /// (worldio/json/world_document.hpp). `name` stands for the file, as of from_text(). Errors as of that, at the
-  /// places that the document has.
+  /// (worldio/json/world_document.hpp). `name` stands for the file, as of from_text(). Errors as of that, at
+  /// the places that the document has.
   explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
                       const SimulationOptions& options = {});
   /// The same with kinds of the caller's own.
@@ -466,7 +466,8 @@ class Simulation {
   using ReadWorld = std::function<engine::WorldSpec(const engine::Registry& registry,
                                                     const worldio::LoadOptions& options, Diagnostics& found)>;
   static Simulation load(const std::filesystem::path& file, const SimulationOptions& options,
-                         engine::Registry registry, std::shared_ptr<SourceFiles> files, const ReadWorld& read);
+                         engine::Registry registry, std::shared_ptr<SourceFiles> files,
+                         const ReadWorld& read);
   std::size_t reserve_of(std::string_view population) const;
   std::unique_ptr<Impl> impl_;
 };

@@ -95,7 +95,7 @@ void TypeContractor::contract_part(std::uint32_t p, std::int32_t joint, PartDocu
   }
   if (part.kind != (is_root && type_.drive ? "position" : "model")) document.kind = part.kind;
   if (!is_root) {
-    if (!worldio::same_bits(part.pose_body_part, Pose())) document.pose = part.pose_body_part;
+    if (!same_bits(part.pose_body_part, Pose())) document.pose = part.pose_body_part;
     if (!is_moved_by_itself) {
       document.joint = joint_name(part.joint, joint);
       joint = part.joint;
@@ -197,7 +197,7 @@ void TypeContractor::contract_device(std::size_t d, const Pose& usual_pose, std:
   const DeviceSpec& device = type_.devices[d];
   document.where = device.where;
   document.kind = device.kind;
-  if (!worldio::same_bits(device.pose_body_sensor, usual_pose)) document.pose = device.pose_body_sensor;
+  if (!same_bits(device.pose_body_sensor, usual_pose)) document.pose = device.pose_body_sensor;
   document.joint = joint_name(device.joint, usual_joint);
   document.active = device.active;
   document.period = device.period_s;

@@ -18,10 +18,8 @@ const engine::Field& heading_field() {
   return field;
 }
 
-engine::Field field_of(const DocumentKey& key, const engine::FieldTable* params) {
-  engine::Field field = key.field;
-  if (!key.other_name.empty() && params && params->find(field.name) >= 0) field.name = key.other_name;
-  return field;
+const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params) {
+  return key.other && params && params->find(key.field.name) >= 0 ? *key.other : key.field;
 }
 
 }  // namespace troupe::worldio

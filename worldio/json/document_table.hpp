@@ -62,26 +62,27 @@ struct DocumentKey {
   std::string_view expects = {};  ///< of texts: behind `expected `
   std::size_t least = 0;          ///< entries of a list
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< as `least`
-  bool always = false;             ///< is written even where it is as by default; of a pose x, y and heading
-  bool counts_bodies = false;      ///< its limit is LoadOptions::most_bodies
-  std::string_view other_name;     ///< its name where the object's kind has a parameter of its own name
-  std::uint32_t variants = ~0u;    ///< for which values of DocumentTable::variant it is there, a bit each
-  const DocumentTable& (*table)() = nullptr;   ///< of object, list and map
-  const engine::FieldTable* block = nullptr;   ///< of block
+  bool always = false;         ///< is written even where it is as by default; of a pose x, y and heading
+  bool counts_bodies = false;  ///< its limit is LoadOptions::most_bodies
+  std::optional<engine::Field>
+      other;  ///< of a value: its field where the object's kind has a parameter of its name
+  std::uint32_t variants = ~0u;  ///< for which values of DocumentTable::variant it is there, a bit each
+  const DocumentTable& (*table)() = nullptr;  ///< of object, list and map
+  const engine::FieldTable* block = nullptr;  ///< of block
   /// Whether it is there beside the other keys of this object. Null: yes.
   bool (*is_there)(const JsonNode& object) = nullptr;
   /// Whether objects of this kind (a const engine::DeviceKind*) have it. Null: all.
   bool (*is_of)(const void* kind) = nullptr;
 
   bool is_optional = false;  ///< the member is a std::optional
-  bool is_float = false;  ///< a value that is a float: written with as few digits as that needs
+  bool is_float = false;     ///< a value that is a float: written with as few digits as that needs
 
   // Access to members of other forms than `value`, by the address of the struct.
-  void* (*make)(void* object) = nullptr;              ///< the member, made where it is missing
-  const void* (*find)(const void* object) = nullptr;  ///< the member; null where it is missing
-  std::size_t (*size)(const void* object) = nullptr;  ///< of list and map
-  void* (*append)(void* object, std::string_view name) = nullptr;         ///< as size; name: of map
-  const void* (*item)(const void* object, std::size_t index) = nullptr;   ///< as size
+  void* (*make)(void* object) = nullptr;                           ///< the member, made where it is missing
+  const void* (*find)(const void* object) = nullptr;               ///< the member; null where it is missing
+  std::size_t (*size)(const void* object) = nullptr;               ///< of list and map
+  void* (*append)(void* object, std::string_view name) = nullptr;  ///< as size; name: of map
+  const void* (*item)(const void* object, std::size_t index) = nullptr;        ///< as size
   const std::string* (*item_name)(const void* object, std::size_t) = nullptr;  ///< of map
 
   std::string_view missing_hint() const {
@@ -109,6 +110,12 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
+  /// Another name, where the object's kind has a parameter of this one.
+  DocumentKey& or_named(std::string_view name) {
+    other = field;
+    other->name = name;
+    return *this;
+  }
   DocumentKey& write_always() {
     always = true;
     return *this;
@@ -123,7 +130,7 @@ struct DocumentRule {
   std::vector<std::string_view> keys = {};  ///< names of fields
   std::string none = {};                    ///< the error where there is none of them; empty: no error
   std::string several = {};                 ///< the error where there are more than one; empty: as `none`
-  bool at_key = false;                      ///< `several` is reported at each key too many, else at the object
+  bool at_key = false;  ///< `several` is reported at each key too many, else at the object
   bool in_schema = true;
 };
 
@@ -194,7 +201,7 @@ const DocumentTable& document_table();
 /// Of PlaceDocument::Heading, in radians or degrees: that of poses.
 const engine::Field& heading_field();
 /// The field of a key, for objects of a kind with these parameters (null: of no kind).
-engine::Field field_of(const DocumentKey& key, const engine::FieldTable* params);
+const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
 
@@ -221,8 +228,8 @@ class DocumentKeys {
  public:
   explicit DocumentKeys(DocumentTable& table) : table_(table) {}
 
-  /// What engine::Description takes as a member: a number, a truth, an enum, a pose, ...; Path: the member, or
-  /// a member of a member.
+  /// What engine::Description takes as a member: a number, a truth, an enum, a pose, ...; Path: the member,
+  /// or a member of a member.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     static const T example{};

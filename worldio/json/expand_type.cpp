@@ -45,7 +45,8 @@ class TypeExpander {
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
   /// What the part itself is. Then it stands on the part; where it moves, so does the part.
-  void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape, Stand& stand);
+  void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
+                         Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
   void expand_device(const DeviceDocument& document, const DocumentPath& at, bool is_sensor,
                      const Stand& stand);
@@ -156,9 +157,8 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
   });
   if (document.controller) expand_controller(*document.controller, stand.part);
   for (const ControllerDocument& controller : document.controllers) expand_controller(controller, stand.part);
-  each("parts", document.parts, [&](const PartDocument& part, const DocumentPath& path) {
-    expand_part(part, path, stand);
-  });
+  each("parts", document.parts,
+       [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
 }
 
 /// Puts a device on another, which moves what stands on it.
@@ -181,8 +181,7 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
 }
 
 /// What a device shows of itself: the body of its kind, or one given by its size or blocks.
-engine::PartSpec TypeExpander::device_part(const DeviceDocument& document,
-                                           const engine::DeviceSpec& device,
+engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
   // Parts are of model kinds, and not every device that moves something ("wheels") is one.
   engine::PartSpec part{.name = device.name,

@@ -246,7 +246,8 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
 }
 
 /// Where the bodies' origins may lie: in a box, a polygon, or both; else where robots may be.
-void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at, PlacementRule& rule) {
+void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
+                                  PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;
   for (const Vec2& corner : rule.polygon) rule.region.extend(corner);
   if (document.region) rule.region = *document.region;
@@ -422,7 +423,8 @@ void change_json_world(JsonNode& document, const LoadOptions& options, Diagnosti
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics) {
-  auto read = read_document<WorldDocument>(JsonCursor(document, diagnostics), {registry, options.most_bodies});
+  auto read =
+      read_document<WorldDocument>(JsonCursor(document, diagnostics), {registry, options.most_bodies});
   read.files = diagnostics.files();
   return read;
 }

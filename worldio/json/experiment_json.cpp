@@ -31,9 +31,9 @@ using Action = InterventionSpec::Action;
 
 GroupSpec expand_group(const GroupDocument& document) {
   GroupSpec group;
-  for (const auto& [by, name] : {std::pair(GroupSpec::By::population, &document.population),
-                                 std::pair(GroupSpec::By::type, &document.type),
-                                 std::pair(GroupSpec::By::model, &document.model)})
+  for (const auto& [by, name] :
+       {std::pair(GroupSpec::By::population, &document.population),
+        std::pair(GroupSpec::By::type, &document.type), std::pair(GroupSpec::By::model, &document.model)})
     if (*name) {
       group.by = by;
       group.name = **name;
@@ -201,7 +201,8 @@ SettingDocument contract_setting(const SettingSpec& setting, const engine::World
   return document;
 }
 
-InterventionDocument contract_intervention(const InterventionSpec& intervention, const engine::WorldSpec& spec,
+InterventionDocument contract_intervention(const InterventionSpec& intervention,
+                                           const engine::WorldSpec& spec,
                                            std::span<const std::string> type_keys,
                                            const engine::Registry& registry) {
   InterventionDocument document;
@@ -291,8 +292,7 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
     experiment.at.push_back(std::move(intervention));
   }
   for (const FaultDocument& entry : document.faults) {
-    FaultSpec fault{
-        .whom = expand_group(entry), .from_s = entry.from, .ailments = {}, .where = entry.where};
+    FaultSpec fault{.whom = expand_group(entry), .from_s = entry.from, .ailments = {}, .where = entry.where};
     for (const FaultDocument::Impairment& one : entry.impairments)
       fault.ailments.push_back({one.kind, one.params});
     experiment.faults.push_back(std::move(fault));

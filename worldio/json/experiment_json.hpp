@@ -17,8 +17,8 @@ MeasureDocument contract_measure(const engine::MeasureSpec& measure);
 
 /// What is measured to stop a run, and what happens in it, of a world whose types are expanded
 /// (docs/experiments.md). world: path of the object whose keys it stands under; where_at: of the key `at`;
-/// type_keys: beside spec.types, what each is called in the document; empty of one that cannot be named. Which
-/// bodies the name of a population or a model means is known once the world is built.
+/// type_keys: beside spec.types, what each is called in the document; empty of one that cannot be named.
+/// Which bodies the name of a population or a model means is known once the world is built.
 void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
                        std::span<const std::string> type_keys, const engine::Registry& registry,
                        engine::WorldSpec& spec);

@@ -73,8 +73,9 @@ std::vector<Solid> expand_blocks(std::span<const BlockDocument> blocks, const Po
 BlockDocument contract_block(const Solid& solid, BlockDocument::Frame frame) {
   BlockDocument document;
   const Ring& ring = solid.contours.front();
-  const bool is_plain = solid.contours.size() == 1 && ring.size() >= 3 && ring.size() <= k_most_block_points &&
-                        solid.z.min < solid.z.max && check_outline(ring) && signed_area(ring) >= 0;
+  const bool is_plain = solid.contours.size() == 1 && ring.size() >= 3 &&
+                        ring.size() <= k_most_block_points && solid.z.min < solid.z.max &&
+                        check_outline(ring) && signed_area(ring) >= 0;
   if (is_plain)
     document.points = ring;
   else
@@ -84,7 +85,7 @@ BlockDocument contract_block(const Solid& solid, BlockDocument::Frame frame) {
   return document;
 }
 
-bool same_bits(const Solid& a, const Solid& b) {
+bool same_solid(const Solid& a, const Solid& b) {
   const auto same = [](const Vec2& p, const Vec2& q) {
     return worldio::same_bits(p.x(), q.x()) && worldio::same_bits(p.y(), q.y());
   };
@@ -94,7 +95,7 @@ bool same_bits(const Solid& a, const Solid& b) {
       [&](const Ring& r, const Ring& s) { return std::equal(r.begin(), r.end(), s.begin(), s.end(), same); });
 }
 
-bool same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+bool same_size(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return worldio::same_bits(a.x(), b.x()) && worldio::same_bits(a.y(), b.y()) &&
          worldio::same_bits(a.z(), b.z());
 }
@@ -123,8 +124,7 @@ void expand_fitted(const PartDocument& document, PartSpec& part) {
 bool is_fitted(const PartSpec& part) {
   if (!part.fitted || part.size.minCoeff() <= 0) return false;
   const std::vector<Solid> solids = fitted_solids(*part.fitted, part);
-  return std::equal(solids.begin(), solids.end(), part.solids.begin(), part.solids.end(),
-                    [](const Solid& a, const Solid& b) { return same_bits(a, b); });
+  return std::equal(solids.begin(), solids.end(), part.solids.begin(), part.solids.end(), same_solid);
 }
 
 /// The one box that `size_m` would put there.
@@ -132,7 +132,7 @@ bool is_box(const PartSpec& part) {
   if (part.solids.size() != 1 || part.size.minCoeff() <= 0) return false;
   Solid expected = box(part.size);
   if (part.pose_body_part != Pose()) expected = placed(std::move(expected), part.pose_body_part);
-  return same_bits(part.solids.front(), expected);
+  return same_solid(part.solids.front(), expected);
 }
 
 }  // namespace
@@ -321,8 +321,8 @@ Eigen::Vector3d contract_shape(const PartSpec& part, const std::filesystem::path
     const bool is_in_part_frame = part.pose_body_part == Pose();
     document.blocks.emplace();
     for (const Solid& solid : part.solids)
-      document.blocks->push_back(contract_block(
-          solid, is_in_part_frame ? BlockDocument::Frame::part : BlockDocument::Frame::body));
+      document.blocks->push_back(
+          contract_block(solid, is_in_part_frame ? BlockDocument::Frame::part : BlockDocument::Frame::body));
     expanded.size = PartSpec().size;
     measure_part(expanded);
   }
@@ -331,7 +331,7 @@ Eigen::Vector3d contract_shape(const PartSpec& part, const std::filesystem::path
 }
 
 void contract_extent(const PartSpec& part, const Eigen::Vector3d& size_expanded, PartDocument& document) {
-  if (!same_bits(part.size, size_expanded)) document.extent = part.size;
+  if (!same_size(part.size, size_expanded)) document.extent = part.size;
 }
 
 }  // namespace troupe::worldio

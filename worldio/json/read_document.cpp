@@ -71,7 +71,8 @@ void ObjectReader::read() {
   if (!keys_.is_object()) return;
   for (const DocumentRule& rule : table_.rules) check_rule(rule);
   for (const DocumentKey& key : table_.keys)
-    if (key.form == Form::faults && static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
+    if (key.form == Form::faults &&
+        static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
       std::vector<std::string_view> known;
       for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
       at_.error(fmt::format("nobody fails: give one of {}", comma_list(known)));
@@ -145,9 +146,15 @@ void ObjectReader::read_key(const DocumentKey& key) {
 
 /// Under one of the keys of its units.
 void ObjectReader::read_value(const DocumentKey& key) {
-  Field field = field_of(key, params());
-  if (key.counts_bodies) field.max = std::min(field.max, reading_.most_bodies);
-  const FoundField found = find_field(keys_, field);
+  const Field& field = field_of(key, params());
+  FoundField found;
+  if (key.counts_bodies) {
+    Field limited = field;
+    limited.max = std::min(field.max, reading_.most_bodies);
+    found = find_field(keys_, limited);
+  } else {
+    found = find_field(keys_, field);
+  }
   if (found.where) note(key, *found.where);
   if (found.value.given())
     engine::set(field, object_, found.value);
@@ -199,8 +206,8 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
       if (!version)
         at.expected(key.missing_hint());
       else if (*version != k_format_version)
-        at.error(fmt::format("format version {} is not known: this version reads {}", *version,
-                             k_format_version));
+        at.error(
+            fmt::format("format version {} is not known: this version reads {}", *version, k_format_version));
       return;
     }
     case Form::seed: {
@@ -291,8 +298,7 @@ void ObjectReader::read_contours(const DocumentKey& key, const JsonCursor& at) {
     if (!ring.empty()) contours.push_back(std::move(ring));
   }
   if (list->empty()) at.expected("at least one outline, [[x, y], ...]");
-  if (!list->empty() && contours.size() == list->size())
-    member<std::vector<Ring>>(key) = std::move(contours);
+  if (!list->empty() && contours.size() == list->size()) member<std::vector<Ring>>(key) = std::move(contours);
 }
 
 void ObjectReader::read_list(const DocumentKey& key, const JsonCursor& at) {

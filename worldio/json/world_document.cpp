@@ -22,13 +22,17 @@ namespace {
 using namespace engine::facts;
 using engine::DeviceKind;
 using engine::Registry;
+using engine::Unit;
 using How = DocumentRule::How;
 
-constexpr double k_most_s = 1e9;             // of times and periods of a world
-constexpr double k_most_period_s = 1e6;      // of what robots carry
-constexpr double k_most_chosen = 1e9;        // bodies of a group
-constexpr double k_most_return = 1e6;        // of rangers
-constexpr double k_least_step_m = 0.001;     // between bodies, and of the floor that is looked at
+constexpr Unit meters = Unit::meters;
+constexpr Unit seconds = Unit::seconds;
+
+constexpr double k_most_s = 1e9;          // of times and periods of a world
+constexpr double k_most_period_s = 1e6;   // of what robots carry
+constexpr double k_most_chosen = 1e9;     // bodies of a group
+constexpr double k_most_return = 1e6;     // of rangers
+constexpr double k_least_step_m = 0.001;  // between bodies, and of the floor that is looked at
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
@@ -77,8 +81,8 @@ std::vector<std::string_view> known_devices(const Registry& registry) {
 
 template <DeviceList k_list>
 Result<DocumentKind> find_device(const Registry& registry, const std::string& name) {
-  const auto kind = registry.find_device(
-      name, unknown_name(k_device_word<k_list>, name, known_devices<k_list>(registry)));
+  const auto kind =
+      registry.find_device(name, unknown_name(k_device_word<k_list>, name, known_devices<k_list>(registry)));
   if (!kind) return kind.error();
   if (is_listed<k_list>(**kind)) return of_device(**kind);
   return Error{fmt::format("\"{}\" {}", name,
@@ -103,7 +107,8 @@ const DocumentKinds k_devices{.what = k_device_word<k_list>,
                               .named =
                                   [](const Registry& registry) {
                                     std::vector<std::string_view> names;
-                                    for (const DeviceKind& kind : registry.devices) names.push_back(kind.name);
+                                    for (const DeviceKind& kind : registry.devices)
+                                      names.push_back(kind.name);
                                     return names;
                                   },
                               .find = find_device<k_list>,
@@ -225,8 +230,8 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
   if (colon != text.npos) {
     measure.of = text.substr(colon + 1);
     if (measure.of.empty())
-      return at.error(fmt::format(
-          "\"{}\": the name of a type, a population or a robot stands behind the colon", text));
+      return at.error(
+          fmt::format("\"{}\": the name of a type, a population or a robot stands behind the colon", text));
   }
   const auto kind = k_measures.find(registry, measure.kind);
   if (!kind) return at.error(kind.error().text);
@@ -285,10 +290,10 @@ std::optional<std::string> condition_text(const void* object, const Registry& re
   const engine::Record defaults = kind ? kind->params.defaults() : engine::Record();
   const auto same = [](const engine::Value& a, const engine::Value& b) { return same_bits(a, b); };
   if (!std::ranges::equal(measure.params, defaults, same)) return std::nullopt;
-  return engine::text_of(engine::StopSpec{
-      {.kind = measure.kind, .name = {}, .of = measure.of, .params = {}, .where = {}},
-      condition.is->how,
-      condition.is->with});
+  return engine::text_of(
+      engine::StopSpec{{.kind = measure.kind, .name = {}, .of = measure.of, .params = {}, .where = {}},
+                       condition.is->how,
+                       condition.is->with});
 }
 
 const DocumentShorthand k_condition_text{
@@ -393,16 +398,16 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
   };
   if (is_own) kind();
   d.template other<&D::name>(Form::name, "name", "its name within the type",
-                             is_own               ? "the device's name"
+                             is_own             ? "the device's name"
                              : word == "sensor" ? "the sensor's name"
-                                                  : "the device's name");
+                                                : "the device's name");
   if (!is_own) kind();
   d.template value<&D::pose>("pose", "in the frame of what it stands on");
   joint();
   d.template value<&D::active>("active", "false: runs only when a controller reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
                                "between two readings; 0: every tick")
-      .other_name = "update_period";
+      .or_named("update_period");
   d.template other<&D::params>(Form::parameters, "");
   if (is_own) return;
   d.template other<&D::on>(Form::name, "on", "the device that it stands on, and moves with",
@@ -423,15 +428,13 @@ void describe_group(DocumentKeys<G>& d) {
   d.template other<&G::model>(Form::name, "model", {}, "a name");
   d.template value<&G::count>("count", within(0, k_most_chosen), "so many of them, chosen by the seed");
   d.template value<&G::share>("share", within(0, 1), "this share of them, chosen by the seed");
-  constexpr std::string_view k_whom =
-      "give one of \"population\", \"type\" and \"model\": whom is it about?";
+  constexpr std::string_view k_whom = "give one of \"population\", \"type\" and \"model\": whom is it about?";
   d.rule({.how = How::one_of,
           .keys = {"population", "type", "model"},
           .none = std::string(k_whom),
           .several = fmt::format("{} Here are several", k_whom)});
-  d.rule({.how = How::not_both,
-          .keys = {"count", "share"},
-          .several = "give \"count\" or \"share\", not both"});
+  d.rule(
+      {.how = How::not_both, .keys = {"count", "share"}, .several = "give \"count\" or \"share\", not both"});
 }
 
 template <class T, auto... Path>
@@ -476,7 +479,9 @@ void check_part(const PartDocument& part, const JsonCursor& at) {
 }
 void check_type(const TypeDocument& type, const JsonCursor& at) { check_part(type, at); }
 
-void check_floorplan(const FloorplanDocument& plan, const JsonCursor& at) { check_size(plan.image, true, at); }
+void check_floorplan(const FloorplanDocument& plan, const JsonCursor& at) {
+  check_size(plan.image, true, at);
+}
 
 void check_block(const BlockDocument& block, const JsonCursor& at) {
   if (!block.z) return;
@@ -490,8 +495,7 @@ void check_block(const BlockDocument& block, const JsonCursor& at) {
 
 /// A column's name stands in the first line of a table, and is typed by people.
 void check_measure(const MeasureDocument& measure, const JsonCursor& at) {
-  constexpr std::string_view k_plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
+  constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
   if (measure.name.find_first_not_of(k_plain) == measure.name.npos) return;
   JsonCursor(at, "name", *at.node().find("name"))
       .error(fmt::format("\"{}\" is no name of a column: letters, digits and _ - . : may stand in it",
@@ -526,7 +530,9 @@ std::optional<ConditionDocument::Comparison> read_comparison(const JsonCursor& a
 
 std::string comparison_pattern() { return fmt::format("^ *{}", k_comparison_pattern); }
 
-bool Placed::says(std::string_view key) const { return std::ranges::find(keys, key, &Key::name) != keys.end(); }
+bool Placed::says(std::string_view key) const {
+  return std::ranges::find(keys, key, &Key::name) != keys.end();
+}
 
 Where Placed::where_of(std::string_view key) const {
   const auto found = std::ranges::find(keys, key, &Key::name);
@@ -580,7 +586,7 @@ void DriveDocument::describe(DocumentKeys<DriveDocument>& d) {
   d.other<&DriveDocument::kind>(Form::kind, "kind").require();
   d.value<&DriveDocument::period>("period", seconds, within(0, k_most_period_s),
                                   "between two commands that it takes; 0: every tick")
-      .other_name = "update_period";
+      .or_named("update_period");
   d.other<&DriveDocument::params>(Form::parameters, "");
 }
 
@@ -590,7 +596,7 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
   d.other<&ControllerDocument::kind>(Form::kind, "kind").require();
   d.value<&ControllerDocument::period>("period", seconds, within(0, k_most_period_s),
                                        "how often it runs, where it reads no sensor")
-      .other_name = "update_period";
+      .or_named("update_period");
   d.other<&ControllerDocument::params>(Form::parameters, "");
 }
 
@@ -609,7 +615,8 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
-  d.other<&TypeDocument::name>(Form::name, "name", "what the type is called, where several are called the same",
+  d.other<&TypeDocument::name>(Form::name, "name",
+                               "what the type is called, where several are called the same",
                                "what the type is called");
   d.other<&TypeDocument::kind>(Form::model_kind, "kind", "what Stage calls it");
   describe_body(d);
@@ -654,7 +661,8 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   constexpr auto bit = [](engine::PlacementRule::Kind rule) { return 1u << static_cast<unsigned>(rule); };
   using Rule = engine::PlacementRule::Kind;
   d.table().variant = "rule";
-  d.choice<&PlaceDocument::rule>("rule", k_rules).require("grid, uniform, gaussian, poisson_disc or free_floor");
+  d.choice<&PlaceDocument::rule>("rule", k_rules)
+      .require("grid, uniform, gaussian, poisson_disc or free_floor");
   d.other<&PlaceDocument::region>(Form::box, "region_m", "of the bodies' origins");
   d.other<&PlaceDocument::polygon>(Form::points, "polygon_m", "of the bodies' origins").entries(3);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m", "for the bodies that the first region cannot hold")
@@ -692,8 +700,8 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
       .require("the population's name");
   d.other<&PopulationDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  DocumentKey& count = d.value<&PopulationDocument::count>(
-      "count", within(0, LoadOptions().most_bodies), "how many bodies");
+  DocumentKey& count =
+      d.value<&PopulationDocument::count>("count", within(0, LoadOptions().most_bodies), "how many bodies");
   count.require().counts_bodies = true;
   d.value<&PopulationDocument::reserve>("reserve", within(0, LoadOptions().most_bodies),
                                         "how many more may be born")
@@ -794,7 +802,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   constexpr double k_most_tick_s = 3600;
   d.other<&WorldDocument::schema>(Form::name, "$schema", "of this file, for editors",
                                   "where the schema of this file is");
-  d.other<>(Form::version, "troupe", "the version of the format").require();
+  static const std::string version = fmt::format("the version of the format, {}", k_format_version);
+  d.other<>(Form::version, "troupe", "the version of the format").require(version);
   d.other<&WorldDocument::title>(Form::name, "title", "for people", "the world's title");
   d.other<&WorldDocument::seed>(Form::seed, "seed", "of every random draw");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),

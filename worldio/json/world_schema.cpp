@@ -298,9 +298,7 @@ class DocumentSchema {
 
   void add_key(const DocumentKey& key, const DocumentKind* kind, ObjectSchema& schema) const {
     switch (key.form) {
-      case Form::value:
-        schema.field(field_of(key, kind ? kind->params : nullptr), key.required);
-        return;
+      case Form::value: schema.field(field_of(key, kind ? kind->params : nullptr), key.required); return;
       case Form::choice: schema.field(key.field, key.required); return;
       case Form::heading:
         schema.member(key.field.name, object_of({{"const", text("random")}})).field(heading_field(), false);
@@ -332,8 +330,7 @@ class DocumentSchema {
   JsonNode value(const DocumentKey& key) const {
     switch (key.form) {
       case Form::version: return object_of({{"const", json_node(k_format_version)}});
-      case Form::seed:
-        return object_of({{"type", text("integer")}, {"minimum", json_node(std::int64_t{0})}});
+      case Form::seed: return object_of({{"type", text("integer")}, {"minimum", json_node(std::int64_t{0})}});
       case Form::names: return counted(array_of(type("string")), key);
       case Form::model_kind: {
         std::vector<std::string_view> kinds;

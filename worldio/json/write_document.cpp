@@ -19,7 +19,7 @@ JsonNode place_node(const engine::Record& pose) {
   const std::vector<engine::Field>& fields = engine::pose_fields().fields;
   JsonNode::Object object;
   for (std::size_t i = 0; i < fields.size(); ++i)
-    if (fields[i].name != "z" || !worldio::same_bits(pose[i], fields[i].fallback))
+    if (fields[i].name != "z" || !same_bits(pose[i], fields[i].fallback))
       write_field(fields[i], pose[i], object);
   return json_node(std::move(object));
 }
@@ -102,9 +102,9 @@ void ObjectWriter::write_key(const DocumentKey& key) {
 }
 
 void ObjectWriter::write_value(const DocumentKey& key) {
-  const engine::Field field = field_of(key, kind_.params);
+  const engine::Field& field = field_of(key, kind_.params);
   Value value = engine::get(field, object_);
-  if (!value.given() || (!key.always && worldio::same_bits(value, engine::get(field, table_.usual)))) return;
+  if (!value.given() || (!key.always && same_bits(value, engine::get(field, table_.usual)))) return;
   if (key.is_float) value = short_number(static_cast<float>(value.number()));
   if (key.always && field.type == engine::FieldType::record)
     return add_node(written_, field.name, place_node(value.records().front()));

@@ -2,8 +2,8 @@
 
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
-#include "worldio/json/type_document.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/json/type_document.hpp"
 #include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_device_writer.hpp"
 

@@ -84,9 +84,8 @@ class WorldText {
   }
   void lacks(std::string_view key, std::string_view why) {
     const engine::Field& field = document_table<WorldDocument>().find(key)->field;
-    diagnostics_.error(where_of(key),
-                       fmt::format("a .world file cannot say this: \"{}{}\": {}", key,
-                                   engine::unit_suffixes(field.unit).front().suffix, why));
+    diagnostics_.error(where_of(key), fmt::format("a .world file cannot say this: \"{}{}\": {}", key,
+                                                  engine::unit_suffixes(field.unit).front().suffix, why));
   }
   void refuse_what_stage_lacks();
   void write_settings();
