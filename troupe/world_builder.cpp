@@ -38,58 +38,50 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
-/// Writes a world, and notes in each value the line where it stands. What the world consists of stands in
-/// lines of its own: the members of the world and of its types, bodies, sensors and devices.
+/// The line of a value whose members stand in lines of their own, until it is laid out; others have none.
+constexpr std::uint32_t k_broken = 1;
+
+/// Writes a world, and notes in each value the line where it stands.
 class Layout {
  public:
   explicit Layout(std::uint32_t file) : where_{file, 1} {}
 
   std::string write(JsonNode& world) {
-    add(world, {}, 0);
+    add(world, 0);
     return text_ + '\n';
   }
 
  private:
-  /// Whether what a value holds stands in lines of its own. depth: of the value, 0 of the world; key: of it
-  static bool is_broken(const JsonNode& node, std::string_view key, int depth) {
-    constexpr int k_world = 0, k_of_world = 1, k_type = 2, k_of_type = 3;
-    if (depth == k_world) return true;
-    if (depth == k_of_world && node.list())
-      return key == "floorplans" || key == "models" || key == "populations";
-    if (depth == k_of_world) return node.object() && key == "types";
-    if (depth == k_type) return node.object();
-    return depth == k_of_type && node.list() && (key == "sensors" || key == "devices");
-  }
-
-  void add(JsonNode& node, std::string_view key, int depth) {
+  void add(JsonNode& node, std::size_t indent) {
+    const bool is_broken = node.where.line == k_broken;
     node.where = where_;
-    auto* list = std::get_if<JsonNode::List>(&node.value);
-    auto* object = std::get_if<JsonNode::Object>(&node.value);
-    if (!is_broken(node, key, depth)) {
+    if (!is_broken) {
       text_ += worldio::json_line(node);
       place(node);
       return;
     }
+    auto* list = std::get_if<JsonNode::List>(&node.value);
+    auto* object = std::get_if<JsonNode::Object>(&node.value);
     text_ += list ? '[' : '{';
     bool is_first = true;
     const auto begin_line = [&] {
       if (!is_first) text_ += ',';
       is_first = false;
-      end_line(depth + 1);
+      end_line(indent + 2);
     };
     if (list)
       for (JsonNode& item : *list) {
         begin_line();
-        add(item, {}, k_flat);
+        add(item, indent + 2);
       }
-    else
+    if (object)
       for (JsonMember& member : *object) {
         begin_line();
         member.where = where_;
         text_ += fmt::format("{}: ", worldio::json_line(json_node(member.key)));
-        add(member.node, member.key, depth + 1);
+        add(member.node, indent + 2);
       }
-    end_line(depth);
+    end_line(indent);
     text_ += list ? ']' : '}';
   }
 
@@ -107,13 +99,12 @@ class Layout {
       }
   }
 
-  void end_line(int depth) {
+  void end_line(std::size_t indent) {
     text_ += '\n';
-    text_.append(2 * static_cast<std::size_t>(depth), ' ');
+    text_.append(indent, ' ');
     ++where_.line;
   }
 
-  static constexpr int k_flat = 100;  // a depth at which all stands on one line
   Where where_;
   std::string text_;
 };
@@ -264,13 +255,14 @@ JsonNode WorldBuilder::node(std::uint32_t file) const {
 }
 
 JsonNode WorldBuilder::unplaced() const {
+  constexpr Where k_in_lines{Where::k_no_file, k_broken};
   const auto add_values = [](const Settings& values, JsonNode::Object& object) {
     for (const auto& [key, value] : values.entries()) add_node(object, key, *value.node_);
   };
-  const auto add_list = [](std::string_view key, std::span<const Setting> values, JsonNode::Object& object) {
+  const auto add_list = [&](std::string_view key, std::span<const Setting> values, JsonNode::Object& object) {
     JsonNode::List list;
     for (const Setting& value : values) list.push_back(*value.node_);
-    if (!list.empty()) add_member(object, key, std::move(list));
+    if (!list.empty()) add_member(object, key, std::move(list), k_in_lines);
   };
   JsonNode::Object world;
   add_member(world, "troupe", std::int64_t{1});
@@ -282,12 +274,12 @@ JsonNode WorldBuilder::unplaced() const {
     add_values(type.values_, members);
     add_list("sensors", type.sensors_, members);
     add_list("devices", type.devices_, members);
-    add_member(types, type.name_, std::move(members));
+    add_member(types, type.name_, std::move(members), k_in_lines);
   }
-  add_member(world, "types", std::move(types));
+  add_member(world, "types", std::move(types), k_in_lines);
   add_list("models", models_, world);
   add_list("populations", populations_, world);
-  return json_node(std::move(world));
+  return json_node(std::move(world), k_in_lines);
 }
 
 }  // namespace troupe
