@@ -80,10 +80,13 @@ C make(const Record& record) {
       return C::make(params);
     else
       return C{params};
-  } else if constexpr (requires { C::make(record); })
-    return C::make(record);
-  else
-    return C{};
+  } else {
+    static_cast<void>(record);
+    if constexpr (requires { &C::make; })
+      return C::make();
+    else
+      return C{};
+  }
 }
 
 template <class C>
@@ -193,7 +196,7 @@ std::vector<StateField> memory_fields() {
 ///     struct Memory { ...; TROUPE_FIELDS(...) };  // what it remembers of each robot; or described
 ///     static constexpr bool needs_drive = false;  // else only what drives may have it
 ///     static constexpr bool switches = true;      // it switches devices on and off
-///     static C make(const Params&);               // else it is C{params}
+///     static C make(const Params&);               // else it is C{params}; without Params, of no arguments
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
 ///                                                 // else it uses all, and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
@@ -201,9 +204,9 @@ std::vector<StateField> memory_fields() {
 ///     Result<> look(const WorldSpec&, const TypeSpec&, std::uint32_t part);     // ControllerKind::look
 ///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
 template <class C>
-ControllerKind make_controller_kind(std::string_view name, std::string_view text, FieldTable params = {}) {
+ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;
-  ControllerKind kind{.name = name, .text = text, .params = std::move(params)};
+  ControllerKind kind{.name = name, .text = text};
   if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
   if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   if constexpr (requires { C::switches; }) kind.switches = C::switches;

@@ -62,10 +62,13 @@
 
 namespace troupe::engine {
 
+// What is made of a type is hidden, here and below: two plug-ins of one process may have types of one name.
+#define TROUPE_OF_TYPE [[gnu::visibility("hidden")]]
+
 template <class T>
 class Description;
 template <class T>
-const FieldTable& described();
+TROUPE_OF_TYPE const FieldTable& described();
 
 /// Something that is said of a member: a unit, a limit, a text. Made by the functions of `facts`.
 class Fact {
@@ -195,7 +198,7 @@ constexpr void describe_members(Description<T>& d) {
 
 /// One for each member, whose address tells it from the others in constant expressions.
 template <auto k_member>
-inline constexpr char k_tag = 0;
+TROUPE_OF_TYPE inline constexpr char k_tag = 0;
 
 /// The class and the type of a pointer to a member.
 template <class M>
@@ -216,7 +219,7 @@ Value colors_value(const std::vector<Color>& colors);
 void set_colors(std::vector<Color>& colors, const Value& value);
 
 template <class E>
-inline constexpr auto k_names = names_of(E{});
+TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
 
 /// The element type and the size of fixed arrays.
 template <class M>
@@ -343,7 +346,10 @@ constexpr MemberType plain_type() {
   } else {
     static_assert(Described<M>, "a member is of a type that can be described: engine/description.hpp");
     type.type = FieldType::record;
-    type.table = described<M>;
+    if constexpr (std::is_same_v<M, Pose>)
+      type.table = pose_fields;  // one table everywhere, by which a pose is known
+    else
+      type.table = described<M>;
     type.size = [](const void*) { return std::size_t{1}; };
     type.block = [](void* m, std::size_t) { return m; };
   }
@@ -351,15 +357,15 @@ constexpr MemberType plain_type() {
 }
 
 template <class M>
-struct TypeOf {
+struct TROUPE_OF_TYPE TypeOf {
   static constexpr MemberType value = plain_type<M>();
 };
 template <class M>
 requires Described<M>
-struct TypeOf<std::vector<M>> {
+struct TROUPE_OF_TYPE TypeOf<std::vector<M>> {
   static constexpr MemberType value{
       .type = FieldType::records,
-      .table = described<M>,
+      .table = plain_type<M>().table,
       .size = [](const void* m) { return static_cast<const std::vector<M>*>(m)->size(); },
       .resize = [](void* m, std::size_t n) { static_cast<std::vector<M>*>(m)->resize(n); },
       .block = [](void* m, std::size_t i) -> void* { return &(*static_cast<std::vector<M>*>(m))[i]; }};
@@ -397,7 +403,7 @@ constexpr MemberType optional_type() {
   return type;
 }
 template <class M>
-struct TypeOf<std::optional<M>> {
+struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
@@ -481,7 +487,7 @@ constexpr Description<T> described_members() {
 
 /// The fields of a described struct, in the order of its description; static storage.
 template <class T>
-const FieldTable& described() {
+TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>, "what is described has no constructors: give members initial values");
   static_assert(detail::described_members<T>().members() == detail::member_count<T>(),
                 "describe() must describe every member");
@@ -538,3 +544,5 @@ Record to_record(const T& object) {
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine
+
+#undef TROUPE_OF_TYPE

@@ -74,4 +74,33 @@ struct RangerParams {
   }
 };
 
+/// A strip of a bumper, as its parameters say.
+struct BumperStripParams {
+  Pose pose;
+  double length = 0;
+
+  static constexpr void describe(Description<BumperStripParams>& d) {
+    using namespace facts;
+    using enum Unit;
+    d.member<&BumperStripParams::pose>(
+        "pose", "of the middle of the strip, which runs across its heading, in the sensor's frame");
+    d.member<&BumperStripParams::length>("length", required, meters, above(0), at_most(1000),
+                                         "from end to end");
+  }
+};
+
+/// The parameters of a bumper.
+struct BumperParams {
+  std::vector<BumperStripParams> bumpers;
+  double thickness = 0.02;
+
+  static constexpr void describe(Description<BumperParams>& d) {
+    using namespace facts;
+    using enum Unit;
+    d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with a pose of its own");
+    d.member<&BumperParams::thickness>("thickness", meters, within(0, 10),
+                                       "how near to a strip a body is felt");
+  }
+};
+
 }  // namespace troupe::engine

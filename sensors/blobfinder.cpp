@@ -1,5 +1,6 @@
 #include "sensors/blobfinder.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/frame.hpp"
 #include "engine/sight.hpp"
 
@@ -13,22 +14,48 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 
 struct Finder {
-  Pose pose_body_sensor;  ///< pan included
-  std::size_t width = 80;
-  int height = 60;
-  double range = 12;
-  double fov = 0;
-  double pan = 0;             ///< from the sensor's heading to where it looks
-  std::vector<Color> colors;  ///< that are reported; none: all
-  bool use_blob_return = true;
-  std::size_t most_blobs = 16;
-  std::vector<Rotation> bearings;  ///< of the columns' rays, from right to left
+  struct Params {
+    std::uint32_t image_width = 80;
+    std::int32_t image_height = 60;
+    double range = 12;
+    double fov = radians(60);
+    double pan = 0;
+    std::vector<Color> colors;
+    bool use_blob_return = true;
+    std::uint32_t most_blobs = 16;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      constexpr double k_most_pixels = 10000;  // an edge
+      d.member<&Params::image_width>("image_width", within(1, k_most_pixels), "columns: a ray each");
+      d.member<&Params::image_height>("image_height", within(1, k_most_pixels),
+                                      "rows, in which the blobs' heights are told");
+      d.member<&Params::range>("range", meters, above(0), at_most(10000), "how far it sees");
+      d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
+                             "angle between the first column and the last");
+      d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
+                             "by which it looks to the left of its heading");
+      d.member<&Params::colors>("colors", "only blobs of these colours are reported; none given: all");
+      d.member<&Params::use_blob_return>(
+          "use_blob_return", "models whose blob_return is false hide what is behind them and are no blobs");
+      d.member<&Params::most_blobs>("most_blobs", within(1, 1000),
+                                    "entries of the readings, from right to left; all blobs are counted");
+    }
+  };
+
+  Params params;
+  Pose pose_body_sensor;           // pan included
+  std::vector<Rotation> bearings;  // of the columns' rays, from right to left
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  std::uint64_t sense(const DeviceBatch& batch) const;
+
+  static constexpr engine::FrameLayer layer = engine::FrameLayer::blobs;
+  void show(const engine::DeviceView& view, engine::Frame& frame) const;
 };
 
 struct Blob {
@@ -44,29 +71,30 @@ bool is_same(const Color& a, const Color& b) {
 }
 
 /// The rows of one blob: Stage takes all bodies to be this tall, and its pixels to be as high as fov / rows.
-void write_rows(const Finder& finder, double range, std::int32_t& top, std::int32_t& bottom) {
+void write_rows(const Finder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
   constexpr double k_half_height = 0.3;  // m
-  const double pixel = finder.fov / finder.height;
-  const double half = std::min(atan2(k_half_height, range) / pixel, static_cast<double>(finder.height));
-  top = std::max(0, finder.height / 2 - static_cast<int>(half));
-  bottom = std::min(finder.height, finder.height / 2 + static_cast<int>(half));
+  const std::int32_t height = params.image_height;
+  const double pixel = params.fov / height;
+  const double half = std::min(atan2(k_half_height, range) / pixel, static_cast<double>(height));
+  top = std::max(0, height / 2 - static_cast<int>(half));
+  bottom = std::min(height, height / 2 + static_cast<int>(half));
 }
 
 class Writer {
  public:
-  Writer(const Finder& finder, engine::StateTable& state, std::size_t slot)
-      : finder_(finder), state_(state), slot_(slot) {}
+  Writer(const Finder::Params& params, engine::StateTable& state, std::size_t slot)
+      : params_(params), state_(state), slot_(slot) {}
 
   void add(const Blob& blob) {
-    const auto& colors = finder_.colors;
+    const auto& colors = params_.colors;
     if (!colors.empty() &&
         std::ranges::none_of(colors, [&](const Color& c) { return is_same(c, blob.color); }))
       return;
-    if (const std::size_t i = count_++; i < finder_.most_blobs) set(i, blob);
+    if (const std::size_t i = count_++; i < params_.most_blobs) set(i, blob);
   }
   void finish() {
     state_.cell<std::uint32_t>(slot_, k_blob_count)[0] = static_cast<std::uint32_t>(count_);
-    for (std::size_t i = count_; i < finder_.most_blobs; ++i) {
+    for (std::size_t i = count_; i < params_.most_blobs; ++i) {
       for (const std::size_t field : {k_blob_left, k_blob_right, k_blob_top, k_blob_bottom})
         state_.cell<std::int32_t>(slot_, field)[i] = 0;
       state_.cell<float>(slot_, k_blob_range)[i] = 0;
@@ -80,16 +108,17 @@ class Writer {
       return state_.cell<std::int32_t>(slot_, field)[i];
     };
     const double range = blob.sum / static_cast<double>(blob.last - blob.first + 1);
-    cell(k_blob_left) = static_cast<std::int32_t>(finder_.width - 1 - blob.last);  // the image's left is ours
-    cell(k_blob_right) = static_cast<std::int32_t>(finder_.width - 1 - blob.first);
-    write_rows(finder_, range, cell(k_blob_top), cell(k_blob_bottom));
+    cell(k_blob_left) =
+        static_cast<std::int32_t>(params_.image_width - 1 - blob.last);  // the image's left is ours
+    cell(k_blob_right) = static_cast<std::int32_t>(params_.image_width - 1 - blob.first);
+    write_rows(params_, range, cell(k_blob_top), cell(k_blob_bottom));
     state_.cell<float>(slot_, k_blob_range)[i] = static_cast<float>(range);
     const auto parts = state_.cell<std::uint8_t>(slot_, k_blob_color).subspan(4 * i, 4);
     const std::array<float, 4> from{blob.color.r, blob.color.g, blob.color.b, blob.color.a};
     for (std::size_t k = 0; k < from.size(); ++k) parts[k] = to_byte(from[k]);
   }
 
-  const Finder& finder_;
+  const Finder::Params& params_;
   engine::StateTable& state_;
   std::size_t slot_;
   std::size_t count_ = 0;
@@ -99,13 +128,14 @@ class Writer {
 void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
-  for (std::size_t ray = 0; ray < finder.width; ++ray) {
+  for (std::size_t ray = 0; ray < finder.params.image_width; ++ray) {
     const engine::Sighting first =
         engine::first_met(world, {.origin = origin,
                                   .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
-                                  .length = finder.range,
+                                  .length = finder.params.range,
                                   .own = own});
-    const bool is_seen = first.met() && (!finder.use_blob_return || first.part_spec(world).returns.blob);
+    const bool is_seen =
+        first.met() && (!finder.params.use_blob_return || first.part_spec(world).returns.blob);
     const Color color = is_seen ? color_of(world, first) : Color();
     const bool goes_on = blob && is_seen && is_same(color, blob->color);
     if (blob && !goes_on) {
@@ -120,36 +150,13 @@ void find_blobs(const World& world, const Finder& finder, Row own, const Transfo
   if (blob) writer.add(*blob);
 }
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const Finder& finder = *std::any_cast<Finder>(&batch.data);
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    Writer writer(finder, batch.state, batch.slot(i));
-    find_blobs(batch.world, finder, batch.rows[i], batch.mount(i).transform, writer);
-    writer.finish();
+DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
+  Finder finder{.params = params, .pose_body_sensor = compose(pose_body_sensor, {0, 0, 0, params.pan})};
+  for (std::uint32_t i = 0; i < params.image_width; ++i) {
+    const double across = params.image_width == 1 ? 0.5 : i / (params.image_width - 1.0);
+    finder.bearings.emplace_back(finder.pose_body_sensor.heading + (across - 0.5) * params.fov);
   }
-  return batch.rows.size() * finder.width;
-}
-
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
-  Finder finder{.pose_body_sensor = compose(pose_body_sensor, {0, 0, 0, params[4].number()}),
-                .width = static_cast<std::size_t>(params[0].integer()),
-                .height = static_cast<int>(params[1].integer()),
-                .range = params[2].number(),
-                .fov = params[3].number(),
-                .pan = params[4].number(),
-                .use_blob_return = params[6].boolean(),
-                .most_blobs = static_cast<std::size_t>(params[7].integer())};
-  const std::vector<double>& colors = params[5].numbers();
-  for (std::size_t i = 0; i + 2 < colors.size(); i += 3)
-    finder.colors.push_back({static_cast<float>(colors[i]), static_cast<float>(colors[i + 1]),
-                             static_cast<float>(colors[i + 2]), 1});
-  for (std::size_t i = 0; i < finder.width; ++i) {
-    const double across =
-        finder.width == 1 ? 0.5 : static_cast<double>(i) / static_cast<double>(finder.width - 1);
-    finder.bearings.emplace_back(finder.pose_body_sensor.heading + (across - 0.5) * finder.fov);
-  }
-  const auto n = static_cast<std::uint32_t>(finder.most_blobs);
-  const double reach = pose_body_sensor.position().norm() + finder.range;
+  const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
           .percepts = {{"count", Element::u32, 1, "", "blobs in sight"},
                        {"left", Element::i32, n, "", "column of each"},
@@ -158,13 +165,21 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                        {"bottom", Element::i32, n, "", "last row of each"},
                        {"range", Element::f32, n, "m", "mean distance of each"},
                        {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
-          .reach_m = reach,
+          .reach_m = pose_body_sensor.position().norm() + params.range,
           .watts = 2};  // as in Stage
 }
 
-void show(const engine::DeviceView& view, engine::Frame& frame) {
-  const Finder& finder = *std::any_cast<Finder>(&view.data);
-  const auto columns = static_cast<double>(finder.width);
+std::uint64_t Finder::sense(const DeviceBatch& batch) const {
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    Writer writer(params, batch.state, batch.slot(i));
+    find_blobs(batch.world, *this, batch.rows[i], batch.mount(i).transform, writer);
+    writer.finish();
+  }
+  return batch.rows.size() * params.image_width;
+}
+
+void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
+  const double columns = params.image_width;
   const std::span<const std::int32_t> left = view.state.cell<std::int32_t>(view.slot, k_blob_left);
   const std::span<const std::int32_t> right = view.state.cell<std::int32_t>(view.slot, k_blob_right);
   const std::span<const float> ranges = view.state.cell<float>(view.slot, k_blob_range);
@@ -173,8 +188,8 @@ void show(const engine::DeviceView& view, engine::Frame& frame) {
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_blob_count)[0], ranges.size());
   // The image's columns count from the left, each as wide as the angle from one ray to the next.
   const auto end = [&](double column, double range) {
-    const double bearing = columns > 1 ? finder.fov * (0.5 - column / columns) : 0;
-    const Vec2 way = Rotation(finder.pan + bearing) * Vec2(range, 0);
+    const double bearing = columns > 1 ? params.fov * (0.5 - column / columns) : 0;
+    const Vec2 way = Rotation(params.pan + bearing) * Vec2(range, 0);
     return view.at(way.x(), way.y(), 0);
   };
   for (std::size_t k = 0; k < count; ++k) {
@@ -190,61 +205,7 @@ void show(const engine::DeviceView& view, engine::Frame& frame) {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  constexpr double k_most_pixels = 10000;  // an edge
-  DeviceKind kind{.name = "blobfinder", .text = "finds stretches of one colour in what is in sight"};
-  kind.params = {{
-      {.name = "image_width",
-       .type = FieldType::integer,
-       .fallback = 80,
-       .min = 1,
-       .max = k_most_pixels,
-       .text = "columns: a ray each"},
-      {.name = "image_height",
-       .type = FieldType::integer,
-       .fallback = 60,
-       .min = 1,
-       .max = k_most_pixels,
-       .text = "rows, in which the blobs' heights are told"},
-      {.name = "range",
-       .unit = Unit::meters,
-       .fallback = 12.0,
-       .min = 0,
-       .max = 10000,
-       .text = "how far it sees",
-       .above_min = true},
-      {.name = "fov",
-       .unit = Unit::radians,
-       .fallback = radians(60),
-       .min = 0,
-       .max = 2 * k_pi,
-       .text = "angle between the first column and the last",
-       .above_min = true},
-      {.name = "pan",
-       .unit = Unit::radians,
-       .fallback = 0.0,
-       .min = -2 * k_pi,
-       .max = 2 * k_pi,
-       .text = "by which it looks to the left of its heading"},
-      {.name = "colors",
-       .type = FieldType::colors,
-       .fallback = std::vector<double>(),
-       .text = "only blobs of these colours are reported; none given: all"},
-      {.name = "use_blob_return",
-       .type = FieldType::boolean,
-       .fallback = true,
-       .text = "models whose blob_return is false hide what is behind them and are no blobs"},
-      {.name = "most_blobs",
-       .type = FieldType::integer,
-       .fallback = 16,
-       .min = 1,
-       .max = 1000,
-       .text = "entries of the readings, from right to left; all blobs are counted"},
-  }};
-  kind.prepare = prepare;
-  kind.sense = sense;
-  kind.layer = engine::FrameLayer::blobs;
-  kind.show = show;
-  return kind;
+  return engine::make_device_kind<Finder>("blobfinder", "finds stretches of one colour in what is in sight");
 }
 
 }  // namespace troupe::sensors

@@ -1,5 +1,7 @@
 #include "sensors/bumper.hpp"
 
+#include "engine/device_kind.hpp"
+#include "engine/sensor_params.hpp"
 #include "engine/sight.hpp"
 
 #include <algorithm>
@@ -10,19 +12,10 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 
 /// One strip, from its right end to its left, body frame, m.
 struct Strip {
   Vec2 right, left;
-};
-
-struct Bumper {
-  std::vector<Strip> strips;
-  double thickness = 0;
 };
 
 double distance(const Vec2& point, const Vec2& a, const Vec2& b) {
@@ -64,77 +57,50 @@ BodyId felt(const engine::World& world, Row own, const Strip& strip, double thic
   return nearest;
 }
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const Bumper& bumper = *std::any_cast<Bumper>(&batch.data);
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const Row row = batch.rows[i];
-    const Transform transform = batch.mount(i).transform;
-    const auto hits = batch.state.cell<std::uint8_t>(batch.slot(i), k_bumper_hit);
-    const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_body);
-    for (std::size_t k = 0; k < bumper.strips.size(); ++k) {
-      const Strip there{transform * bumper.strips[k].right, transform * bumper.strips[k].left};
-      const BodyId body = felt(batch.world, row, there, bumper.thickness);
-      hits[k] = body.valid();
-      bodies[k] = body.valid() ? body.value : 0;
+struct Bumper {
+  using Params = engine::BumperParams;
+
+  std::vector<Strip> strips;
+  double thickness = 0;
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {
+    Bumper bumper{.thickness = params.thickness};
+    double reach = 0;
+    for (const engine::BumperStripParams& strip : params.bumpers) {
+      const Pose pose = compose(pose_body_sensor, strip.pose);
+      const Vec2 half = strip.length / 2 * (Rotation(pose.heading) * Vec2::UnitY());
+      bumper.strips.push_back({pose.position() - half, pose.position() + half});
+      reach = std::max(reach, pose.position().norm() + strip.length / 2);
     }
+    const auto n = static_cast<std::uint32_t>(bumper.strips.size());
+    return {.data = std::move(bumper),
+            .percepts = {{"hit", Element::u8, n, "", "1: something touches that bumper"},
+                         {"body", Element::u32, n, "", "id of the body that does; 0: none"}},
+            .reach_m = reach + params.thickness,
+            .watts = 0.1};  // as in Stage
   }
-  return 0;
-}
 
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
-  Bumper bumper{.thickness = params[1].number()};
-  double reach = 0;
-  for (const Record& record : params[0].records()) {
-    const Record& p = record[0].records().front();
-    const Pose pose = compose(pose_body_sensor, {p[0].number(), p[1].number(), p[2].number(), p[3].number()});
-    const double length = record[1].number();
-    const Vec2 half = length / 2 * (Rotation(pose.heading) * Vec2::UnitY());
-    bumper.strips.push_back({pose.position() - half, pose.position() + half});
-    reach = std::max(reach, pose.position().norm() + length / 2);
+  std::uint64_t sense(const DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const Row row = batch.rows[i];
+      const Transform transform = batch.mount(i).transform;
+      const auto hits = batch.state.cell<std::uint8_t>(batch.slot(i), k_bumper_hit);
+      const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_body);
+      for (std::size_t k = 0; k < strips.size(); ++k) {
+        const Strip there{transform * strips[k].right, transform * strips[k].left};
+        const BodyId body = felt(batch.world, row, there, thickness);
+        hits[k] = body.valid();
+        bodies[k] = body.valid() ? body.value : 0;
+      }
+    }
+    return 0;
   }
-  const auto n = static_cast<std::uint32_t>(bumper.strips.size());
-  return {.data = std::move(bumper),
-          .percepts = {{"hit", Element::u8, n, "", "1: something touches that bumper"},
-                       {"body", Element::u32, n, "", "id of the body that does; 0: none"}},
-          .reach_m = reach + params[1].number(),
-          .watts = 0.1};  // as in Stage
-}
-
-const FieldTable& strip_fields() {
-  static const FieldTable table{{
-      {.name = "pose",
-       .type = FieldType::record,
-       .text = "of the middle of the strip, which runs across its heading, in the sensor's frame",
-       .record = &engine::pose_fields()},
-      {.name = "length",
-       .unit = Unit::meters,
-       .min = 0,
-       .max = 1000,
-       .text = "from end to end",
-       .above_min = true},
-  }};
-  return table;
-}
+};
 
 }  // namespace
 
 DeviceKind bumper_kind() {
-  DeviceKind kind{.name = "bumper", .text = "feels what touches its strips"};
-  kind.params = {{
-      {.name = "bumpers",
-       .type = FieldType::records,
-       .text = "contact strips, each with a pose of its own",
-       .record = &strip_fields()},
-      {.name = "thickness",
-       .unit = Unit::meters,
-       .fallback = 0.02,
-       .min = 0,
-       .max = 10,
-       .text = "how near to a strip a body is felt"},
-  }};
-  kind.prepare = prepare;
-  kind.sense = sense;
-  return kind;
+  return engine::make_device_kind<Bumper>("bumper", "feels what touches its strips");
 }
 
 }  // namespace troupe::sensors

@@ -1,5 +1,6 @@
 #include "sensors/camera.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/sight.hpp"
 
 #include <fmt/format.h>
@@ -16,30 +17,58 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldType;
 using engine::OutlineChain;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 
 constexpr Color k_sky{135 / 255.0f, 206 / 255.0f, 235 / 255.0f, 1};
 constexpr Color k_floor{0.8f, 0.8f, 0.8f, 1};
 
 struct Lens {
-  Pose pose_body_camera;  ///< pan included
-  std::size_t width = 32;
-  std::size_t height = 32;
-  double near = 0.2;
-  double far = 8;
+  struct Params {
+    std::uint32_t width = 32;
+    std::uint32_t height = 32;
+    double range_near = 0.2;
+    double range_far = 8;
+    double fov_horizontal = radians(70);
+    double fov_vertical = radians(40);
+    double pan = 0;
+    double tilt = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      constexpr double k_most_pixels = 4096;  // an edge
+      constexpr double k_farthest = 1000;     // m
+      constexpr double k_widest = troupe::radians(170);
+      d.member<&Params::width>("width", within(1, k_most_pixels), "pixels");
+      d.member<&Params::height>("height", within(1, k_most_pixels), "pixels");
+      d.member<&Params::range_near>("range_near", meters, above(0), at_most(k_farthest),
+                                    "what is nearer is cut away");
+      d.member<&Params::range_far>("range_far", meters, above(0), at_most(k_farthest),
+                                   "what is farther is sky; above range_near");
+      d.member<&Params::fov_horizontal>("fov_horizontal", radians, above(0), at_most(k_widest),
+                                        "from the left to the right edge of the picture");
+      d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
+                                      "from the lower to the upper edge of the picture");
+      d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
+                             "by which it looks to the right of its heading");
+      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "by which it looks upwards");
+    }
+  };
+
+  Params params;
+  Pose pose_body_camera;   ///< pan included
   double half_width = 0;   ///< of the image at depth 1
   double half_height = 0;  ///< of the image at depth 1
   SinCos tilt;
 
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  std::uint64_t sense(const DeviceBatch& batch) const;
+
   /// The place of a column or row within the image, at depth 1: to the right, or upwards.
-  double right(double column) const {
-    return half_width * ((column + 0.5) / static_cast<double>(width) * 2 - 1);
-  }
-  double up(double row) const { return half_height * (1 - (row + 0.5) / static_cast<double>(height) * 2); }
+  double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
+  double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
 
@@ -81,7 +110,7 @@ class Painter {
     color_ = state.cell<std::uint8_t>(slot, k_camera_color);
     depth_ = state.cell<float>(slot, k_camera_depth);
     gather(own);
-    for (std::size_t column = 0; column < lens.width; ++column)
+    for (std::size_t column = 0; column < lens.params.width; ++column)
       if (lens.is_level())
         paint_column(column);
       else
@@ -100,9 +129,9 @@ class Painter {
   void gather(Row own) {
     Box box;
     box.extend(origin_);
-    for (const double column : {-0.5, static_cast<double>(lens_->width) - 0.5})
-      for (const double row : {-0.5, static_cast<double>(lens_->height) - 0.5})
-        box.extend(Vec2(origin_ + lens_->far * ray(column, row).across));
+    for (const double column : {-0.5, static_cast<double>(lens_->params.width) - 0.5})
+      for (const double row : {-0.5, static_cast<double>(lens_->params.height) - 0.5})
+        box.extend(Vec2(origin_ + lens_->params.range_far * ray(column, row).across));
     chains_.clear();
     const auto any = [](const partition::BodyCircle&) { return true; };
     const auto keep = [this](const OutlineChain& chain) { chains_.push_back(chain); };
@@ -163,7 +192,7 @@ class Painter {
     const double side_b = cross(b, across);
     if (std::min(side_a, side_b) > 0 || std::max(side_a, side_b) < 0) return;
     const double depth = depth_of(a, b, across);
-    if (depth < 0 || depth > lens_->far) return;
+    if (depth < 0 || depth > lens_->params.range_far) return;
     crossings_.push_back({region, depth, (side_a < 0) != (side_b < 0)});
   }
 
@@ -195,11 +224,11 @@ class Painter {
 
   void paint_column(std::size_t column) {
     cross_all(ray(static_cast<double>(column), 0), static_cast<double>(column));
-    for (std::size_t row = 0; row < lens_->height; ++row)
+    for (std::size_t row = 0; row < lens_->params.height; ++row)
       paint_pixel(column, row, ray(static_cast<double>(column), static_cast<double>(row)));
   }
   void paint_pixels(std::size_t column) {
-    for (std::size_t row = 0; row < lens_->height; ++row) {
+    for (std::size_t row = 0; row < lens_->params.height; ++row) {
       const PixelRay through = ray(static_cast<double>(column), static_cast<double>(row));
       cross_all(through, static_cast<double>(column));
       paint_pixel(column, row, through);
@@ -207,11 +236,12 @@ class Painter {
   }
 
   void paint_pixel(std::size_t column, std::size_t row, const PixelRay& ray) {
-    double nearest = lens_->far;
+    double nearest = lens_->params.range_far;
     const Region* seen = nullptr;
     bool is_floor = false;
     const auto offer = [&](double depth, const Region* region) {
-      if (depth < lens_->near || depth > nearest || (depth == nearest && (seen != nullptr || is_floor)))
+      if (depth < lens_->params.range_near || depth > nearest ||
+          (depth == nearest && (seen != nullptr || is_floor)))
         return;
       nearest = depth;
       seen = region;
@@ -232,7 +262,7 @@ class Painter {
     }
     if (height_ > 0 && ray.rise < 0) offer(-height_ / ray.rise, nullptr);
 
-    const std::size_t pixel = row * lens_->width + column;
+    const std::size_t pixel = row * lens_->params.width + column;
     const engine::Sighting sighting{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
     const Color color = seen != nullptr ? color_of(*world_, sighting) : is_floor ? k_floor : k_sky;
     const std::array<float, 4> parts{color.r, color.g, color.b, color.a};
@@ -254,112 +284,48 @@ class Painter {
   const Region* last_asked_ = nullptr;
 };
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const Lens& lens = *std::any_cast<Lens>(&batch.data);
-  thread_local const auto painter = std::make_unique<Painter>();
-  for (std::size_t i = 0; i < batch.rows.size(); ++i)
-    painter->paint(batch.world, lens, batch.rows[i], batch.mount(i), batch.state, batch.slot(i));
-  return batch.rows.size() * lens.width * lens.height;
-}
-
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
-  Lens lens{.pose_body_camera = compose(pose_body_sensor, {0, 0, 0, -params[6].number()}),
-            .width = static_cast<std::size_t>(params[0].integer()),
-            .height = static_cast<std::size_t>(params[1].integer()),
-            .near = params[2].number(),
-            .far = params[3].number(),
-            .tilt = sincos(params[7].number())};
-  const SinCos across = sincos(params[4].number() / 2);
-  const SinCos upright = sincos(params[5].number() / 2);
-  lens.half_width = across.sin / across.cos;
-  lens.half_height = upright.sin / upright.cos;
+DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_sensor) {
+  const SinCos across = sincos(params.fov_horizontal / 2);
+  const SinCos upright = sincos(params.fov_vertical / 2);
+  const Lens lens{.params = params,
+                  .pose_body_camera = compose(pose_body_sensor, {0, 0, 0, -params.pan}),
+                  .half_width = across.sin / across.cos,
+                  .half_height = upright.sin / upright.cos,
+                  .tilt = sincos(params.tilt)};
   // To the corners of what is seen, or wherever a tilted camera's corners fall on the ground.
   const double farthest =
-      lens.far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
-  const auto pixels = static_cast<std::uint32_t>(lens.width * lens.height);
+      params.range_far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
+  const std::uint32_t pixels = params.width * params.height;
   return {.data = lens,
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
                        {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
           .reach_m = pose_body_sensor.position().norm() + farthest,
           .watts = 100,  // as Stage's manual says
-          .camera = engine::Camera{.width = lens.width,
-                                   .height = lens.height,
-                                   .range_far = lens.far,
+          .camera = engine::Camera{.width = params.width,
+                                   .height = params.height,
+                                   .range_far = params.range_far,
                                    .color = k_camera_color,
                                    .depth = k_camera_depth}};
 }
 
 /// What its limits cannot say: that it sees something.
-Result<> check(std::any& data, const engine::TypeSpec&, std::uint32_t) {
-  const Lens& lens = *std::any_cast<Lens>(&data);
-  if (lens.near < lens.far) return {};
-  return Error{
-      fmt::format("needs a range_near below its range_far; here are {} m and {} m", lens.near, lens.far)};
+Result<> Lens::mount(const engine::TypeSpec&, std::uint32_t) {
+  if (params.range_near < params.range_far) return {};
+  return Error{fmt::format("needs a range_near below its range_far; here are {} m and {} m",
+                           params.range_near, params.range_far)};
+}
+
+std::uint64_t Lens::sense(const DeviceBatch& batch) const {
+  thread_local const auto painter = std::make_unique<Painter>();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i)
+    painter->paint(batch.world, *this, batch.rows[i], batch.mount(i), batch.state, batch.slot(i));
+  return batch.rows.size() * params.width * params.height;
 }
 
 }  // namespace
 
 DeviceKind camera_kind() {
-  constexpr double k_most_pixels = 4096;  // an edge
-  DeviceKind kind{.name = "camera", .text = "colour and depth of what is in its field of view"};
-  kind.params = {{
-      {.name = "width",
-       .type = FieldType::integer,
-       .fallback = 32,
-       .min = 1,
-       .max = k_most_pixels,
-       .text = "pixels"},
-      {.name = "height",
-       .type = FieldType::integer,
-       .fallback = 32,
-       .min = 1,
-       .max = k_most_pixels,
-       .text = "pixels"},
-      {.name = "range_near",
-       .unit = Unit::meters,
-       .fallback = 0.2,
-       .min = 0,
-       .max = 1000,
-       .text = "what is nearer is cut away",
-       .above_min = true},
-      {.name = "range_far",
-       .unit = Unit::meters,
-       .fallback = 8.0,
-       .min = 0,
-       .max = 1000,
-       .text = "what is farther is sky; above range_near",
-       .above_min = true},
-      {.name = "fov_horizontal",
-       .unit = Unit::radians,
-       .fallback = radians(70),
-       .min = 0,
-       .max = radians(170),
-       .text = "from the left to the right edge of the picture",
-       .above_min = true},
-      {.name = "fov_vertical",
-       .unit = Unit::radians,
-       .fallback = radians(40),
-       .min = 0,
-       .max = radians(170),
-       .text = "from the lower to the upper edge of the picture",
-       .above_min = true},
-      {.name = "pan",
-       .unit = Unit::radians,
-       .fallback = 0.0,
-       .min = -2 * k_pi,
-       .max = 2 * k_pi,
-       .text = "by which it looks to the right of its heading"},
-      {.name = "tilt",
-       .unit = Unit::radians,
-       .fallback = 0.0,
-       .min = -k_pi / 2,
-       .max = k_pi / 2,
-       .text = "by which it looks upwards"},
-  }};
-  kind.prepare = prepare;
-  kind.mount = check;
-  kind.sense = sense;
-  return kind;
+  return engine::make_device_kind<Lens>("camera", "colour and depth of what is in its field of view");
 }
 
 }  // namespace troupe::sensors

@@ -1,11 +1,11 @@
 #include "sensors/fiducial.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/frame.hpp"
 #include "engine/lookout.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <tuple>
 
@@ -15,26 +15,53 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldType;
 using engine::PartSpec;
-using engine::Record;
 using engine::TypeSpec;
-using engine::Unit;
 using engine::World;
 
 constexpr double k_rounding = 1e-9;  // of sines and cosines, and more
 
 struct Finder {
+  struct Params {
+    double range_min = 0;
+    bool apply_range_min = false;
+    double range_max = 8;
+    double range_max_id = 5;
+    double fov = k_pi;
+    std::int32_t key = 0;
+    bool ignore_zloc = false;
+    std::uint32_t most_targets = 16;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      constexpr double k_farthest = 10000;  // m
+      d.member<&Params::range_min>("range_min", meters, within(0, k_farthest),
+                                   "kept for the record unless apply_range_min");
+      d.member<&Params::apply_range_min>("apply_range_min", "targets nearer than range_min are not found");
+      d.member<&Params::range_max>("range_max", meters, above(0), at_most(k_farthest),
+                                   "targets are found whose origin is nearer");
+      d.member<&Params::range_max_id>("range_max_id", meters, within(0, k_farthest),
+                                      "the ids of those that are nearer than this are read, others are 0");
+      d.member<&Params::fov>("fov", radians, within(0, 2 * k_pi), "field of view, half of it to each side");
+      d.member<&Params::key>("key", "only targets of this fiducial_key are found");
+      d.member<&Params::ignore_zloc>("ignore_zloc", "also targets above or below the height of the finder");
+      d.member<&Params::most_targets>("most_targets", within(1, 1000),
+                                      "entries of the readings: the nearest targets; all are counted");
+    }
+  };
+
+  Params params;
   Pose pose_body_sensor;
   Vec2 ahead = Vec2::UnitX();  // where it looks, body frame
-  double range_min = 0;        ///< nearer targets are not found
-  double range_max = 8;
-  double range_max_id = 5;
-  double fov = k_pi;
-  double least_cos = 0;  // of the bearing of what it finds
-  std::int32_t key = 0;
-  bool ignore_zloc = false;
-  std::size_t most_targets = 16;
+  double range_min = 0;        // nearer targets are not found
+  double least_cos = 0;        // of the bearing of what it finds
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  std::uint64_t sense(const DeviceBatch& batch) const;
+
+  static constexpr engine::FrameLayer layer = engine::FrameLayer::sights;
+  void show(const engine::DeviceView& view, engine::Frame& frame) const;
 };
 
 /// A model in sight.
@@ -66,9 +93,9 @@ class Search {
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
 
-    lookout_.stand(world, sensor_.position(), finder.range_max, own, sensor_.z);
+    lookout_.stand(world, sensor_.position(), finder.params.range_max, own, sensor_.z);
     const std::vector<TypeSpec>& types = world.spec().types;
-    const Box box = Box::around(sensor_.position(), finder.range_max);
+    const Box box = Box::around(sensor_.position(), finder.params.range_max);
     world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
       const TypeSpec& type = types[world.spec().bodies[target.body.index()].type.index()];
       consider(target.body, target.part, type.parts[target.part], target.pose_world_part, 0);
@@ -96,15 +123,16 @@ class Search {
   /// extent: no surface of the target is farther than this from its origin, m; 0: not known.
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
-    if (spec.returns.fiducial_key != finder_->key) return;
+    if (spec.returns.fiducial_key != finder_->params.key) return;
     const Vec2 way = pose_world_part.position() - sensor_.position();
     const double range = way.norm();
-    if (!(range < finder_->range_max) || range < finder_->range_min) return;
+    if (!(range < finder_->params.range_max) || range < finder_->range_min) return;
     if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // most are sure to lie beside
     const double bearing = range > 0 ? wrap_angle(atan2(way.y(), way.x()) - sensor_.heading) : 0;
-    if (std::abs(bearing) > finder_->fov / 2) return;
+    if (std::abs(bearing) > finder_->params.fov / 2) return;
     const Vec2 direction = range > 0 ? Vec2(way / range) : Rotation(sensor_.heading) * Vec2::UnitX();
-    const double length = extent > 0 ? std::min(finder_->range_max, range + extent) : finder_->range_max;
+    const double length =
+        extent > 0 ? std::min(finder_->params.range_max, range + extent) : finder_->params.range_max;
     lines_.push_back({direction, length});
     found_.push_back({range, body, part, bearing, &spec, pose_world_part});
   }
@@ -119,7 +147,7 @@ class Search {
       const engine::Sighting& first = first_[i];
       const Target& target = found_[i];
       const bool is_itself = first.met() && first.body == target.body && first.part == target.part;
-      const bool passed_by = finder_->ignore_zloc && (!first.met() || first.range >= target.range);
+      const bool passed_by = finder_->params.ignore_zloc && (!first.met() || first.range >= target.range);
       if (is_itself || passed_by) found_[kept++] = target;
     }
     found_.resize(kept);
@@ -140,7 +168,8 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
   // Behind those of the last time all entries are 0.
-  const std::size_t last = std::min(finder.most_targets, std::max<std::size_t>(targets.size(), count));
+  const std::size_t last =
+      std::min<std::size_t>(finder.params.most_targets, std::max<std::size_t>(targets.size(), count));
   count = static_cast<std::uint32_t>(targets.size());
   for (std::size_t i = 0; i < last; ++i) {
     const bool is_there = i < targets.size();
@@ -151,7 +180,7 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
     if (is_there) {
       const PartSpec& part = *target.spec;
       size = part.size;
-      id = target.range < finder.range_max_id ? search.fiducial_of(target) : 0;
+      id = target.range < finder.params.range_max_id ? search.fiducial_of(target) : 0;
       heading = wrap_angle(target.pose_world_part.heading - search.sensor().heading);
     }
     const auto set = [&](std::size_t field, double value) {
@@ -173,32 +202,13 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
   }
 }
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const Finder& finder = *std::any_cast<Finder>(&batch.data);
-  thread_local const auto search = std::make_unique<Search>();
-  const std::uint64_t rays_before = search->rays();
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    // Readings take a kilobyte a robot: they come from memory while it looks.
-    __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
-    write(*search, finder, search->look(batch.world, finder, batch.rows[i], batch.mount(i)), batch.state,
-          batch.slot(i));
-  }
-  return search->rays() - rays_before;
-}
-
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
-  const Finder finder{.pose_body_sensor = pose_body_sensor,
-                      .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
-                      .range_min = params[1].boolean() ? params[0].number() : 0,
-                      .range_max = params[2].number(),
-                      .range_max_id = params[3].number(),
-                      .fov = params[4].number(),
-                      .least_cos = cos(params[4].number() / 2),
-                      .key = static_cast<std::int32_t>(params[5].integer()),
-                      .ignore_zloc = params[6].boolean(),
-                      .most_targets = static_cast<std::size_t>(params[7].integer())};
-  const auto n = static_cast<std::uint32_t>(finder.most_targets);
-  return {.data = finder,
+DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
+  const std::uint32_t n = params.most_targets;
+  return {.data = Finder{.params = params,
+                         .pose_body_sensor = pose_body_sensor,
+                         .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
+                         .range_min = params.apply_range_min ? params.range_min : 0,
+                         .least_cos = cos(params.fov / 2)},
           .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
                        {"id", Element::i32, n, "", "fiducial_return of each; 0: too far to read"},
                        {"body", Element::u32, n, "", "id of the body that each belongs to"},
@@ -207,11 +217,23 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor)
                        {"heading", Element::f32, n, "rad", "of each, sensor frame"},
                        {"size", Element::f32, 3 * n, "m", "of each: x, y, z"},
                        {"pose", Element::f64, 4 * n, "m, rad", "of each: x, y, z, heading, world frame"}},
-          .reach_m = pose_body_sensor.position().norm() + finder.range_max,
-          .seeks = engine::SoughtMarks{finder.key, finder.ignore_zloc}};
+          .reach_m = pose_body_sensor.position().norm() + params.range_max,
+          .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
 }
 
-void show(const engine::DeviceView& view, engine::Frame& frame) {
+std::uint64_t Finder::sense(const DeviceBatch& batch) const {
+  thread_local const auto search = std::make_unique<Search>();
+  const std::uint64_t rays_before = search->rays();
+  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+    // Readings take a kilobyte a robot: they come from memory while it looks.
+    __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
+    write(*search, *this, search->look(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
+          batch.slot(i));
+  }
+  return search->rays() - rays_before;
+}
+
+void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
   const std::span<const double> poses = view.state.cell<double>(view.slot, k_fiducial_pose);
   const std::size_t count =
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_fiducial_count)[0], poses.size() / 4);
@@ -222,61 +244,7 @@ void show(const engine::DeviceView& view, engine::Frame& frame) {
 }  // namespace
 
 DeviceKind fiducial_kind() {
-  constexpr double k_farthest = 10000;  // m
-  using Limits = std::numeric_limits<std::int32_t>;
-  DeviceKind kind{.name = "fiducial", .text = "finds marked models: which are in sight, and where"};
-  kind.params = {{
-      {.name = "range_min",
-       .unit = Unit::meters,
-       .fallback = 0.0,
-       .min = 0,
-       .max = k_farthest,
-       .text = "kept for the record unless apply_range_min"},
-      {.name = "apply_range_min",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "targets nearer than range_min are not found"},
-      {.name = "range_max",
-       .unit = Unit::meters,
-       .fallback = 8.0,
-       .min = 0,
-       .max = k_farthest,
-       .text = "targets are found whose origin is nearer",
-       .above_min = true},
-      {.name = "range_max_id",
-       .unit = Unit::meters,
-       .fallback = 5.0,
-       .min = 0,
-       .max = k_farthest,
-       .text = "the ids of those that are nearer than this are read, others are 0"},
-      {.name = "fov",
-       .unit = Unit::radians,
-       .fallback = k_pi,
-       .min = 0,
-       .max = 2 * k_pi,
-       .text = "field of view, half of it to each side"},
-      {.name = "key",
-       .type = FieldType::integer,
-       .fallback = 0,
-       .min = Limits::min(),
-       .max = Limits::max(),
-       .text = "only targets of this fiducial_key are found"},
-      {.name = "ignore_zloc",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "also targets above or below the height of the finder"},
-      {.name = "most_targets",
-       .type = FieldType::integer,
-       .fallback = 16,
-       .min = 1,
-       .max = 1000,
-       .text = "entries of the readings: the nearest targets; all are counted"},
-  }};
-  kind.prepare = prepare;
-  kind.sense = sense;
-  kind.layer = engine::FrameLayer::sights;
-  kind.show = show;
-  return kind;
+  return engine::make_device_kind<Finder>("fiducial", "finds marked models: which are in sight, and where");
 }
 
 }  // namespace troupe::sensors

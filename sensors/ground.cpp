@@ -1,10 +1,12 @@
 #include "sensors/ground.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/shown_color.hpp"
 #include "engine/world.hpp"
 #include "partition/box_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -16,10 +18,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldType;
 using engine::PartSpec;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 using engine::WorldSpec;
 
@@ -117,93 +116,76 @@ Ground::Zone Ground::below(const World& world, Row own, const Vec2& point, bool 
 namespace {
 
 struct GroundSensor {
+  struct Params {
+    std::vector<double> points{0, 0};
+    GroundParams ground;
+    std::array<float, 3> floor{1, 1, 1};
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::points>(
+          "points", engine::Unit::meters, within(-100, 100),
+          "where it looks down, in its own frame: x, y of each point, one after another");
+      d.part<&Params::ground>();
+      d.member<&Params::floor>("floor", within(0, 1),
+                               "the colour of the floor, where nothing lies on it: red, green, blue");
+    }
+  };
+
   Ground ground;
   std::vector<Vec2> points;  // body frame, or that of their joint
   bool is_odd = false;       // the last point has no y
-};
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const GroundSensor& sensor = *std::any_cast<GroundSensor>(&batch.data);
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const engine::Mount mount = batch.mount(i);
-    const auto colors = batch.state.cell<float>(batch.slot(i), k_ground_color);
-    const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_ground_body);
-    for (std::size_t k = 0; k < sensor.points.size(); ++k) {
-      const Ground::Zone zone =
-          sensor.ground.below(batch.world, batch.rows[i], mount.transform * sensor.points[k], true);
-      colors[3 * k] = zone.color.r;
-      colors[3 * k + 1] = zone.color.g;
-      colors[3 * k + 2] = zone.color.b;
-      bodies[k] = zone.body.valid() ? zone.body.value : 0;
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {
+    const auto& [red, green, blue] = params.floor;
+    GroundSensor sensor{.ground = Ground(params.ground, {red, green, blue, 1})};
+    double reach = 0;
+    const Transform place(pose_body_sensor);
+    sensor.is_odd = params.points.size() % 2 == 1;
+    for (std::size_t k = 0; k + 1 < params.points.size(); k += 2) {
+      sensor.points.push_back(place * Vec2(params.points[k], params.points[k + 1]));
+      reach = std::max(reach, sensor.points.back().norm());
     }
+    const auto n = static_cast<std::uint32_t>(sensor.points.size());
+    return {
+        .data = std::move(sensor),
+        .percepts = {{"color", Element::f32, 3 * n, "", "below each point: red, green, blue, from 0 to 1"},
+                     {"body", Element::u32, n, "", "id of the body that has it; 0: the floor"}},
+        .reach_m = reach};
   }
-  return 0;
-}
 
-DeviceKind::Prepared prepare_sensor(const Record& params, const Pose& pose_body_sensor) {
-  const std::vector<double>& parts = params[2].numbers();
-  const Color floor{static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]),
-                    1};
-  GroundSensor sensor{.ground = Ground(params[1].number(), floor)};
-  double reach = 0;
-  const Transform place(pose_body_sensor);
-  const std::vector<double>& points = params[0].numbers();
-  sensor.is_odd = points.size() % 2 == 1;
-  for (std::size_t k = 0; k + 1 < points.size(); k += 2) {
-    sensor.points.push_back(place * Vec2(points[k], points[k + 1]));
-    reach = std::max(reach, sensor.points.back().norm());
+  Result<> mount(const engine::TypeSpec&, std::uint32_t) {
+    if (!points.empty() && !is_odd) return {};
+    return Error{"needs \"points\": x and y of each, one after another"};
   }
-  const auto n = static_cast<std::uint32_t>(sensor.points.size());
-  return {.data = std::move(sensor),
-          .percepts = {{"color", Element::f32, 3 * n, "", "below each point: red, green, blue, from 0 to 1"},
-                       {"body", Element::u32, n, "", "id of the body that has it; 0: the floor"}},
-          .reach_m = reach};
-}
 
-constexpr double k_flat = 0.05;  // m
+  Result<> look(const WorldSpec& world) {
+    ground.look(world);
+    return {};
+  }
+
+  std::uint64_t sense(const DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const engine::Mount mount = batch.mount(i);
+      const auto colors = batch.state.cell<float>(batch.slot(i), k_ground_color);
+      const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_ground_body);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const Ground::Zone zone = ground.below(batch.world, batch.rows[i], mount.transform * points[k], true);
+        colors[3 * k] = zone.color.r;
+        colors[3 * k + 1] = zone.color.g;
+        colors[3 * k + 2] = zone.color.b;
+        bodies[k] = zone.body.valid() ? zone.body.value : 0;
+      }
+    }
+    return 0;
+  }
+};
 
 }  // namespace
 
-engine::Field ground_height_field() {
-  return {.name = "height",
-          .unit = Unit::meters,
-          .fallback = k_flat,
-          .min = 0,
-          .max = 10,
-          .text = "of what has a higher top nothing is ground"};
-}
-
 DeviceKind ground_kind() {
-  DeviceKind kind{.name = "ground", .text = "sees the colour of the ground below some points of its robot"};
-  kind.params = {{
-      {.name = "points",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .fallback = std::vector<double>{0, 0},
-       .min = -100,
-       .max = 100,
-       .text = "where it looks down, in its own frame: x, y of each point, one after another"},
-      ground_height_field(),
-      {.name = "floor",
-       .type = FieldType::numbers,
-       .fallback = std::vector<double>{1, 1, 1},
-       .min = 0,
-       .max = 1,
-       .text = "the colour of the floor, where nothing lies on it: red, green, blue",
-       .columns = 3},
-  }};
-  kind.prepare = prepare_sensor;
-  kind.mount = [](std::any& data, const engine::TypeSpec&, std::uint32_t) -> Result<> {
-    const GroundSensor& sensor = *std::any_cast<GroundSensor>(&data);
-    if (!sensor.points.empty() && !sensor.is_odd) return {};
-    return Error{"needs \"points\": x and y of each, one after another"};
-  };
-  kind.look = [](std::any& data, const WorldSpec& world) -> Result<> {
-    std::any_cast<GroundSensor>(&data)->ground.look(world);
-    return {};
-  };
-  kind.sense = sense;
-  return kind;
+  return engine::make_device_kind<GroundSensor>(
+      "ground", "sees the colour of the ground below some points of its robot");
 }
 
 }  // namespace troupe::sensors

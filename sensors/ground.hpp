@@ -3,6 +3,7 @@
 #include "base/color.hpp"
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstddef>
@@ -26,8 +27,16 @@ enum GroundField : std::size_t {
 /// edges  of two zones that share a border a point on it lies in one
 engine::DeviceKind ground_kind();
 
-/// The parameter that says what of a world is ground, m: what has a higher top is none.
-engine::Field ground_height_field();
+/// What of a world is ground: a part of the parameters of devices that look at it or change it.
+struct GroundParams {
+  double height = 0.05;
+
+  static constexpr void describe(engine::Description<GroundParams>& d) {
+    using namespace engine::facts;
+    d.member<&GroundParams::height>("height", engine::Unit::meters, within(0, 10),
+                                    "of what has a higher top nothing is ground");
+  }
+};
 
 /// The ground of a world, for devices that look at it or change it.
 class Ground {
@@ -43,8 +52,9 @@ class Ground {
     bool is_above(const Zone& other) const;
   };
 
-  /// height: ground_height_field(); floor: the colour where nothing lies.
-  explicit Ground(double height, const Color& floor = {}) : height_(height), floor_(floor) {}
+  /// floor: the colour where nothing lies.
+  explicit Ground(const GroundParams& params, const Color& floor = {})
+      : height_(params.height), floor_(floor) {}
 
   /// Once, before the others: collects what lies flat and never moves. Of DeviceKind::look.
   void look(const engine::WorldSpec& world);

@@ -1,6 +1,7 @@
 #include "sensors/light_sensor.hpp"
 
 #include "base/math.hpp"
+#include "engine/device_kind.hpp"
 #include "engine/sight.hpp"
 #include "engine/world.hpp"
 #include "sensors/light_source.hpp"
@@ -17,16 +18,32 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using engine::World;
+using partition::BodyCircle;
 
 struct LightSensor {
+  struct Params {
+    std::uint32_t directions = 8;
+    double range_max = 10;
+    bool occlusion = true;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::directions>(
+          "directions", within(1, 360),
+          "readings: the first looks ahead, the others follow counter-clockwise at equal angles");
+      d.member<&Params::range_max>("range_max", engine::Unit::meters, above(0), at_most(10000),
+                                   "lights farther away are not seen");
+      d.member<&Params::occlusion>("occlusion", "lights behind walls and bodies are not seen");
+    }
+  };
+
+  Params params;
   Pose pose_body_sensor;
-  double range_max = 0;
-  bool occlusion = false;
   std::vector<SinCos> directions;  // sensor frame
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  std::uint64_t sense(const DeviceBatch& batch) const;
 };
 
 /// A light in sight.
@@ -49,8 +66,8 @@ class Eyes {
     seen_.clear();
     const Pose here = compose(mount, sensor.pose_body_sensor);
     const Rotation turned(-here.heading);
-    world.index().for_each_near(Box::around(here.position(), sensor.range_max), [&](const partition::
-                                                                                        BodyCircle& circle) {
+    const Box near = Box::around(here.position(), sensor.params.range_max);
+    world.index().for_each_near(near, [&](const BodyCircle& circle) {
       const Row row(circle.row);
       const BodyType& type = world.type(row);
       if (world.same_tree(row, own)) return;
@@ -61,8 +78,9 @@ class Eyes {
         const Pose there = compose(world.mount(row, device.joint), light->pose_body_light);
         const Vec2 way = there.position() - here.position();
         const double range = way.norm();
-        if (range > sensor.range_max) continue;
-        if (sensor.occlusion && range > 0 && is_hidden(world, own, row, here, way / range, range)) continue;
+        if (range > sensor.params.range_max) continue;
+        if (sensor.params.occlusion && range > 0 && is_hidden(world, own, row, here, way / range, range))
+          continue;
         const double up = there.z - here.z;
         seen_.push_back({world.body(row), d, turned * way, sqrt(range * range + up * up), light->intensity});
       }
@@ -87,19 +105,26 @@ class Eyes {
   std::uint64_t rays_ = 0;
 };
 
-std::uint64_t sense(const DeviceBatch& batch) {
-  const LightSensor& sensor = *std::any_cast<LightSensor>(&batch.data);
+DeviceKind::Prepared LightSensor::prepare(const Params& params, const Pose& pose_body_sensor) {
+  LightSensor sensor{.params = params, .pose_body_sensor = pose_body_sensor};
+  const std::uint32_t n = params.directions;
+  for (std::uint32_t k = 0; k < n; ++k) sensor.directions.push_back(sincos(2 * k_pi * k / n));
+  return {.data = std::move(sensor),
+          .percepts = {{"brightness", Element::f32, n, "", "by direction"},
+                       {"sources", Element::u32, 1, "", "lights in sight"}}};
+}
+
+std::uint64_t LightSensor::sense(const DeviceBatch& batch) const {
   thread_local const auto eyes = std::make_unique<Eyes>();
   const std::uint64_t rays_before = eyes->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const std::span<const Seen> lights = eyes->look(batch.world, sensor, batch.rows[i], batch.mount(i));
+    const std::span<const Seen> lights = eyes->look(batch.world, *this, batch.rows[i], batch.mount(i));
     const auto brightness = batch.state.cell<float>(batch.slot(i), k_light_brightness);
-    for (std::size_t k = 0; k < sensor.directions.size(); ++k) {
+    for (std::size_t k = 0; k < directions.size(); ++k) {
       double sum = 0;
       for (const Seen& light : lights) {
         if (light.distance == 0) continue;
-        const double ahead =
-            light.way.x() * sensor.directions[k].cos + light.way.y() * sensor.directions[k].sin;
+        const double ahead = light.way.x() * directions[k].cos + light.way.y() * directions[k].sin;
         const double d2 = light.distance * light.distance;
         sum += light.intensity * std::max(0.0, ahead / light.distance) / d2;
       }
@@ -111,44 +136,10 @@ std::uint64_t sense(const DeviceBatch& batch) {
   return eyes->rays() - rays_before;
 }
 
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_sensor) {
-  LightSensor sensor{.pose_body_sensor = pose_body_sensor,
-                     .range_max = params[1].number(),
-                     .occlusion = params[2].boolean()};
-  const std::int64_t n = params[0].integer();
-  for (std::int64_t k = 0; k < n; ++k)
-    sensor.directions.push_back(sincos(2 * k_pi * static_cast<double>(k) / static_cast<double>(n)));
-  return {.data = std::move(sensor),
-          .percepts = {{"brightness", Element::f32, static_cast<std::uint32_t>(n), "", "by direction"},
-                       {"sources", Element::u32, 1, "", "lights in sight"}}};
-}
-
 }  // namespace
 
 DeviceKind light_sensor_kind() {
-  DeviceKind kind{.name = "light_sensor", .text = "reads how bright it is, by direction"};
-  kind.params = {{
-      {.name = "directions",
-       .type = FieldType::integer,
-       .fallback = 8,
-       .min = 1,
-       .max = 360,
-       .text = "readings: the first looks ahead, the others follow counter-clockwise at equal angles"},
-      {.name = "range_max",
-       .unit = Unit::meters,
-       .fallback = 10.0,
-       .min = 0,
-       .max = 10000,
-       .text = "lights farther away are not seen",
-       .above_min = true},
-      {.name = "occlusion",
-       .type = FieldType::boolean,
-       .fallback = true,
-       .text = "lights behind walls and bodies are not seen"},
-  }};
-  kind.prepare = prepare;
-  kind.sense = sense;
-  return kind;
+  return engine::make_device_kind<LightSensor>("light_sensor", "reads how bright it is, by direction");
 }
 
 }  // namespace troupe::sensors

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
+#include "engine/device_kind.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +22,7 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
-using engine::FieldTable;
-using engine::FieldType;
 using engine::RayOutline;
-using engine::Record;
-using engine::Unit;
 using engine::World;
 using partition::BodyCircle;
 
@@ -35,29 +32,86 @@ constexpr double k_stride_m = 4;     // of longer ones: what may hide them is lo
 // Listeners on ground of so many times their reach look for speakers together.
 constexpr double k_group_reaches = 2.25;
 
-enum class Law : std::uint8_t { disc, friis, itu_indoor, log_distance };
 enum class Walls : std::uint8_t { block, weaken, pass };
+constexpr std::array<std::string_view, 3> names_of(Walls) { return {"block", "weaken", "pass"}; }
+enum class Bodies : std::uint8_t { block, pass };
+constexpr std::array<std::string_view, 2> names_of(Bodies) { return {"block", "pass"}; }
+enum class Law : std::uint8_t { disc, friis, itu_indoor, log_distance };
+constexpr std::array<std::string_view, 4> names_of(Law) {
+  return {"disc", "friis", "itu_indoor", "log_distance"};
+}
 
 struct Radio {
+  struct Params {
+    double range = 5;
+    double hears = 0;
+    std::string channel;
+    std::uint32_t payload = 8;
+    std::uint32_t most_heard = 16;
+    double drop_rate = 0;
+    Walls walls = Walls::block;
+    Bodies bodies = Bodies::pass;
+    Law law = Law::disc;
+    double power = 20;         // dBm
+    double sensitivity = -80;  // dBm
+    double frequency = 2.4;    // GHz
+    double power_loss_coefficient = 30;
+    double path_loss_exponent = 4;
+    double wall_loss = 10;  // dB
+    bool beacon = false;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      constexpr double k_farthest = 10000;  // m
+      constexpr double k_most_power = 200;  // dBm
+      d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
+                               "how far it is heard, whatever the law");
+      d.member<&Params::hears>("hears", meters, within(0, k_farthest),
+                               "how far it hears; 0: as far as `range`");
+      d.member<&Params::channel>("channel", "radios hear those of their own channel");
+      d.member<&Params::payload>("payload", within(1, 255), "bytes of a message, at most");
+      d.member<&Params::most_heard>(
+          "most_heard", within(1, 1000),
+          "messages a tick: of more the nearest are heard, the others are counted as lost");
+      d.member<&Params::drop_rate>("drop_rate", within(0, 1),
+                                   "the share of messages to it that get lost by chance");
+      d.member<&Params::walls>(
+          "walls",
+          "what becomes of messages on whose way something stands that never moves and that rangers see");
+      d.member<&Params::bodies>("bodies", "the same of other bodies");
+      d.member<&Params::law>("law",
+                             "how messages weaken with the distance, see docs/radio.md; `disc`: not at all");
+      d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "with which it sends");
+      d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
+                                     "it hears nothing weaker than this");
+      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000), "of friis and the others");
+      d.member<&Params::power_loss_coefficient>("power_loss_coefficient", within(0, 100),
+                                                "of `itu_indoor`: N, dB for ten times the distance");
+      d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
+                                            "of `log_distance`: n, 2 in free space");
+      d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
+                                   "for each wall on the way, where walls weaken");
+      d.member<&Params::beacon>("beacon",
+                                "says an empty message in each tick until a controller has it say another");
+    }
+  };
+
+  Params params;
   Pose pose_body_radio;
-  double range = 0;
-  double hears = 0;
-  std::string channel;
-  std::size_t payload = 0;
-  std::size_t most_heard = 0;
-  double drop_rate = 0;
-  Walls walls = Walls::block;
-  bool bodies_block = false;
-  bool has_law = false;    // the loss depends on the distance
+  double hears = 0;        // m
   double loss_at_1m = 0;   // dB
   double loss_a_fold = 0;  // dB, for e times the distance
-  double wall_loss = 0;
-  double power = 0;        // dBm
-  double sensitivity = 0;  // dBm
-  bool beacon = false;
 
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
+  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  std::uint64_t sense(const DeviceBatch& batch) const;
+
+  bool bodies_block() const { return params.bodies == Bodies::block; }
+  /// Whether the loss depends on the distance.
+  bool has_law() const { return params.law != Law::disc; }
   double loss(double distance) const {
-    if (!has_law || distance == 0) return 0;
+    if (!has_law() || distance == 0) return 0;
     return std::max(0.0, loss_at_1m + loss_a_fold * log(distance));
   }
 };
@@ -152,7 +206,9 @@ class Listener {
   void find_blockers();
   bool arrives(Link& link);
   /// The loss that makes it too weak, dB.
-  double budget_of(const Speaker& speaker) const { return speaker.radio->power - radio_->sensitivity; }
+  double budget_of(const Speaker& speaker) const {
+    return speaker.radio->params.power - radio_->params.sensitivity;
+  }
   Line line_to(const Speaker& speaker) const;
   /// How many walls are on the way; -1: something that nothing passes.
   int hindrances(const Speaker& speaker);
@@ -227,7 +283,7 @@ void Listener::begin(const DeviceBatch& batch) {
   links_.reserve(room);
   nearest_.reserve(room);
   ways_.reserve(room);
-  if (radio_->bodies_block) {
+  if (radio_->bodies_block()) {
     bodies_.reserve(room);
     blockers_.reserve(room);
   }
@@ -267,10 +323,10 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
   for (const BodyType::Device& device : type.devices) {
     if (device.kind != kind_) continue;
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
-    if (radio.channel != radio_->channel) continue;
+    if (radio.params.channel != radio_->params.channel) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
     known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
-                             radio.pose_body_radio.position(), std::min(radio_->hears, radio.range)});
+                             radio.pose_body_radio.position(), std::min(radio_->hears, radio.params.range)});
   }
   return known.senders;
 }
@@ -280,7 +336,7 @@ void Listener::find_speakers(const Box& listeners) {
   bodies_.clear();
   speakers_.clear();
   world_->index().for_each_near(listeners.expanded(radio_->hears), [&](const BodyCircle& circle) {
-    if (radio_->bodies_block) bodies_.push_back(circle);
+    if (radio_->bodies_block()) bodies_.push_back(circle);
     for (const Sender& sender : senders(world_->type(Row(circle.row)))) consider(circle, sender);
   });
   order_.clear();
@@ -299,7 +355,8 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
   const Row row(circle.row);
   const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(world_->slot(row)));
   const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
-  const bool says = mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->beacon);
+  const bool says =
+      mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->params.beacon);
   if (!says || !(sender.always_runs || world_->runs(row, *sender.device))) return;
   const std::int32_t joint = sender.device->joint;
   speakers_.push_back({.circle = circle,
@@ -363,11 +420,12 @@ void Listener::find_links() {
 
 /// Leaves those that arrive.
 void Listener::weaken_links() {
-  if (radio_->walls != Walls::pass) find_walls();
-  if (radio_->bodies_block) find_blockers();
-  if (radio_->walls != Walls::pass || radio_->bodies_block) lines_ += links_.size();
-  if (!has_walls_ && !radio_->bodies_block && !radio_->has_law && radio_->drop_rate == 0 &&
-      std::ranges::all_of(links_, [&](const Link& link) { return link.speaker->length <= radio_->payload; }))
+  if (radio_->params.walls != Walls::pass) find_walls();
+  if (radio_->bodies_block()) find_blockers();
+  if (radio_->params.walls != Walls::pass || radio_->bodies_block()) lines_ += links_.size();
+  if (!has_walls_ && !radio_->bodies_block() && !radio_->has_law() && radio_->params.drop_rate == 0 &&
+      std::ranges::all_of(links_,
+                          [&](const Link& link) { return link.speaker->length <= radio_->params.payload; }))
     return;
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
@@ -410,17 +468,17 @@ bool Listener::arrives(Link& link) {
   const double budget = budget_of(speaker);
   link.loss = radio_->loss(link.range);
   if (link.loss > budget) return false;
-  if (radio_->walls != Walls::pass || radio_->bodies_block) {
+  if (radio_->params.walls != Walls::pass || radio_->bodies_block()) {
     const int walls = hindrances(speaker);
     if (walls < 0) return false;
-    link.loss += walls * radio_->wall_loss;
+    link.loss += walls * radio_->params.wall_loss;
     if (link.loss > budget) return false;
   }
   if (is_dropped(speaker)) {
     ++dropped_;
     return false;
   }
-  if (speaker.length > radio_->payload) {
+  if (speaker.length > radio_->params.payload) {
     ++lost_;
     return false;
   }
@@ -428,12 +486,12 @@ bool Listener::arrives(Link& link) {
 }
 
 bool Listener::is_dropped(const Speaker& speaker) const {
-  if (radio_->drop_rate == 0) return false;
+  if (radio_->params.drop_rate == 0) return false;
   const std::uint64_t seed = world_->spec().seed;
   const std::array<std::uint32_t, 4> words =
       philox4x32({speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(world_->tick())},
                  {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
-  return words[0] * 0x1p-32 < radio_->drop_rate;
+  return words[0] * 0x1p-32 < radio_->params.drop_rate;
 }
 
 /// m, world frame.
@@ -501,10 +559,10 @@ bool Listener::any_wall(const Line& line, Visit&& visit) const {
 }
 
 int Listener::hindrances(const Speaker& speaker) {
-  if (!has_walls_ && !radio_->bodies_block) return 0;
+  if (!has_walls_ && !radio_->bodies_block()) return 0;
   const Line line = line_to(speaker);
   if (line.length2 == 0) return 0;
-  if (radio_->bodies_block && is_behind_a_body(line, speaker)) return -1;
+  if (radio_->bodies_block() && is_behind_a_body(line, speaker)) return -1;
   if (!has_walls_) return 0;
   const partition::StaticScene& scene = world_->scene();
   const auto crossed = [&](const BodyCircle& circle, auto&& visit) {
@@ -512,7 +570,7 @@ int Listener::hindrances(const Speaker& speaker) {
     return any_crossing(line, scene.outlines().chain(circle.row), false, scene.solids()[solid].solid.z,
                         [&](double at, const Vec2& end) { return visit(solid, at, end); });
   };
-  if (radio_->walls == Walls::block) {
+  if (radio_->params.walls == Walls::block) {
     const auto any = [](std::uint32_t, double, const Vec2&) { return true; };
     return any_wall(line, [&](const BodyCircle& circle) { return crossed(circle, any); }) ? -1 : 0;
   }
@@ -565,10 +623,10 @@ bool Listener::hides(const Line& line, Row row) const {
 
 /// Of equal ranges those of the lower senders, as they stand in links_.
 void Listener::keep_nearest() {
-  if (links_.size() <= radio_->most_heard) return;
+  if (links_.size() <= radio_->params.most_heard) return;
   nearest_.clear();
   for (std::uint32_t i = 0; i < links_.size(); ++i) nearest_.emplace_back(links_[i].range, i);
-  const auto end = nearest_.begin() + static_cast<std::ptrdiff_t>(radio_->most_heard);
+  const auto end = nearest_.begin() + static_cast<std::ptrdiff_t>(radio_->params.most_heard);
   std::ranges::nth_element(nearest_, end);
   std::size_t kept = 0;
   for (std::uint32_t i = 0; i < links_.size(); ++i)
@@ -612,7 +670,7 @@ double Listener::quality(const Link& link) const {
   const double budget = budget_of(*link.speaker);
   if (!(budget > 0)) return 0;
   const double of_loss = link.loss > 0 ? 1 - link.loss / budget : 1;
-  const double of_range = radio_->has_law ? 1 : 1 - link.range / link.speaker->limit;
+  const double of_range = radio_->has_law() ? 1 : 1 - link.range / link.speaker->limit;
   return std::max(std::min(of_loss, of_range), 0.0);
 }
 
@@ -632,14 +690,14 @@ void Listener::write(std::size_t slot) {
   const auto lengths = state.cell<std::uint8_t>(slot, k_radio_length);
   const auto payloads = state.cell<std::uint8_t>(slot, k_radio_payload);
   // Behind those of now what was there the last time becomes 0.
-  std::ranges::fill(payloads.first(std::max(before, now) * radio_->payload), 0);
+  std::ranges::fill(payloads.first(std::max(before, now) * radio_->params.payload), 0);
   ways_.resize(now);
   for (std::size_t i = 0; i < now; ++i) {
     const Link& link = links_[i];
     const Speaker& speaker = *link.speaker;
     senders[i] = speaker.body.value;
     ranges[i] = static_cast<float>(link.range);
-    strengths[i] = static_cast<float>(speaker.radio->power - link.loss + 0.0);
+    strengths[i] = static_cast<float>(speaker.radio->params.power - link.loss + 0.0);
     qualities[i] = static_cast<float>(quality(link));
     ways_[i] = to_own_frame_ * (speaker.place - here_);
   }
@@ -647,7 +705,8 @@ void Listener::write(std::size_t slot) {
   for (std::size_t i = 0; i < now; ++i) {
     const Speaker& speaker = *links_[i].speaker;
     lengths[i] = static_cast<std::uint8_t>(speaker.length);
-    if (speaker.length > 0) std::memcpy(&payloads[i * radio_->payload], speaker.message, speaker.length);
+    if (speaker.length > 0)
+      std::memcpy(&payloads[i * radio_->params.payload], speaker.message, speaker.length);
   }
   if (before <= now) return;
   const auto clear = [&](auto entries) { std::ranges::fill(entries.subspan(now, before - now), 0); };
@@ -659,138 +718,41 @@ void Listener::write(std::size_t slot) {
   clear(lengths);
 }
 
-std::uint64_t sense(const DeviceBatch& batch) {
+std::uint64_t Radio::sense(const DeviceBatch& batch) const {
   thread_local const auto listener = std::make_unique<Listener>();
   return listener->listen(batch);
 }
 
-const FieldTable& radio_fields() {
-  constexpr double k_farthest = 10000;  // m
-  static const FieldTable table{{
-      {.name = "range",
-       .unit = Unit::meters,
-       .fallback = 5.0,
-       .min = 0,
-       .max = k_farthest,
-       .text = "how far it is heard, whatever the law",
-       .above_min = true},
-      {.name = "hears",
-       .unit = Unit::meters,
-       .fallback = 0.0,
-       .min = 0,
-       .max = k_farthest,
-       .text = "how far it hears; 0: as far as `range`"},
-      {.name = "channel",
-       .type = FieldType::text,
-       .fallback = std::string(),
-       .text = "radios hear those of their own channel"},
-      {.name = "payload",
-       .type = FieldType::integer,
-       .fallback = 8,
-       .min = 1,
-       .max = 255,
-       .text = "bytes of a message, at most"},
-      {.name = "most_heard",
-       .type = FieldType::integer,
-       .fallback = 16,
-       .min = 1,
-       .max = 1000,
-       .text = "messages a tick: of more the nearest are heard, the others are counted as lost"},
-      {.name = "drop_rate",
-       .fallback = 0.0,
-       .min = 0,
-       .max = 1,
-       .text = "the share of messages to it that get lost by chance"},
-      {.name = "walls",
-       .type = FieldType::text,
-       .fallback = std::string("block"),
-       .text = "what becomes of messages on whose way something stands that never moves and that rangers see",
-       .choices = {"block", "weaken", "pass"}},
-      {.name = "bodies",
-       .type = FieldType::text,
-       .fallback = std::string("pass"),
-       .text = "the same of other bodies",
-       .choices = {"block", "pass"}},
-      {.name = "law",
-       .type = FieldType::text,
-       .fallback = std::string("disc"),
-       .text = "how messages weaken with the distance, see docs/radio.md; `disc`: not at all",
-       .choices = {"disc", "friis", "itu_indoor", "log_distance"}},
-      {.name = "power_dBm", .fallback = 20.0, .min = -200, .max = 200, .text = "with which it sends"},
-      {.name = "sensitivity_dBm",
-       .fallback = -80.0,
-       .min = -200,
-       .max = 200,
-       .text = "it hears nothing weaker than this"},
-      {.name = "frequency_GHz",
-       .fallback = 2.4,
-       .min = 0.001,
-       .max = 1000,
-       .text = "of friis and the others"},
-      {.name = "power_loss_coefficient",
-       .fallback = 30.0,
-       .min = 0,
-       .max = 100,
-       .text = "of `itu_indoor`: N, dB for ten times the distance"},
-      {.name = "path_loss_exponent",
-       .fallback = 4.0,
-       .min = 0,
-       .max = 10,
-       .text = "of `log_distance`: n, 2 in free space"},
-      {.name = "wall_loss_dB",
-       .fallback = 10.0,
-       .min = 0,
-       .max = 1000,
-       .text = "for each wall on the way, where walls weaken"},
-      {.name = "beacon",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "says an empty message in each tick until a controller has it say another"},
-  }};
-  return table;
-}
-
-DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_radio) {
-  const FieldTable& table = radio_fields();
-  const auto of = [&](std::string_view name) -> const engine::Value& { return get(table, params, name); };
-  Radio radio{.pose_body_radio = pose_body_radio,
-              .range = of("range").number(),
-              .hears = of("hears").number(),
-              .channel = of("channel").text(),
-              .payload = static_cast<std::size_t>(of("payload").integer()),
-              .most_heard = static_cast<std::size_t>(of("most_heard").integer()),
-              .drop_rate = of("drop_rate").number(),
-              .walls = of("walls").text() == "block"    ? Walls::block
-                       : of("walls").text() == "weaken" ? Walls::weaken
-                                                        : Walls::pass,
-              .bodies_block = of("bodies").text() == "block",
-              .wall_loss = of("wall_loss_dB").number(),
-              .power = of("power_dBm").number(),
-              .sensitivity = of("sensitivity_dBm").number(),
-              .beacon = of("beacon").boolean()};
-  if (radio.hears == 0) radio.hears = radio.range;
+DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_radio) {
+  Radio radio{.params = params,
+              .pose_body_radio = pose_body_radio,
+              .hears = params.hears == 0 ? params.range : params.hears};
   constexpr double k_light = 299792458;  // m/s
   const double decade = 1 / log(10.0);   // of one e-fold
-  const double hertz = of("frequency_GHz").number() * 1e9;
+  const double hertz = params.frequency * 1e9;
   const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
-  const std::string& law = of("law").text();
-  radio.has_law = law != "disc";
-  if (law == "friis") {
-    radio.loss_at_1m = free_space;
-    radio.loss_a_fold = decade * 20;
-  } else if (law == "itu_indoor") {
-    radio.loss_at_1m = 20 * decade * log(hertz / 1e6) - 28;
-    radio.loss_a_fold = decade * of("power_loss_coefficient").number();
-  } else if (law == "log_distance") {
-    radio.loss_at_1m = free_space;
-    radio.loss_a_fold = decade * 10 * of("path_loss_exponent").number();
+  switch (params.law) {
+    case Law::disc: break;
+    case Law::friis:
+      radio.loss_at_1m = free_space;
+      radio.loss_a_fold = decade * 20;
+      break;
+    case Law::itu_indoor:
+      radio.loss_at_1m = 20 * decade * log(hertz / 1e6) - 28;
+      radio.loss_a_fold = decade * params.power_loss_coefficient;
+      break;
+    case Law::log_distance:
+      radio.loss_at_1m = free_space;
+      radio.loss_a_fold = decade * 10 * params.path_loss_exponent;
+      break;
   }
-  const auto n = static_cast<std::uint32_t>(radio.most_heard);
-  const auto bytes = static_cast<std::uint32_t>(radio.payload);
+  const std::uint32_t n = params.most_heard;
+  const std::uint32_t bytes = params.payload;
   // Cells are chosen for sensors that look at much within their reach: one that hears far must not make them
   // coarse for rangers that see little.
   constexpr double k_most_reach = 4;
-  return {.data = radio,
+  const double reach = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach);
+  return {.data = std::move(radio),
           .percepts = {{"count", Element::u32, 1, "", "messages heard"},
                        {"lost", Element::u32, 1, "", "that arrived beside them: too many, or too long"},
                        {"dropped", Element::u32, 1, "", "that got lost by chance"},
@@ -805,23 +767,22 @@ DeviceKind::Prepared prepare(const Record& params, const Pose& pose_body_radio) 
                        {"length", Element::u8, 1, "", "bytes of what it says", k_radio_bytes},
                        {"payload", Element::u8, bytes, "", "what it says", k_radio_said}},
           .command_bytes = k_radio_said + bytes,
-          .reach_m = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach)};
+          .reach_m = reach};
 }
 
 /// Radios are found by the circles of their bodies.
-Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
-  const Radio& radio = *std::any_cast<Radio>(&data);
-  if (!(radio.sensitivity < radio.power))
+Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
+  if (!(params.sensitivity < params.power))
     return Error{
         fmt::format("hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
                     "its power, {:g} dBm",
-                    radio.sensitivity, radio.power)};
+                    params.sensitivity, params.power)};
   double radius2 = 0;
   for (const engine::PartSpec& part : type.parts)
     for (const Solid& solid : part.solids)
       for (const Ring& ring : solid.contours)
         for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
-  const Vec2 place = radio.pose_body_radio.position();
+  const Vec2 place = pose_body_radio.position();
   if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
   return Error{
       fmt::format("stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
@@ -832,13 +793,8 @@ Result<> mount(std::any& data, const engine::TypeSpec& type, std::uint32_t) {
 }  // namespace
 
 DeviceKind radio_kind() {
-  DeviceKind kind{.name = "radio",
-                  .text = "says something to others in range, and hears what they say, from where"};
-  kind.params = radio_fields();
-  kind.prepare = prepare;
-  kind.mount = mount;
-  kind.sense = sense;
-  return kind;
+  return engine::make_device_kind<Radio>(
+      "radio", "says something to others in range, and hears what they say, from where");
 }
 
 }  // namespace troupe::sensors

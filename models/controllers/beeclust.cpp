@@ -14,9 +14,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
@@ -24,32 +21,27 @@ constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_ahead = k_pi / 3;       // rad to either side
 constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
 
-const FieldTable& beeclust_fields() {
-  static const FieldTable table{{
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
-      {.name = "max_wait",
-       .unit = Unit::seconds,
-       .fallback = 60.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "which waits on ever brighter ground tend to"},
-      {.name = "half",
-       .fallback = 0.22,
-       .min = 0,
-       .max = 1e6,
-       .text = "square of the brightness, from 0 to 1, at which it waits for half of that",
-       .above_min = true},
-      {.name = "meet",
-       .unit = Unit::meters,
-       .fallback = 0.12,
-       .min = 0,
-       .text = "from radio to radio: another who is nearer ahead is met"},
-      min_front_field(0.08),
-  }};
-  return table;
-}
-
 struct Beeclust {
+  struct Params {
+    double speed = 0.1;
+    double max_wait = 60;
+    double half = 0.22;
+    double meet = 0.12;
+    double min_front = 0.08;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::max_wait>("max_wait", seconds, within(0, 1e6),
+                                  "which waits on ever brighter ground tend to");
+      d.member<&Params::half>("half", above(0), at_most(1e6),
+                              "square of the brightness, from 0 to 1, at which it waits for half of that");
+      d.member<&Params::meet>("meet", meters, at_least(0),
+                              "from radio to radio: another who is nearer ahead is met");
+      describe_min_front(d);
+    }
+  };
   struct Memory {
     std::uint32_t wait_updates = 0;
     std::uint32_t turn_updates = 0;
@@ -58,14 +50,10 @@ struct Beeclust {
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
-  double speed, max_wait, half, meet, min_front;
+  Params params;
   double radio_heading = 0;  // rad, of the radio in the frame of its drive
   Scanner scanner;
   bool has_led = false;
-
-  static Beeclust make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -91,7 +79,7 @@ struct Beeclust {
       memory.wait_updates = wait(percept);
       if (memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else {
-      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool waits = memory.wait_updates > 0;
@@ -102,13 +90,14 @@ struct Beeclust {
         actions.device<LedCommand>(k_led).show(0.2f, 0.5f, 1.0f);
     }
     const bool turns = memory.turn_updates > 0;
-    actions.command = {waits || turns ? 0 : speed, 0, turns ? memory.turn : 0.0};
+    actions.command = {waits || turns ? 0 : params.speed, 0, turns ? memory.turn : 0.0};
   }
 
   bool meets(const RadioPort& radio) const {
     for (std::size_t i = 0; i < radio.count(); ++i) {
       const RadioPort::Message other = radio[i];
-      if (other.range <= meet && std::abs(wrap_angle(radio_heading + other.bearing)) <= k_ahead) return true;
+      if (other.range <= params.meet && std::abs(wrap_angle(radio_heading + other.bearing)) <= k_ahead)
+        return true;
     }
     return false;
   }
@@ -118,7 +107,8 @@ struct Beeclust {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const double brightness = (color[0] + color[1] + color[2]) / 3;
     const double square = brightness * brightness;
-    return static_cast<std::uint32_t>(std::min(max_wait * square / (square + half) / percept.tick_s, 1e9));
+    return static_cast<std::uint32_t>(
+        std::min(params.max_wait * square / (square + params.half) / percept.tick_s, 1e9));
   }
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
@@ -132,7 +122,7 @@ struct Beeclust {
 
 engine::ControllerKind beeclust_controller() {
   return engine::make_controller_kind<Beeclust>(
-      "beeclust", "aggregate where the ground is bright: wait where others are met", beeclust_fields());
+      "beeclust", "aggregate where the ground is bright: wait where others are met");
 }
 
 }  // namespace troupe::models

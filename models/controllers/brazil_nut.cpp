@@ -13,43 +13,37 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
 using sensors::k_light_brightness;
 using sensors::payload_of;
 using sensors::RadioPort;
 
 constexpr std::size_t k_least_directions = 3;  // fewer do not tell where a light is
 
-const FieldTable& brazil_nut_fields() {
-  static const FieldTable table{{
-      {.name = "radius",
-       .unit = Unit::meters,
-       .min = 0,
-       .max = 1000,
-       .text = "of the disc as which it acts",
-       .above_min = true},
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "at most"},
-      {.name = "gain",
-       .unit = Unit::per_second,
-       .fallback = 2.0,
-       .min = 0,
-       .text = "turn rate for each radian that it is to turn"},
-      {.name = "taxis", .fallback = 0.6, .min = 0, .text = "weight of the way to the light"},
-      {.name = "noise", .fallback = 1.0, .min = 0, .text = "weight of the shaking"},
-      {.name = "push", .fallback = 8.0, .min = 0, .text = "of another in the same place"},
-      {.name = "shake",
-       .unit = Unit::seconds,
-       .fallback = 1.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "for how long it is shaken in one direction"},
-  }};
-  return table;
-}
-
 struct BrazilNut {
+  struct Params {
+    double radius = 0;
+    double speed = 0.1;
+    double gain = 2;
+    double taxis = 0.6;
+    double noise = 1;
+    double push = 8;
+    double shake = 1;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::radius>("radius", meters, required, above(0), at_most(1000),
+                                "of the disc as which it acts");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "at most");
+      d.member<&Params::gain>("gain", per_second, at_least(0),
+                              "turn rate for each radian that it is to turn");
+      d.member<&Params::taxis>("taxis", at_least(0), "weight of the way to the light");
+      d.member<&Params::noise>("noise", at_least(0), "weight of the shaking");
+      d.member<&Params::push>("push", at_least(0), "of another in the same place");
+      d.member<&Params::shake>("shake", seconds, within(0, 1e6),
+                               "for how long it is shaken in one direction");
+    }
+  };
   struct Memory {
     std::uint32_t updates_left = 0;  ///< of the present shaking
     double heading = 0;              ///< rad, of that, in the frame of its estimate
@@ -57,14 +51,9 @@ struct BrazilNut {
   };
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
-  double radius, speed, gain, taxis, noise, push, shake;
+  Params params;
   double radio_heading = 0;        // rad, of the radio in the frame of its drive
   std::vector<SinCos> directions;  // of the light sensor, in that frame
-
-  static BrazilNut make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(),
-            p[4].number(), p[5].number(), p[6].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -90,16 +79,17 @@ struct BrazilNut {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
-    radio.say(static_cast<float>(radius));
+    radio.say(static_cast<float>(params.radius));
     if (memory.updates_left == 0) {
       memory.heading = random.uniform(-k_pi, k_pi);
-      memory.updates_left = static_cast<std::uint32_t>(std::max(shake / percept.tick_s, 1.0));
+      memory.updates_left = static_cast<std::uint32_t>(std::max(params.shake / percept.tick_s, 1.0));
     }
     --memory.updates_left;
     const SinCos shaken = sincos(memory.heading - percept.estimate.heading);
-    const Vec2 aim = taxis * way_to_light(percept) + noise * Vec2(shaken.cos, shaken.sin) + repulsion(radio);
+    const Vec2 aim =
+        params.taxis * way_to_light(percept) + params.noise * Vec2(shaken.cos, shaken.sin) + repulsion(radio);
     const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
-    actions.command = {speed * std::min(aim.norm(), 1.0) * cos(angle), 0, gain * angle};
+    actions.command = {params.speed * std::min(aim.norm(), 1.0) * cos(angle), 0, params.gain * angle};
   }
 
   Vec2 way_to_light(const engine::Percept& percept) const {
@@ -117,10 +107,10 @@ struct BrazilNut {
       const RadioPort::Message message = radio[i];
       float theirs = 0;
       if (!message.read(theirs)) continue;
-      const double both = radius + std::max<double>(theirs, 0);
+      const double both = params.radius + std::max<double>(theirs, 0);
       if (message.range >= both) continue;
       const SinCos way = sincos(radio_heading + message.bearing);
-      sum -= push * (1 - message.range / both) * Vec2(way.cos, way.sin);
+      sum -= params.push * (1 - message.range / both) * Vec2(way.cos, way.sin);
     }
     return sum;
   }
@@ -130,8 +120,7 @@ struct BrazilNut {
 
 engine::ControllerKind brazil_nut_controller() {
   return engine::make_controller_kind<BrazilNut>(
-      "brazil_nut", "act as a disc of some size that is shaken, drawn to a light and pushed by others",
-      brazil_nut_fields());
+      "brazil_nut", "act as a disc of some size that is shaken, drawn to a light and pushed by others");
 }
 
 }  // namespace troupe::models

@@ -16,10 +16,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using sensors::payload_of;
 using sensors::RadioPort;
 
@@ -33,37 +29,31 @@ constexpr double k_longest_round_s = 30;     // about the nest
 constexpr std::uint32_t k_patience = 20;     // decisions without the link before it
 constexpr std::uint32_t k_past_updates = 8;  // straight on, past what it has turned away from
 
-const FieldTable& chain_fields() {
-  static const FieldTable table{{
-      {.name = "role",
-       .type = FieldType::text,
-       .fallback = std::string("robot"),
-       .text = "what it is: a nest and a prey stand",
-       .choices = {"robot", "nest", "prey"}},
-      {.name = "spacing",
-       .unit = Unit::meters,
-       .fallback = 0.6,
-       .min = 0,
-       .max = 10000,
-       .text = "from link to link",
-       .above_min = true},
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
-      min_front_field(0.15),
-      {.name = "joins",
-       .fallback = 0.02,
-       .min = 0,
-       .max = 1,
-       .text = "chance in a decision that it becomes a link where there is room for one"},
-      {.name = "leaves",
-       .fallback = 0.005,
-       .min = 0,
-       .max = 1,
-       .text = "chance in a decision that the last link of a chain leaves it"},
-  }};
-  return table;
-}
+enum class Role : std::uint8_t { robot, nest, prey };
+constexpr std::array<std::string_view, 3> names_of(Role) { return {"robot", "nest", "prey"}; }
 
 struct Chain {
+  struct Params {
+    Role role = Role::robot;
+    double spacing = 0.6;
+    double speed = 0.1;
+    double min_front = 0.15;
+    double joins = 0.02;
+    double leaves = 0.005;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::role>("role", "what it is: a nest and a prey stand");
+      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "from link to link");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      describe_min_front(d);
+      d.member<&Params::joins>("joins", within(0, 1),
+                               "chance in a decision that it becomes a link where there is room for one");
+      d.member<&Params::leaves>("leaves", within(0, 1),
+                                "chance in a decision that the last link of a chain leaves it");
+    }
+  };
   struct Memory {
     std::uint8_t link = 0;      ///< 1: it stands as a link
     std::uint8_t number = 0;    ///< as a link, from the nest on
@@ -85,16 +75,10 @@ struct Chain {
   static constexpr bool needs_drive = false;
   static constexpr std::size_t k_radio = 0, k_scanner = 1;
 
-  bool is_nest, is_prey;
-  double spacing, speed, min_front, joins, leaves;
+  Params params;
   double radio_heading = 0;  // rad, of the radio in the frame of its drive
   Scanner scanner;
   std::size_t led = 0;  // its place among the devices; 0: none
-
-  static Chain make(const Record& p) {
-    return {p[0].text() == "nest", p[0].text() == "prey", p[1].number(), p[2].number(),
-            p[3].number(),         p[4].number(),         p[5].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -104,7 +88,7 @@ struct Chain {
     });
     if (!has_radio) return Error{"needs a radio with a payload of 2 bytes or more"};
     radio_heading = devices[choice.chosen().front()].pose.heading;
-    if (!is_nest && !is_prey) {
+    if (params.role == Role::robot) {
       const Result<Scanner> taken = choice.take_scanner(4);
       if (!taken) return taken.error();
       scanner = *taken;
@@ -116,11 +100,11 @@ struct Chain {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
-    if (is_prey) {
+    if (params.role == Role::prey) {
       radio.say(k_prey, std::uint8_t{1});
       return;
     }
-    if (is_nest) {
+    if (params.role == Role::nest) {
       memory.link = 1;
       listen_as_link(memory, percept, radio);
       radio.say(std::uint8_t{0}, memory.path);
@@ -129,7 +113,7 @@ struct Chain {
     if (memory.link != 0) {
       const bool stays = listen_as_link(memory, percept, radio);
       if (!stays || (memory.path == 0 && memory.alone == 0 && is_last(radio, memory.number) &&
-                     random.uniform() < leaves))
+                     random.uniform() < params.leaves))
         leave(memory);
     }
     if (memory.link == 0) explore(memory, percept, radio, random, actions.command);
@@ -166,6 +150,7 @@ struct Chain {
   /// False where it cannot stay.
   bool listen_as_link(Memory& memory, const engine::Percept& percept, const RadioPort& radio) const {
     bool has_path = false;
+    const bool is_nest = params.role == Role::nest;
     bool has_inner = is_nest;
     for (std::size_t i = 0; i < radio.count(); ++i) {
       const RadioPort::Message message = radio[i];
@@ -174,7 +159,7 @@ struct Chain {
       if (!message.read(number, path)) continue;
       has_path = has_path || number == k_prey || (number == memory.number + 1 && path != 0);
       has_inner = has_inner || number + 1 == memory.number;
-      if (!is_nest && number == memory.number && message.range < k_same_place_share * spacing &&
+      if (!is_nest && number == memory.number && message.range < k_same_place_share * params.spacing &&
           message.sender < percept.body)
         return false;
     }
@@ -205,7 +190,7 @@ struct Chain {
     if (avoids(memory, percept, random, command)) return;
     const std::optional<Post> post = nearest(radio);
     if (!post) {
-      command = {speed, 0, 0};
+      command = {params.speed, 0, 0};
       return;
     }
     const std::optional<Post> nest = nearest(radio, 0);
@@ -226,12 +211,13 @@ struct Chain {
     const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
     const std::optional<Post> next = nearest(radio, post->number + 1);
     // From the nest chains may lead in several directions.
-    const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > spacing);
+    const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > params.spacing);
     if (!has_room) {
       head_for(next->place, command);
       return;
     }
-    if (room.norm() < k_tolerance_share * spacing && random.uniform() < joins && post->number + 1 < k_prey) {
+    if (room.norm() < k_tolerance_share * params.spacing && random.uniform() < params.joins &&
+        post->number + 1 < k_prey) {
       memory = {};
       memory.link = 1;
       memory.number = static_cast<std::uint8_t>(post->number + 1);
@@ -244,13 +230,13 @@ struct Chain {
   Vec2 beyond(const Post& last, const std::optional<Post>& before) const {
     const Vec2 way = before && last.number > 0 ? Vec2(last.place - before->place) : Vec2(-last.place);
     const double length = way.norm();
-    return last.place + (length > 0 ? Vec2(spacing / length * way) : Vec2(spacing, 0));
+    return last.place + (length > 0 ? Vec2(params.spacing / length * way) : Vec2(params.spacing, 0));
   }
 
   void head_for(const Vec2& place, engine::Command& command) const {
     const double angle = place == Vec2::Zero() ? 0 : atan2(place.y(), place.x());
-    const double share = std::min(place.norm() / (k_tolerance_share * spacing), 1.0);
-    command = {share * speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
+    const double share = std::min(place.norm() / (k_tolerance_share * params.spacing), 1.0);
+    command = {share * params.speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
   }
 
   /// Counter-clockwise, so that all go the same way.
@@ -258,12 +244,12 @@ struct Chain {
     const double range = std::max(centre.norm(), 1e-6);
     const Vec2 in = centre / range;
     const Vec2 along(in.y(), -in.x());
-    head_for(along + 2 * (range / (k_home_share * spacing) - 1) * in, command);
+    head_for(along + 2 * (range / (k_home_share * params.spacing) - 1) * in, command);
   }
 
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random,
               engine::Command& command) const {
-    const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
+    const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
     if (memory.turn_updates == 0 && ahead.obstruction) {
       memory.turn = static_cast<float>(ahead.left < ahead.right ? -k_turn : k_turn);
       memory.turn_updates = 5 + random.below(15);
@@ -276,7 +262,7 @@ struct Chain {
     }
     if (memory.past_updates > 0) {
       --memory.past_updates;
-      command = {speed, 0, 0};
+      command = {params.speed, 0, 0};
       return true;
     }
     return false;
@@ -287,7 +273,7 @@ struct Chain {
 
 engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
-      "chain", "find the way from a nest to a prey as links of chains that stand", chain_fields());
+      "chain", "find the way from a nest to a prey as links of chains that stand");
 }
 
 }  // namespace troupe::models

@@ -8,34 +8,26 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
-
 constexpr double k_turn = 1.0;              // rad/s
 constexpr std::uint32_t k_surely_goes = 3;  // updates from a command until it must have moved
-
-const FieldTable& clustering_fields() {
-  static const FieldTable table{{
-      {.name = "speed",
-       .unit = Unit::meters_per_second,
-       .fallback = 0.15,
-       .min = 0,
-       .text = "straight ahead, and back"},
-      {.name = "back",
-       .unit = Unit::seconds,
-       .fallback = 1.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "for how long it backs off from what it cannot push"},
-      min_front_field(0.25),
-  }};
-  return table;
-}
 
 enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
 struct Clustering {
+  struct Params {
+    double speed = 0.15;
+    double back = 1;
+    double min_front = 0.25;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead, and back");
+      d.member<&Params::back>("back", seconds, within(0, 1e6),
+                              "for how long it backs off from what it cannot push");
+      describe_min_front(d);
+    }
+  };
   struct Memory {
     double x = 0;                    ///< m, where it was when it decided before
     double y = 0;                    ///< m
@@ -48,10 +40,8 @@ struct Clustering {
     TROUPE_FIELDS(x, y, heading, same_updates, does, back_updates, turn_updates, turn)
   };
 
-  double speed, back, min_front;
+  Params params;
   Scanner scanner;
-
-  static Clustering make(const Record& p) { return {p[0].number(), p[1].number(), p[2].number()}; }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -70,11 +60,11 @@ struct Clustering {
     memory.y = here.y;
     memory.heading = here.heading;
     const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
-    const ScanAhead seen = scanner.look(percept.ranges(0), min_front, 0);
+    const ScanAhead seen = scanner.look(percept.ranges(0), params.min_front, 0);
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // on to the turn
     } else if (is_stuck) {
-      memory.back_updates = static_cast<std::uint32_t>(back / percept.tick_s);
+      memory.back_updates = static_cast<std::uint32_t>(params.back / percept.tick_s);
       begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);
     } else if (memory.does == k_ahead && seen.obstruction) {
       begin_turn(memory, percept, random, seen.left < seen.right ? -1 : 1);
@@ -83,14 +73,14 @@ struct Clustering {
     if (memory.back_updates > 0) {
       --memory.back_updates;
       memory.does = k_back;
-      actions.set_speed(-speed, 0, 0);
+      actions.set_speed(-params.speed, 0, 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;
       memory.does = k_turns;
       actions.set_speed(0, 0, memory.turn);
     } else {
       memory.does = k_ahead;
-      actions.set_speed(speed, 0, 0);
+      actions.set_speed(params.speed, 0, 0);
     }
     memory.same_updates = memory.does == did ? memory.same_updates + 1 : 0;
   }
@@ -105,7 +95,7 @@ struct Clustering {
 
 engine::ControllerKind clustering_controller() {
   return engine::make_controller_kind<Clustering>(
-      "clustering", "push pucks together: go on until it is too much, back off, turn", clustering_fields());
+      "clustering", "push pucks together: go on until it is too much, back off, turn");
 }
 
 }  // namespace troupe::models

@@ -15,10 +15,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
@@ -28,38 +24,29 @@ constexpr double k_turn = 0.8;       // rad/s
 constexpr double k_stop_share = 0.6;
 constexpr float k_middle = 0.5f;  // of brightness: darker is black
 
-const FieldTable& perception_fields() {
-  static const FieldTable table{{
-      {.name = "speed",
-       .unit = Unit::meters_per_second,
-       .fallback = 0.16,
-       .min = 0,
-       .text = "straight ahead"},
-      {.name = "explore",
-       .unit = Unit::seconds,
-       .fallback = 10.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "for how long it looks at the floor, in the mean",
-       .above_min = true},
-      {.name = "share",
-       .unit = Unit::seconds,
-       .fallback = 10.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "for how long it says an opinion of quality 1, in the mean",
-       .above_min = true},
-      {.name = "rule",
-       .type = FieldType::text,
-       .fallback = std::string("majority"),
-       .text = "how it decides",
-       .choices = {"majority", "voter"}},
-      min_front_field(0.15),
-  }};
-  return table;
-}
+enum class Rule : std::uint8_t { majority, voter };
+constexpr std::array<std::string_view, 2> names_of(Rule) { return {"majority", "voter"}; }
 
 struct CollectivePerception {
+  struct Params {
+    double speed = 0.16;
+    double explore = 10;
+    double share = 10;
+    Rule rule = Rule::majority;
+    double min_front = 0.15;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
+                                 "for how long it looks at the floor, in the mean");
+      d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
+                               "for how long it says an opinion of quality 1, in the mean");
+      d.member<&Params::rule>("rule", "how it decides");
+      describe_min_front(d);
+    }
+  };
   struct Memory {
     std::uint32_t updates_left = 0;  ///< of what it does
     std::uint32_t looked = 0;        ///< at the floor, since it began to explore
@@ -76,15 +63,9 @@ struct CollectivePerception {
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
-  double speed, explore, share;
-  bool by_majority;
-  double min_front;
+  Params params;
   Scanner scanner;
   bool has_led = false;
-
-  static CollectivePerception make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].text() == "majority", p[4].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -135,14 +116,14 @@ struct CollectivePerception {
     memory.shares = 0;
     memory.looked = 0;
     memory.agreed = 0;
-    memory.updates_left = updates(explore, percept, random);
+    memory.updates_left = updates(params.explore, percept, random);
   }
 
   void begin_sharing(Memory& memory, const engine::Percept& percept, Random& random) const {
     const double quality = static_cast<double>(memory.agreed) / std::max<std::uint32_t>(memory.looked, 1);
     memory.shares = 1;
     memory.votes = {};
-    memory.updates_left = updates(share * quality, percept, random);
+    memory.updates_left = updates(params.share * quality, percept, random);
   }
 
   static void look(Memory& memory, const engine::Percept& percept) {
@@ -160,7 +141,7 @@ struct CollectivePerception {
   void decide(Memory& memory, Random& random) const {
     const std::uint32_t all = memory.votes[0] + memory.votes[1];
     if (all == 0) return;
-    if (!by_majority) {
+    if (params.rule == Rule::voter) {
       memory.opinion = random.below(all) < memory.votes[1];
       return;
     }
@@ -172,7 +153,7 @@ struct CollectivePerception {
 
   void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
     const auto [obstruction, stop, left, right] =
-        scanner.look(percept.ranges(k_scanner), min_front, k_stop_share * min_front);
+        scanner.look(percept.ranges(k_scanner), params.min_front, k_stop_share * params.min_front);
     if (memory.turn_updates == 0 && obstruction) {
       memory.turn = static_cast<float>(left < right ? -k_turn : k_turn);
       memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));
@@ -182,7 +163,7 @@ struct CollectivePerception {
       memory.straight_updates = static_cast<std::int32_t>(updates(k_straight_s, percept, random));
     }
     if (memory.turn_updates == 0) {
-      command = {speed, 0, 0};
+      command = {params.speed, 0, 0};
       return;
     }
     --memory.turn_updates;
@@ -194,8 +175,7 @@ struct CollectivePerception {
 
 engine::ControllerKind collective_perception_controller() {
   return engine::make_controller_kind<CollectivePerception>(
-      "collective_perception", "decide with others whether more of the floor is black or white",
-      perception_fields());
+      "collective_perception", "decide with others whether more of the floor is black or white");
 }
 
 }  // namespace troupe::models

@@ -24,8 +24,6 @@ namespace troupe::models {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldType;
-using engine::Record;
 using engine::WorldSpec;
 
 // m, m/s, rad, 1/s, updates.
@@ -71,21 +69,28 @@ struct Collector {
   };
   static constexpr std::size_t k_scanner = 0, k_finder = 1, k_gripper = 2, k_pack = 3;
 
-  std::string sink;
-  std::int32_t puck_mark = 1, charger_mark = 2;
+  struct Params {
+    std::string sink = "sink";
+    std::int32_t puck = 1;
+    std::int32_t charger = 2;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      constexpr double k_most_mark = 1e9;
+      d.member<&Params::sink>(
+          "sink", "name of the model that they are brought to, or of several, but for a number behind it");
+      d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark), "fiducial_return of a puck");
+      d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
+                                 "fiducial_return of a charger");
+    }
+  };
+
+  Params params;
   Scanner scanner;
   FiducialReadings sights;  // of the finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
   partition::BoxGrid sinks_about;  // where pucks are delivered
-
-  static Collector make(const Record& p) {
-    Collector collector;
-    collector.sink = p[0].text();
-    collector.puck_mark = static_cast<std::int32_t>(p[1].integer());
-    collector.charger_mark = static_cast<std::int32_t>(p[2].integer());
-    return collector;
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
   Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
@@ -134,15 +139,17 @@ Result<> Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::u
     const engine::BodySpec& body = world.bodies[b];
     const Vec2 at = body.pose_world_body.position();
     const std::string name = world.name(BodyId(b));
-    if (name.starts_with(sink) && is_number(std::string_view(name).substr(sink.size()))) sinks.push_back(at);
+    if (name.starts_with(params.sink) && is_number(std::string_view(name).substr(params.sink.size())))
+      sinks.push_back(at);
     for (std::uint32_t p = 0; has_pack && p < world.types[body.type.index()].parts.size(); ++p)
-      if (engine::fiducial_of(world, BodyId(b), p) == charger_mark) {
+      if (engine::fiducial_of(world, BodyId(b), p) == params.charger) {
         chargers.push_back(at);
         break;
       }
   }
   if (sinks.empty())
-    return Error{fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", sink, sink, sink)};
+    return Error{
+        fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", params.sink, params.sink, params.sink)};
   std::vector<Box> boxes;
   for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
   sinks_about = partition::BoxGrid(boxes);
@@ -200,7 +207,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
 std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
   const engine::Readings& seen = percept.devices[k_finder];
   for (std::size_t i = 0; i < sights.count(seen); ++i)
-    if (sights.id(seen, i) == puck_mark && !is_delivered(sights.position(seen, i)))
+    if (sights.id(seen, i) == params.puck && !is_delivered(sights.position(seen, i)))
       return Puck{sights.range(seen, i), sights.bearing(seen, i)};
   return {};
 }
@@ -249,27 +256,8 @@ void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept
 }  // namespace
 
 engine::ControllerKind collector_controller() {
-  constexpr double k_most_mark = 1e9;
   return engine::make_controller_kind<Collector>(
-      "collector", "grip marked pucks, carry them to the nearest sink, and charge",
-      {{
-          {.name = "sink",
-           .type = FieldType::text,
-           .fallback = "sink",
-           .text = "name of the model that they are brought to, or of several, but for a number behind it"},
-          {.name = "puck",
-           .type = FieldType::integer,
-           .fallback = 1,
-           .min = -k_most_mark,
-           .max = k_most_mark,
-           .text = "fiducial_return of a puck"},
-          {.name = "charger",
-           .type = FieldType::integer,
-           .fallback = 2,
-           .min = -k_most_mark,
-           .max = k_most_mark,
-           .text = "fiducial_return of a charger"},
-      }});
+      "collector", "grip marked pucks, carry them to the nearest sink, and charge");
 }
 
 }  // namespace troupe::models

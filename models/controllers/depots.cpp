@@ -9,9 +9,6 @@ namespace troupe::models {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
 
 Result<std::vector<std::size_t>> choose_flags(std::span<const DeviceInfo> devices,
                                               std::vector<bool>& claimed) {
@@ -26,18 +23,30 @@ Result<std::vector<std::size_t>> choose_flags(std::span<const DeviceInfo> device
 struct Source {
   static constexpr bool needs_drive = false;
   static constexpr std::array<std::string_view, 1> brings{"flags"};
-  std::uint32_t capacity = 0;
+  struct Params {
+    std::uint32_t capacity = 1;
+    std::int64_t unused = 0;
 
-  static Source make(const Record& params) { return {static_cast<std::uint32_t>(params[0].integer())}; }
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::capacity>("capacity", at_most(1e6),
+                                  "flags it holds at most; no more than its list of flags can");
+      d.member<&Params::unused>("unused", "no effect: worlds written for Stage give a second number");
+    }
+  };
+
+  Params params;
+
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
     // Of what a list can hold a source fills no more than there is.
     if (chosen)
-      capacity = std::min(capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);
+      params.capacity =
+          std::min(params.capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);
     return chosen;
   }
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    if (percept.devices[0].field<std::uint32_t>(k_flag_count)[0] < capacity)
+    if (percept.devices[0].field<std::uint32_t>(k_flag_count)[0] < params.capacity)
       actions.device<FlagCommand>(0).ask(FlagCommand::push, 0, k_yellow_flag);
   }
 };
@@ -50,7 +59,6 @@ struct Sink {
   static constexpr bool needs_drive = false;
   static constexpr std::array<std::string_view, 1> brings{"flags"};
 
-  static Sink make(const Record&) { return {}; }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     return choose_flags(devices, claimed);
   }
@@ -64,23 +72,11 @@ struct Sink {
 }  // namespace
 
 engine::ControllerKind source_controller() {
-  FieldTable params{{
-      {.name = "capacity",
-       .type = FieldType::integer,
-       .fallback = 1,
-       .min = 0,
-       .max = 1e6,
-       .text = "flags it holds at most; no more than its list of flags can"},
-      {.name = "unused",
-       .type = FieldType::integer,
-       .fallback = 0,
-       .text = "no effect: worlds written for Stage give a second number"},
-  }};
-  return engine::make_controller_kind<Source>("source", "make flags for robots to fetch", std::move(params));
+  return engine::make_controller_kind<Source>("source", "make flags for robots to fetch");
 }
 
 engine::ControllerKind sink_controller() {
-  return engine::make_controller_kind<Sink>("sink", "count the flags that robots bring", {});
+  return engine::make_controller_kind<Sink>("sink", "count the flags that robots bring");
 }
 
 }  // namespace troupe::models

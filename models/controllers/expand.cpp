@@ -15,77 +15,54 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
-
 constexpr double k_even = 1e-6;      // of the sum of the ranges, and rad: less is rounding
 constexpr double k_turn_away = 0.5;  // rad
 
-const FieldTable& expand_fields() {
-  static const FieldTable table{{
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .text = "while the way is clear"},
-      {.name = "gain",
-       .unit = Unit::per_second,
-       .fallback = 1.0,
-       .text = "turn rate for each radian between heading and vector sum"},
-      {.name = "clearance",
-       .unit = Unit::meters,
-       .fallback = 0.5,
-       .min = 0,
-       .text = "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)"},
-      {.name = "clearances",
-       .type = FieldType::numbers,
-       .unit = Unit::meters,
-       .fallback = std::vector<double>{},
-       .min = 0,
-       .text = "instead of `clearance`: what the beams of each transducer must exceed, in their order; 0 or "
-               "left out: anything"},
-      {.name = "cone",
-       .unit = Unit::radians,
-       .fallback = 0.5,
-       .min = 0,
-       .text = "drives only while the vector sum lies less than this off the front"},
-      {.name = "invert",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "turn away from the vector sum: robots cluster instead of dispersing"},
-      {.name = "hold_on_axis",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text =
-           "a vector sum that lies exactly on an axis changes nothing: the last command stays, as in Stage's "
-           "examples"},
-  }};
-  return table;
-}
-
 struct Expand {
+  struct Params {
+    double speed = 0.3;
+    double gain = 1;
+    double clearance = 0.5;
+    std::vector<double> clearances;
+    double cone = 0.5;
+    bool invert = false;
+    bool hold_on_axis = false;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, "while the way is clear");
+      d.member<&Params::gain>("gain", per_second, "turn rate for each radian between heading and vector sum");
+      d.member<&Params::clearance>(
+          "clearance", meters, at_least(0),
+          "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)");
+      d.member<&Params::clearances>("clearances", meters, at_least(0),
+                                    "instead of `clearance`: what the beams of each transducer must exceed, "
+                                    "in their order; 0 or left out: anything");
+      d.member<&Params::cone>("cone", radians, at_least(0),
+                              "drives only while the vector sum lies less than this off the front");
+      d.member<&Params::invert>("invert",
+                                "turn away from the vector sum: robots cluster instead of dispersing");
+      d.member<&Params::hold_on_axis>("hold_on_axis",
+                                      "a vector sum that lies exactly on an axis changes nothing: the last "
+                                      "command stays, as in Stage's examples");
+    }
+  };
   struct Feeler {
     std::size_t reading;
     SinCos direction;
     double clearance;  // m; -1: anything goes, as every range is more
   };
 
-  double speed, gain, clearance;
-  std::vector<double> clearances;
-  double cone;
-  bool invert;
-  bool hold_on_axis;
+  Params params;
   std::vector<Feeler> feelers;
-
-  static Expand make(const Record& p) {
-    return {p[0].number(), p[1].number(),  p[2].number(),  p[3].numbers(),
-            p[4].number(), p[5].boolean(), p[6].boolean(), {}};
-  }
 
   /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;
     for (const Beam& beam : beams) {
-      if (std::abs(beam.bearing) < cone) return true;
+      if (std::abs(beam.bearing) < params.cone) return true;
       double& side = beam.bearing > 0 ? left : right;
       side = beam.bearing > 0 ? std::min(side, beam.bearing) : std::max(side, beam.bearing);
     }
@@ -105,13 +82,13 @@ struct Expand {
           fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
                       "sum of those of \"{}\" never points ahead",
                       ranger.name)};
-    if (const std::size_t count = ranger.prepared.transducers.size(); clearances.size() > count)
-      return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", clearances.size(), count,
-                               ranger.name)};
+    if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
+      return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", params.clearances.size(),
+                               count, ranger.name)};
     for (const Beam& beam : beams) {
-      const double demand = clearances.empty()                    ? clearance * beam.direction.cos
-                            : beam.transducer < clearances.size() ? clearances[beam.transducer]
-                                                                  : 0.0;
+      const double demand = params.clearances.empty() ? params.clearance * beam.direction.cos
+                            : beam.transducer < params.clearances.size() ? params.clearances[beam.transducer]
+                                                                         : 0.0;
       feelers.push_back({beam.reading, beam.direction, demand > 0 ? demand : -1.0});
     }
     return choice.chosen();
@@ -140,17 +117,20 @@ struct Expand {
           all_clear &= r > feeler.clearance;
         }
         // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
-        const bool is_even = !hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
-        x[i] = is_even ? 1 : invert ? -sum_x : sum_x;
-        y[i] = is_even ? 0 : invert ? -sum_y : sum_y;
+        const bool is_even =
+            !params.hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
+        x[i] = is_even ? 1 : params.invert ? -sum_x : sum_x;
+        y[i] = is_even ? 0 : params.invert ? -sum_y : sum_y;
         clear[i] = all_clear;
       }
       for (std::size_t i = 0; i < count; ++i) {
-        if (hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
+        if (params.hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
         // Straight before a wall nothing would ever turn it.
-        if (!hold_on_axis && !invert && !clear[i] && std::abs(theta) < k_even) theta = k_turn_away;
-        batch.command(first + i) = {clear[i] && std::abs(theta) < cone ? speed : 0.0, 0.0, gain * theta};
+        if (!params.hold_on_axis && !params.invert && !clear[i] && std::abs(theta) < k_even)
+          theta = k_turn_away;
+        batch.command(first + i) = {clear[i] && std::abs(theta) < params.cone ? params.speed : 0.0, 0.0,
+                                    params.gain * theta};
       }
     }
   }
@@ -159,8 +139,7 @@ struct Expand {
 }  // namespace
 
 engine::ControllerKind expand_controller() {
-  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges",
-                                              expand_fields());
+  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges");
 }
 
 engine::Registry::Preset expand_pioneer_preset() {

@@ -36,8 +36,6 @@ struct Flocking {
   std::vector<Sonar> sonars;
   FiducialReadings finder;
 
-  static Flocking make(const engine::Record&) { return {}; }
-
   /// The beams to the front and to the sides; of those that look straight to a side the ones that do not
   /// start behind the robot's origin. Of Stage's ring of 16 sonars these are the front eight.
   static std::vector<Sonar> front_of(const DeviceInfo& device) {
@@ -103,7 +101,7 @@ struct Flocking {
 
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
-      "pioneer_flocking", "flock: drive where sonars see room, turning as the nearest marked robot does", {});
+      "pioneer_flocking", "flock: drive where sonars see room, turning as the nearest marked robot does");
 }
 
 }  // namespace troupe::models

@@ -23,9 +23,6 @@ namespace troupe::models {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
 using engine::WorldSpec;
 
 // What Stage's foragers do, m, m/s, rad/s, updates.
@@ -299,30 +296,50 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
   actions.command = {-k_back_speed, 0, 0};
 }
 
-FieldTable with_plan(std::vector<engine::Field> fields) {
-  fields.push_back({.name = "map",
-                    .type = FieldType::text,
-                    .fallback = "cave",
-                    .text = "the model that is the floor plan; where there is none of this name, the first "
-                            "image"});
-  return {std::move(fields)};
-}
+constexpr const char* k_map_text =
+    "the model that is the floor plan; where there is none of this name, the first image";
 
 struct Fasr : Forager {
-  static Fasr make(const Record& p) {
+  struct Params {
+    std::string source = "source";
+    std::string sink = "sink";
+    std::string map = "cave";
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::source>("source", "the model that holds flags to be fetched");
+      d.member<&Params::sink>("sink", "the model that they are brought to");
+      d.member<&Params::map>("map", k_map_text);
+    }
+  };
+  static Fasr make(const Params& params) {
     Fasr forager;
-    forager.names = {{p[0].text(), p[1].text()}};
-    forager.map = p[2].text();
+    forager.names = {{params.source, params.sink}};
+    forager.map = params.map;
     forager.low = 0.25;
     return forager;
   }
 };
 
-constexpr std::size_t k_most_tasks = 8;
-
 /// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a
 /// charger and while it charges.
 struct Fasr2 : Forager {
+  struct Params {
+    std::string task, task2, task3, task4, task5, task6, task7, task8;
+    std::string map = "cave";
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      constexpr const char* k_text = "\"red\": from model red_source to model red_sink";
+      d.member<&Params::task>("task", k_text);
+      d.member<&Params::task2>("task2", k_text);
+      d.member<&Params::task3>("task3", k_text);
+      d.member<&Params::task4>("task4", k_text);
+      d.member<&Params::task5>("task5", k_text);
+      d.member<&Params::task6>("task6", k_text);
+      d.member<&Params::task7>("task7", k_text);
+      d.member<&Params::task8>("task8", k_text);
+      d.member<&Params::map>("map", k_map_text);
+    }
+  };
   static constexpr bool switches = true;
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
@@ -334,11 +351,12 @@ struct Fasr2 : Forager {
     actions.switch_device(k_scanner, !is_at_charger);
     if (finder) actions.switch_device(*finder, is_docking);
   }
-  static Fasr2 make(const Record& p) {
+  static Fasr2 make(const Params& params) {
     Fasr2 forager;
-    for (std::size_t i = 0; i < k_most_tasks; ++i)
-      if (!p[i].text().empty()) forager.names.emplace_back(p[i].text() + "_source", p[i].text() + "_sink");
-    forager.map = p[k_most_tasks].text();
+    for (const std::string* task : {&params.task, &params.task2, &params.task3, &params.task4, &params.task5,
+                                    &params.task6, &params.task7, &params.task8})
+      if (!task->empty()) forager.names.emplace_back(*task + "_source", *task + "_sink");
+    forager.map = params.map;
     forager.low = 0.2;
     forager.abandons = true;
     return forager;
@@ -353,29 +371,12 @@ struct Fasr2 : Forager {
 
 engine::ControllerKind fasr_controller() {
   return engine::make_controller_kind<Fasr>("fasr",
-                                            "fetch flags from a source, bring them to a sink, and charge",
-                                            with_plan({{.name = "source",
-                                                        .type = FieldType::text,
-                                                        .fallback = "source",
-                                                        .text = "the model that holds flags to be fetched"},
-                                                       {.name = "sink",
-                                                        .type = FieldType::text,
-                                                        .fallback = "sink",
-                                                        .text = "the model that they are brought to"}}));
+                                            "fetch flags from a source, bring them to a sink, and charge");
 }
 
 engine::ControllerKind fasr2_controller() {
-  static constexpr std::array<std::string_view, k_most_tasks> k_names{"task",  "task2", "task3", "task4",
-                                                                      "task5", "task6", "task7", "task8"};
-  std::vector<engine::Field> fields;
-  for (const std::string_view name : k_names)
-    fields.push_back({.name = name,
-                      .type = FieldType::text,
-                      .fallback = "",
-                      .text = "\"red\": from model red_source to model red_sink"});
   return engine::make_controller_kind<Fasr2>(
-      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge",
-      with_plan(std::move(fields)));
+      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge");
 }
 
 }  // namespace troupe::models

@@ -13,10 +13,6 @@ namespace troupe::models {
 namespace {
 
 using engine::DeviceInfo;
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using sensors::RadioPort;
 
 constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
@@ -27,31 +23,26 @@ constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to s
 constexpr float k_far_hops = 12;           // that an LED can tell apart
 constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
 
-const FieldTable& gradient_fields() {
-  static const FieldTable table{{
-      {.name = "beacon",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "it stands, and is where counting begins"},
-      {.name = "spacing",
-       .unit = Unit::meters,
-       .fallback = 1.0,
-       .min = 0,
-       .max = 10000,
-       .text = "it settles where nobody is settled nearer than this"},
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.3, .min = 0, .text = "while it roams"},
-      min_front_field(0.4),
-      {.name = "patience",
-       .type = FieldType::integer,
-       .fallback = 20,
-       .min = 1,
-       .max = 1000000,
-       .text = "decisions after which a count that nobody has confirmed is forgotten"},
-  }};
-  return table;
-}
-
 struct Gradient {
+  struct Params {
+    bool beacon = false;
+    double spacing = 1;
+    double speed = 0.3;
+    double min_front = 0.4;
+    std::uint32_t patience = 20;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::beacon>("beacon", "it stands, and is where counting begins");
+      d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
+                                 "it settles where nobody is settled nearer than this");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "while it roams");
+      describe_min_front(d);
+      d.member<&Params::patience>("patience", within(1, 1'000'000),
+                                  "decisions after which a count that nobody has confirmed is forgotten");
+    }
+  };
   struct Memory {
     std::uint32_t hops = k_hops_unknown;
     std::uint32_t unconfirmed = 0;  ///< decisions since somebody said a count that this one follows from
@@ -67,21 +58,14 @@ struct Gradient {
   };
   static constexpr bool needs_drive = false;
 
-  bool beacon;
-  double spacing, speed, min_front;
-  std::uint32_t patience;
+  Params params;
   Scanner scanner;
   std::size_t led = 0;  // its place among the devices; 0: none
-
-  static Gradient make(const Record& p) {
-    return {p[0].boolean(), p[1].number(), p[2].number(), p[3].number(),
-            static_cast<std::uint32_t>(p[4].integer())};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     if (!choice.take_kind("radio")) return Error{"needs a radio"};
-    if (!beacon) {
+    if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
       // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say
       // why.
@@ -110,11 +94,11 @@ struct Gradient {
     const RadioPort radio(percept.devices[0], actions.devices[0]);
     const Heard heard = listen(radio);
     const bool in_touch = heard.hops != k_hops_unknown;
-    if (beacon) {
+    if (params.beacon) {
       memory.settled = 1;
       memory.hops = 0;
     } else {
-      const bool has_room = in_touch && heard.nearest >= spacing;
+      const bool has_room = in_touch && heard.nearest >= params.spacing;
       if (!scanner.is_usable()) memory.settled = 1;
       // Where it would be out of touch when it has come to a stop it must not settle.
       if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
@@ -146,7 +130,7 @@ struct Gradient {
 
   void count(Memory& memory, const Heard& heard) const {
     const std::uint32_t hops = std::min<std::uint32_t>(heard.hops + 1, k_hops_unknown);
-    if (hops <= memory.hops || ++memory.unconfirmed > patience) {
+    if (hops <= memory.hops || ++memory.unconfirmed > params.patience) {
       memory.hops = hops;
       memory.unconfirmed = 0;
     }
@@ -154,16 +138,17 @@ struct Gradient {
 
   void roam(Memory& memory, std::span<const float> ranges, Random& random, engine::Command& command) const {
     if (memory.alone > 0 && memory.alone <= k_backwards) {
-      command = {-speed, 0, 0};
+      command = {-params.speed, 0, 0};
       memory.avoid_updates = 0;
       return;
     }
-    const auto [obstruction, stop, left, right] = scanner.look(ranges, min_front, k_stop_share * min_front);
+    const auto [obstruction, stop, left, right] =
+        scanner.look(ranges, params.min_front, k_stop_share * params.min_front);
     if (!obstruction && memory.avoid_updates == 0) {
-      command = {speed, 0, 0};
+      command = {params.speed, 0, 0};
       return;
     }
-    const double forward = stop ? 0 : k_creep_share * speed;
+    const double forward = stop ? 0 : k_creep_share * params.speed;
     if (memory.avoid_updates == 0) {
       memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(20));
       command.turn = left < right ? -k_turn : k_turn;
@@ -177,7 +162,7 @@ struct Gradient {
 
 engine::ControllerKind gradient_controller() {
   return engine::make_controller_kind<Gradient>(
-      "gradient", "settle in touch with others, and count the hops to a beacon by radio", gradient_fields());
+      "gradient", "settle in touch with others, and count the hops to a beacon by radio");
 }
 
 }  // namespace troupe::models

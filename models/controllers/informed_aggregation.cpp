@@ -13,10 +13,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
@@ -29,36 +25,33 @@ constexpr Evasion k_evasion{};
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
 enum Does : std::uint8_t { k_walks, k_enters, k_stands };
 
-const FieldTable& informed_aggregation_fields() {
-  static const FieldTable table{{
-      {.name = "informed",
-       .type = FieldType::text,
-       .fallback = std::string("no"),
-       .text = "on which colour alone it stops; no: on both",
-       .choices = {"no", "black", "white"}},
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.1, .min = 0, .text = "straight ahead"},
-      {.name = "enter",
-       .unit = Unit::seconds,
-       .fallback = 8.0,
-       .min = 0,
-       .max = 1e6,
-       .text = "for how long it goes on, at most, on a site before it stops there"},
-      {.name = "leave",
-       .unit = Unit::per_second,
-       .fallback = 0.04,
-       .min = 0,
-       .text = "rate at which one that stands alone leaves"},
-      {.name = "others",
-       .fallback = 0.25,
-       .min = 0,
-       .max = 1000,
-       .text = "for each other that it hears on its site it leaves exp(-this) times as often"},
-      min_front_field(0.08),
-  }};
-  return table;
-}
+enum class Informed : std::uint8_t { no, black, white };
+constexpr std::array<std::string_view, 3> names_of(Informed) { return {"no", "black", "white"}; }
 
 struct InformedAggregation {
+  struct Params {
+    Informed informed = Informed::no;
+    double speed = 0.1;
+    double enter = 8;
+    double leave = 0.04;
+    double others = 0.25;
+    double min_front = 0.08;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::informed>("informed", "on which colour alone it stops; no: on both");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::enter>("enter", seconds, within(0, 1e6),
+                               "for how long it goes on, at most, on a site before it stops there");
+      d.member<&Params::leave>("leave", per_second, at_least(0),
+                               "rate at which one that stands alone leaves");
+      d.member<&Params::others>(
+          "others", within(0, 1000),
+          "for each other that it hears on its site it leaves exp(-this) times as often");
+      describe_min_front(d);
+    }
+  };
   struct Memory {
     std::uint32_t enter_updates = 0;
     std::uint32_t turn_updates = 0;
@@ -76,14 +69,8 @@ struct InformedAggregation {
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2;
 
-  bool stops_on_black, stops_on_white;
-  double speed, enter, leave, others, min_front;
+  Params params;
   Scanner scanner;
-
-  static InformedAggregation make(const Record& p) {
-    return {p[0].text() != "white", p[0].text() != "black", p[1].number(), p[2].number(),
-            p[3].number(),          p[4].number(),          p[5].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -99,7 +86,8 @@ struct InformedAggregation {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
     const Ground ground = ground_below(percept);
     if (memory.does == k_stands) {
-      const double rate = leave * exp(-others * static_cast<double>(standing_here(radio, memory.site)));
+      const double rate =
+          params.leave * exp(-params.others * static_cast<double>(standing_here(radio, memory.site)));
       if (random.uniform() < rate * percept.tick_s) {
         memory.does = k_walks;
         memory.leaves = 1;
@@ -133,13 +121,14 @@ struct InformedAggregation {
   void find_site(Memory& memory, Ground ground, const engine::Percept& percept, Random& random) const {
     if (ground == k_plain) memory.leaves = 0;
     const bool may_stop = memory.leaves == 0 &&
-                          (ground == k_is_black ? stops_on_black : ground == k_is_white && stops_on_white);
+                          (ground == k_is_black ? params.informed != Informed::white
+                                                : ground == k_is_white && params.informed != Informed::black);
     if (!may_stop) {
       memory.does = k_walks;
     } else if (memory.does == k_walks || memory.site != ground) {
       memory.does = k_enters;
       memory.site = ground;
-      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, enter) / percept.tick_s);
+      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, params.enter) / percept.tick_s);
     } else if (memory.enter_updates > 0) {
       --memory.enter_updates;
     } else {
@@ -152,11 +141,11 @@ struct InformedAggregation {
     if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else {
-      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), min_front, min_front);
+      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool turns = memory.turn_updates > 0;
-    command = {turns ? 0 : speed, 0, turns ? memory.turn : 0.0};
+    command = {turns ? 0 : params.speed, 0, turns ? memory.turn : 0.0};
   }
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
@@ -170,8 +159,7 @@ struct InformedAggregation {
 
 engine::ControllerKind informed_aggregation_controller() {
   return engine::make_controller_kind<InformedAggregation>(
-      "informed_aggregation", "gather on black or white ground, the longer the more stand there",
-      informed_aggregation_fields());
+      "informed_aggregation", "gather on black or white ground, the longer the more stand there");
 }
 
 }  // namespace troupe::models

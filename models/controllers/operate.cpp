@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -16,37 +17,29 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
-
-enum class Order { open, close, up, down, go_to, speed };
-const std::vector<std::string_view> k_orders{"open", "close", "up", "down", "go_to", "speed"};
-
-const FieldTable& order_fields() {
-  static const FieldTable table{{
-      {.name = "at", .unit = Unit::seconds, .min = 0, .text = "world time from which the order holds"},
-      {.name = "device", .type = FieldType::text, .text = "name of the device"},
-      {.name = "order",
-       .type = FieldType::text,
-       .text = "a gripper's: open, close, up, down; an actuator's: go_to, speed",
-       .choices = k_orders},
-      {.name = "value",
-       .fallback = 0.0,
-       .min = -1e6,
-       .max = 1e6,
-       .text = "of go_to, m or rad; of speed, m/s or rad/s"},
-  }};
-  return table;
+enum class Order : std::uint8_t { open, close, up, down, go_to, speed };
+constexpr std::array<std::string_view, 6> names_of(Order) {
+  return {"open", "close", "up", "down", "go_to", "speed"};
 }
+constexpr std::array k_orders = names_of(Order{});
 
 struct Step {
-  double at_s;
+  double at_s = 0;
   std::string device;
-  Order order;
-  double value;
+  Order order = Order::open;
+  double value = 0;
   std::size_t chosen = 0;  // position of the device among those of the controller
+
+  static constexpr void describe(engine::Description<Step>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&Step::at_s>("at", seconds, required, at_least(0), "world time from which the order holds");
+    d.member<&Step::device>("device", required, "name of the device");
+    d.member<&Step::order>("order", required,
+                           "a gripper's: open, close, up, down; an actuator's: go_to, speed");
+    d.member<&Step::value>("value", within(-1e6, 1e6), "of go_to, m or rad; of speed, m/s or rad/s");
+    d.derived<&Step::chosen>();
+  }
 };
 
 bool takes_value(Order order) { return order >= Order::go_to; }
@@ -94,7 +87,8 @@ Result<Step> read_step(std::string_view entry) {
     return Error{fmt::format(
         "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry)};
   if (!is_order(name))
-    return Error{fmt::format("has a plan with an {}", unknown_name("order", name, k_orders))};
+    return Error{fmt::format("has a plan with an {}",
+                             unknown_name("order", name, {k_orders.begin(), k_orders.end()}))};
   const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
   if (takes_value(order) != value.has_value())
     return Error{fmt::format("has a plan with \"{}\": that order {}", entry,
@@ -103,20 +97,29 @@ Result<Step> read_step(std::string_view entry) {
 }
 
 struct Operate {
+  struct Params {
+    std::string plan;
+    std::vector<Step> orders;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::plan>(
+          "plan",
+          "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need");
+      d.member<&Params::orders>("orders", "what is asked of which device, and when");
+    }
+  };
+
   std::vector<Step> steps;
   Result<> readable;  // whether all of the plan is
 
-  static Operate make(const Record& p) {
+  static Operate make(const Params& params) {
     Operate operate;
-    for (std::string_view plan = p[0].text(); !plan.empty() && operate.readable;)
+    for (std::string_view plan = params.plan; !plan.empty() && operate.readable;)
       if (const Result<Step> step = read_step(take_first(',', plan)))
         operate.steps.push_back(*step);
       else
         operate.readable = step.error();
-    for (const Record& r : p[1].records())
-      operate.steps.push_back(
-          {r[0].number(), r[1].text(),
-           static_cast<Order>(std::ranges::find(k_orders, r[2].text()) - k_orders.begin()), r[3].number()});
+    operate.steps.insert(operate.steps.end(), params.orders.begin(), params.orders.end());
     std::ranges::stable_sort(operate.steps, {}, &Step::at_s);
     return operate;
   }
@@ -168,20 +171,7 @@ struct Operate {
 }  // namespace
 
 engine::ControllerKind operate_controller() {
-  static const FieldTable fields{{
-      {.name = "plan",
-       .type = FieldType::text,
-       .fallback = std::string(),
-       .text =
-           "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need"},
-      {.name = "orders",
-       .type = FieldType::records,
-       .fallback = std::vector<Record>{},
-       .text = "what is asked of which device, and when",
-       .record = &order_fields()},
-  }};
-  return engine::make_controller_kind<Operate>("operate", "operate grippers and actuators by timed orders",
-                                               fields);
+  return engine::make_controller_kind<Operate>("operate", "operate grippers and actuators by timed orders");
 }
 
 }  // namespace troupe::models

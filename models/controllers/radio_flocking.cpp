@@ -13,9 +13,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
 using sensors::payload_of;
 using sensors::RadioPort;
 
@@ -26,38 +23,30 @@ constexpr double k_attraction = 0.3;    // at most, so that the many afar do not
 constexpr double k_least_range = 1e-3;  // m
 constexpr double k_backwards = 0.5;     // of the speed
 
-const FieldTable& flocking_fields() {
-  static const FieldTable table{{
-      {.name = "speed", .unit = Unit::meters_per_second, .fallback = 0.2, .min = 0, .text = "straight ahead"},
-      {.name = "distance",
-       .unit = Unit::meters,
-       .fallback = 0.6,
-       .min = 0,
-       .text = "that it keeps from others",
-       .above_min = true},
-      {.name = "spacing_weight", .fallback = 1.0, .min = 0, .text = "of that, against the others' headings"},
-      {.name = "gain",
-       .unit = Unit::per_second,
-       .fallback = 1.0,
-       .min = 0,
-       .text = "turn rate for each radian that it is to turn"},
-      {.name = "clearance",
-       .unit = Unit::meters,
-       .fallback = 0.8,
-       .min = 0,
-       .text = "walls and others that its scanner sees nearer than this push it away"},
-  }};
-  return table;
-}
-
 struct RadioFlocking {
-  double speed, distance, spacing_weight, gain, clearance;
+  struct Params {
+    double speed = 0.2;
+    double distance = 0.6;
+    double spacing_weight = 1;
+    double gain = 1;
+    double clearance = 0.8;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::distance>("distance", meters, above(0), "that it keeps from others");
+      d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
+                                        "of that, against the others' headings");
+      d.member<&Params::gain>("gain", per_second, at_least(0),
+                              "turn rate for each radian that it is to turn");
+      d.member<&Params::clearance>("clearance", meters, at_least(0),
+                                   "walls and others that its scanner sees nearer than this push it away");
+    }
+  };
+  Params params;
   double radio_heading = 0;  // rad, of the radio in the frame of its drive
   std::vector<Beam> beams;
-
-  static RadioFlocking make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -86,14 +75,14 @@ struct RadioFlocking {
       const SinCos theirs = sincos(heading - own);
       headings += Vec2(theirs.cos, theirs.sin);
       const SinCos way = sincos(radio_heading + message.bearing);
-      const double near = distance / std::max<double>(message.range, k_least_range);
+      const double near = params.distance / std::max<double>(message.range, k_least_range);
       spacing += std::clamp(1 - near * near, -k_repulsion, k_attraction) * Vec2(way.cos, way.sin);
     }
     Vec2 aim = headings.squaredNorm() > 0 ? Vec2(headings / headings.norm()) : Vec2(1, 0);
-    if (heard > 0) aim += spacing_weight / static_cast<double>(heard) * spacing;
+    if (heard > 0) aim += params.spacing_weight / static_cast<double>(heard) * spacing;
     aim += push(percept);
     const double angle = aim == Vec2::Zero() ? 0 : atan2(aim.y(), aim.x());
-    actions.command = {speed * std::max(-k_backwards, cos(angle)), 0, gain * angle};
+    actions.command = {params.speed * std::max(-k_backwards, cos(angle)), 0, params.gain * angle};
     radio.say(static_cast<float>(own));
   }
 
@@ -103,8 +92,8 @@ struct RadioFlocking {
     std::size_t count = 0;
     for (const Beam& beam : beams) {
       const double range = percept.ranges(1)[beam.reading];
-      if (!(range < clearance)) continue;
-      sum -= (1 - range / clearance) * Vec2(beam.direction.cos, beam.direction.sin);
+      if (!(range < params.clearance)) continue;
+      sum -= (1 - range / params.clearance) * Vec2(beam.direction.cos, beam.direction.sin);
       ++count;
     }
     return count > 0 ? Vec2(k_push / static_cast<double>(count) * sum) : sum;
@@ -115,8 +104,7 @@ struct RadioFlocking {
 
 engine::ControllerKind radio_flocking_controller() {
   return engine::make_controller_kind<RadioFlocking>(
-      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart",
-      flocking_fields());
+      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart");
 }
 
 }  // namespace troupe::models

@@ -10,7 +10,6 @@ namespace {
 
 using engine::DeviceInfo;
 using engine::PartSpec;
-using engine::Record;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
@@ -19,7 +18,6 @@ struct Rasterize {
   static constexpr bool needs_drive = false;
   Memory raster;
 
-  static Rasterize make(const Record&) { return {}; }
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
 
   Result<> look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
@@ -56,7 +54,7 @@ struct Rasterize {
 }  // namespace
 
 engine::ControllerKind rasterize_controller() {
-  return engine::make_controller_kind<Rasterize>("rasterize", "keep a raster of the model's outlines", {});
+  return engine::make_controller_kind<Rasterize>("rasterize", "keep a raster of the model's outlines");
 }
 
 }  // namespace troupe::models

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/fields.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstddef>
@@ -60,13 +60,12 @@ class Scanner {
   bool sees_ahead_ = false;
 };
 
-/// The parameter of controllers that turn away from what a scanner sees ahead, m.
-inline engine::Field min_front_field(double fallback) {
-  return {.name = "min_front",
-          .unit = engine::Unit::meters,
-          .fallback = fallback,
-          .min = 0,
-          .text = "a reading below it ahead is turned away from"};
+/// The parameter `min_front` of controllers that turn away from what a scanner sees ahead, m.
+template <class Params>
+constexpr void describe_min_front(engine::Description<Params>& d) {
+  using namespace engine::facts;
+  d.template member<&Params::min_front>("min_front", engine::Unit::meters, at_least(0),
+                                        "a reading below it ahead is turned away from");
 }
 
 }  // namespace troupe::models

@@ -3,76 +3,62 @@
 #include "engine/controller.hpp"
 #include "engine/ticks.hpp"
 
+#include <array>
+#include <string_view>
+
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
+enum class Law : std::uint8_t { timed, wave, line };
+constexpr std::array<std::string_view, 3> names_of(Law) { return {"timed", "wave", "line"}; }
 
-const FieldTable& leg_fields() {
-  static const FieldTable table{{
-      {.name = "until", .unit = Unit::seconds, .min = 0, .text = "world time at which the next leg begins"},
-      {.name = "forward", .unit = Unit::meters_per_second, .fallback = 0.0, .text = "speed"},
-      {.name = "left", .unit = Unit::meters_per_second, .fallback = 0.0, .text = "speed, omni drives only"},
-      {.name = "turn",
-       .unit = Unit::radians_per_second,
-       .fallback = 0.0,
-       .text = "turn rate; for a car the steering angle in rad"},
-  }};
-  return table;
-}
+struct Leg {
+  double until_s = 0;
+  double forward = 0;
+  double left = 0;
+  double turn = 0;
 
-const FieldTable& script_fields() {
-  static const FieldTable table{{
-      {.name = "law",
-       .type = FieldType::text,
-       .fallback = "timed",
-       .text = "what is driven",
-       .choices = {"timed", "wave", "line"}},
-      {.name = "legs",
-       .type = FieldType::records,
-       .fallback = std::vector<Record>{},
-       .text = "speeds one after another, for the law `timed`; after the last the robot stands",
-       .record = &leg_fields()},
-  }};
-  return table;
-}
+  static constexpr void describe(engine::Description<Leg>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&Leg::until_s>("until", seconds, required, at_least(0),
+                            "world time at which the next leg begins");
+    d.member<&Leg::forward>("forward", meters_per_second, "speed");
+    d.member<&Leg::left>("left", meters_per_second, "speed, omni drives only");
+    d.member<&Leg::turn>("turn", radians_per_second, "turn rate; for a car the steering angle in rad");
+  }
+};
 
 struct Script {
   struct Memory {
     std::uint32_t updates = 0;  ///< n of the laws
     TROUPE_FIELDS(updates)
   };
-  enum class Law { timed, wave, line };
-  struct Leg {
-    double until_s;
-    engine::Command command;
+  struct Params {
+    Law law = Law::timed;
+    std::vector<Leg> legs;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      d.member<&Params::law>("law", "what is driven");
+      d.member<&Params::legs>(
+          "legs", "speeds one after another, for the law `timed`; after the last the robot stands");
+    }
   };
 
-  Law law;
-  std::vector<Leg> legs;
-
-  static Script make(const Record& p) {
-    Script script{p[0].text() == "wave" ? Law::wave : p[0].text() == "line" ? Law::line : Law::timed, {}};
-    for (const Record& leg : p[1].records())
-      script.legs.push_back({leg[0].number(), {leg[1].number(), leg[2].number(), leg[3].number()}});
-    return script;
-  }
+  Params params;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
-    for (std::size_t i = 1; i < legs.size(); ++i)
-      if (legs[i].until_s <= legs[i - 1].until_s)
+    for (std::size_t i = 1; i < params.legs.size(); ++i)
+      if (params.legs[i].until_s <= params.legs[i - 1].until_s)
         return Error{"has a leg that ends before it begins: `until` must rise"};
-    if (law == Law::timed && legs.empty())
+    if (params.law == Law::timed && params.legs.empty())
       return Error{"needs legs: the law `timed` drives nothing without them"};
     return std::vector<std::size_t>();
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
     const std::int64_t n = ++memory.updates;
-    switch (law) {
+    switch (params.law) {
       case Law::wave:
         actions.command = {0.2 + 0.1 * static_cast<double>((n / 7) % 3), 0,
                            0.4 * static_cast<double>((n / 11) % 5 - 2)};
@@ -80,9 +66,9 @@ struct Script {
       case Law::line: actions.command = {0.5, 0, 0}; break;
       case Law::timed:
         actions.command = {};
-        for (const Leg& leg : legs) {
+        for (const Leg& leg : params.legs) {
           if (percept.tick >= engine::ticks_until(leg.until_s, percept.tick_s)) continue;
-          actions.command = leg.command;
+          actions.set_speed(leg.forward, leg.left, leg.turn);
           break;
         }
         break;
@@ -93,8 +79,7 @@ struct Script {
 }  // namespace
 
 engine::ControllerKind script_controller() {
-  return engine::make_controller_kind<Script>("script", "drive open loop by timed speeds or a fixed law",
-                                              script_fields());
+  return engine::make_controller_kind<Script>("script", "drive open loop by timed speeds or a fixed law");
 }
 
 }  // namespace troupe::models

@@ -7,44 +7,33 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::Record;
-using engine::Unit;
-
-const FieldTable& wander_fields() {
-  static const FieldTable table{{
-      {.name = "cruise_speed", .unit = Unit::meters_per_second, .fallback = 0.4, .text = "with a free way"},
-      {.name = "avoid_speed",
-       .unit = Unit::meters_per_second,
-       .fallback = 0.05,
-       .text = "while turning away"},
-      {.name = "avoid_turn", .unit = Unit::radians_per_second, .fallback = 0.5, .text = "while turning away"},
-      {.name = "min_front",
-       .unit = Unit::meters,
-       .fallback = 1.0,
-       .min = 0,
-       .text = "a reading below it in the middle third is an obstruction"},
-      {.name = "stop",
-       .unit = Unit::meters,
-       .fallback = 0.3,
-       .min = 0,
-       .text = "a reading below it in the middle third stops the robot"},
-  }};
-  return table;
-}
-
 struct Wander {
+  struct Params {
+    double cruise_speed = 0.4;
+    double avoid_speed = 0.05;
+    double avoid_turn = 0.5;
+    double min_front = 1;
+    double stop = 0.3;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::cruise_speed>("cruise_speed", meters_per_second, "with a free way");
+      d.member<&Params::avoid_speed>("avoid_speed", meters_per_second, "while turning away");
+      d.member<&Params::avoid_turn>("avoid_turn", radians_per_second, "while turning away");
+      d.member<&Params::min_front>("min_front", meters, at_least(0),
+                                   "a reading below it in the middle third is an obstruction");
+      d.member<&Params::stop>("stop", meters, at_least(0),
+                              "a reading below it in the middle third stops the robot");
+    }
+  };
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
     TROUPE_FIELDS(avoid_updates)
   };
 
-  double cruise, avoid, turn, min_front, stop_distance;
+  Params params;
   Scanner scanner;
-
-  static Wander make(const Record& p) {
-    return {p[0].number(), p[1].number(), p[2].number(), p[3].number(), p[4].number()};
-  }
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -57,17 +46,18 @@ struct Wander {
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
-    const auto [obstruction, stop, left, right] = scanner.look(percept.ranges(0), min_front, stop_distance);
+    const auto [obstruction, stop, left, right] =
+        scanner.look(percept.ranges(0), params.min_front, params.stop);
     // Whatever was commanded from outside before, it is speeds from now on.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
-      actions.command = {cruise, 0, 0};
+      actions.command = {params.cruise_speed, 0, 0};
       return;
     }
-    actions.command.x = stop ? 0 : avoid;
+    actions.command.x = stop ? 0 : params.avoid_speed;
     if (memory.avoid_updates < 1) {
       memory.avoid_updates = 10 + static_cast<std::int32_t>(random.below(10));
-      actions.command.turn = left < right ? -turn : turn;
+      actions.command.turn = left < right ? -params.avoid_turn : params.avoid_turn;
     }
     --memory.avoid_updates;
   }
@@ -76,8 +66,8 @@ struct Wander {
 }  // namespace
 
 engine::ControllerKind wander_controller() {
-  return engine::make_controller_kind<Wander>("wander", "drive about, turning from what a scanner sees ahead",
-                                              wander_fields());
+  return engine::make_controller_kind<Wander>("wander",
+                                              "drive about, turning from what a scanner sees ahead");
 }
 
 }  // namespace troupe::models

@@ -16,66 +16,26 @@
 namespace troupe::models {
 namespace {
 
-using engine::FieldTable;
-using engine::FieldType;
-using engine::Record;
-using engine::Unit;
-
 // It lands on goals that it keeps to but for the rounding of its last step, m and rad.
 constexpr double k_there = 1e-6;
 
-const FieldTable& goal_fields() {
-  static const FieldTable table = [] {
-    FieldTable goal = engine::pose_fields();
-    goal.fields.push_back({.name = "at",
-                           .unit = Unit::seconds,
-                           .fallback = 0.0,
-                           .min = 0,
-                           .max = 1e9,
-                           .text = "when it is there, since the start of the world, or of its round; it "
-                                   "stays until then; 0: when it gets there"});
-    goal.fields.push_back({.name = "speed",
-                           .unit = Unit::meters_per_second,
-                           .fallback = 0.0,
-                           .min = 0,
-                           .max = 1e6,
-                           .text = "how fast it goes there, straight; 0: as its drive goes to goals"});
-    goal.fields.push_back({.name = "wait",
-                           .unit = Unit::seconds,
-                           .fallback = 0.0,
-                           .min = 0,
-                           .max = 1e9,
-                           .text = "how long it stays there before it goes on"});
-    return goal;
-  }();
-  return table;
-}
-
-const FieldTable& waypoint_fields() {
-  static const FieldTable table{{
-      {.name = "goals",
-       .type = FieldType::records,
-       .text = "where to, one after another, in the frame of the robot's localization",
-       .record = &goal_fields()},
-      {.name = "near",
-       .unit = Unit::meters,
-       .fallback = 0.1,
-       .min = 0.03,  // drives come within 0.02 m along both axes
-       .text = "how near it believes to be when it goes on from a goal without `at` and `speed`"},
-      {.name = "again",
-       .type = FieldType::boolean,
-       .fallback = false,
-       .text = "begins again after the last goal; otherwise it stays there"},
-  }};
-  return table;
-}
-
 struct Goal {
   Pose pose;
-  double at_s;
-  double speed;
-  double wait_s;
+  double at_s = 0;
+  double speed = 0;
+  double wait_s = 0;
 
+  static constexpr void describe(engine::Description<Goal>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.part<&Goal::pose>();
+    d.member<&Goal::at_s>("at", seconds, within(0, 1e9),
+                          "when it is there, since the start of the world, or of its round; it stays until "
+                          "then; 0: when it gets there");
+    d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
+                           "how fast it goes there, straight; 0: as its drive goes to goals");
+    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it stays there before it goes on");
+  }
   /// It goes there in a straight line, as fast as it was told, and not as its drive goes to goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
@@ -88,45 +48,49 @@ struct Waypoints {
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
-  std::vector<Goal> goals;
-  double near;
-  bool again;
+  struct Params {
+    std::vector<Goal> goals;
+    double near = 0.1;
+    bool again = false;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      using enum engine::Unit;
+      d.member<&Params::goals>("goals", required,
+                               "where to, one after another, in the frame of the robot's localization");
+      // Drives come within 0.02 m along both axes.
+      d.member<&Params::near>(
+          "near", meters, at_least(0.03),
+          "how near it believes to be when it goes on from a goal without `at` and `speed`");
+      d.member<&Params::again>("again", "begins again after the last goal; otherwise it stays there");
+    }
+  };
+
+  Params params;
   // Of the drive, where goals are tracked:
   double speed_max = 0;  // m/s, in any direction
   double turn_max = 0;   // rad/s, either way
   std::uint64_t period = 1;
 
-  static Waypoints make(const Record& p) {
-    Waypoints waypoints{{}, p[1].number(), p[2].boolean()};
-    for (const Record& goal : p[0].records()) {
-      const auto at = [&](std::string_view name) { return engine::get(goal_fields(), goal, name).number(); };
-      waypoints.goals.push_back({{at("x"), at("y"), 0, at("heading")}, at("at"), at("speed"), at("wait")});
-    }
-    return waypoints;
-  }
-
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
-    if (goals.empty()) return Error{"needs goals: without them it has nowhere to go"};
+    if (params.goals.empty()) return Error{"needs goals: without them it has nowhere to go"};
     return std::vector<std::size_t>();
   }
 
   Result<> look(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
     if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
-    if (std::ranges::none_of(goals, &Goal::is_tracked)) return {};
-    const engine::DriveKind omni = omni_drive();
-    if (!type.drive || type.drive->kind != omni.name)
+    if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
+    if (!type.drive || type.drive->kind != omni_drive().name)
       return Error{
           "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where they "
           "are sent"};
-    const auto limit = [&](std::string_view name) {
-      return engine::get(omni.params, type.drive->params, name).number();
-    };
-    speed_max = std::min({limit("velocity_max_x"), -limit("velocity_min_x"), limit("velocity_max_y"),
-                          -limit("velocity_min_y")});
-    turn_max = std::min(limit("turn_max"), -limit("turn_min"));
+    const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
+    speed_max = std::min(
+        {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
+    turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
       return Error{"has goals with `at` or `speed`, and its drive does not go in every direction"};
-    for (std::size_t i = 0; i < goals.size(); ++i)
+    for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
         return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
     return {};
@@ -134,10 +98,10 @@ struct Waypoints {
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
     // An intervention may have left fewer goals than the robot had passed.
-    memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(goals.size() - 1));
+    memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(params.goals.size() - 1));
     const Ahead ahead = look_ahead(percept, actions.command);
     if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
-    const Goal& goal = goals[memory.goal];
+    const Goal& goal = params.goals[memory.goal];
     if (goal.is_tracked())
       track(goal, due(memory, percept), ahead, percept, actions);
     else
@@ -164,23 +128,23 @@ struct Waypoints {
 
   /// The tick with whose end it is to be at its goal; 0: whenever it gets there.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
-    const double at_s = goals[memory.goal].at_s;
+    const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
   }
 
   bool has_arrived(const Memory& memory, const engine::Percept& percept, const Ahead& ahead) const {
-    const Goal& goal = goals[memory.goal];
+    const Goal& goal = params.goals[memory.goal];
     if (!goal.is_tracked())
-      return (goal.pose.position() - percept.estimate.position()).squaredNorm() <= near * near;
+      return (goal.pose.position() - percept.estimate.position()).squaredNorm() <= params.near * params.near;
     const double turn = wrap_angle(goal.pose.heading - ahead.pose.heading);
     return ahead.tick >= due(memory, percept) && turn >= -k_there && turn <= k_there &&
            (goal.pose.position() - ahead.pose.position()).squaredNorm() <= k_there * k_there;
   }
 
-  bool is_last(const Memory& memory) const { return !again && memory.goal + 1 == goals.size(); }
+  bool is_last(const Memory& memory) const { return !params.again && memory.goal + 1 == params.goals.size(); }
 
   bool waits_no_more(Memory& memory, const engine::Percept& percept, const Ahead& ahead) const {
-    const Goal& goal = goals[memory.goal];
+    const Goal& goal = params.goals[memory.goal];
     if (!(goal.wait_s > 0) || is_last(memory)) return true;
     if (memory.leaves == 0) memory.leaves = ahead.tick + engine::period_ticks(goal.wait_s, percept.tick_s);
     if (ahead.tick < memory.leaves) return false;
@@ -190,9 +154,10 @@ struct Waypoints {
 
   void go_on(Memory& memory, const Ahead& ahead) const {
     if (is_last(memory)) return;
-    if (++memory.goal < goals.size()) return;
+    if (++memory.goal < params.goals.size()) return;
     memory.goal = 0;
-    if (std::ranges::any_of(goals, [](const Goal& goal) { return goal.at_s > 0; })) memory.begun = ahead.tick;
+    if (std::ranges::any_of(params.goals, [](const Goal& goal) { return goal.at_s > 0; }))
+      memory.begun = ahead.tick;
   }
 
   /// At the speed that takes it there in time; or, where it is late, as fast as its drive can.
@@ -215,14 +180,14 @@ struct Waypoints {
 
   /// Whether it can do all that a goal says; else what it cannot.
   Result<> can_keep(std::size_t i) const {
-    const Goal& goal = goals[i];
+    const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)
       return Error{"with both `at` and `speed`: one follows from the other"};
     if (goal.speed > speed_max)
       return Error{fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction",
                                goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
-    const Goal& before = goals[i - 1];
+    const Goal& before = params.goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
       return Error{
           fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s)};
@@ -239,8 +204,8 @@ struct Waypoints {
 }  // namespace
 
 engine::ControllerKind waypoints_controller() {
-  engine::ControllerKind kind = engine::make_controller_kind<Waypoints>(
-      "waypoints", "go from goal to goal by where it believes to be", waypoint_fields());
+  engine::ControllerKind kind =
+      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by where it believes to be");
   for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
   return kind;
 }

@@ -1,5 +1,6 @@
 #include "models/devices/brush.hpp"
 
+#include "engine/device_kind.hpp"
 #include "engine/shown_color.hpp"
 #include "engine/world.hpp"
 #include "sensors/ground.hpp"
@@ -12,65 +13,59 @@ namespace {
 using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
-using engine::Record;
 using engine::World;
 
 struct Brush {
+  using Params = sensors::GroundParams;
+  using State = BrushState;
+  using Command = BrushCommand;
+
   sensors::Ground ground;
   Vec2 point;  // below it, body frame, or that of its joint
+
+  static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_brush) {
+    return {.data = Brush{sensors::Ground(params), pose_body_brush.position()}, .most_effects = 1};
+  }
+
+  Result<> look(const engine::WorldSpec& world) {
+    ground.look(world);
+    return {};
+  }
+
+  void act(const DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const auto& command = batch.commands->as<BrushCommand>(batch.slot(i));
+      if (command.paints == 0) continue;
+      const sensors::Ground::Zone zone =
+          ground.below(batch.world, batch.rows[i], batch.mount(i).transform * point, false);
+      if (!zone.body.valid() || !batch.world.row(zone.body).valid()) continue;
+      if (engine::color_device(batch.world.type(batch.world.row(zone.body)), zone.part) == nullptr) continue;
+      batch.emit(i, 0, zone.part, zone.body, {command.red, command.green, command.blue});
+    }
+  }
+
+  /// The verb is the part that is painted.
+  void apply(World& world, const engine::Effect& effect) const {
+    const Row target = world.row(effect.target);
+    const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);
+    const auto shown = world.state(*device).cell<float>(world.slot(target), 0);
+    bool is_new = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double given = effect.payload[k];
+      const auto part = given > 0 ? static_cast<float>(std::min(given, 1.0)) : 0.0f;
+      is_new = is_new || shown[k] != part;
+      shown[k] = part;
+    }
+    const Row source = world.row(effect.source);
+    const BodyType::Device& brush = world.type(source).devices[effect.device];
+    world.state(brush).as<BrushState>(world.slot(source)).painted += is_new;
+  }
 };
-
-void act(const DeviceBatch& batch) {
-  const Brush& brush = *std::any_cast<Brush>(&batch.data);
-  for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const auto& command = batch.commands->as<BrushCommand>(batch.slot(i));
-    if (command.paints == 0) continue;
-    const sensors::Ground::Zone zone =
-        brush.ground.below(batch.world, batch.rows[i], batch.mount(i).transform * brush.point, false);
-    if (!zone.body.valid() || !batch.world.row(zone.body).valid()) continue;
-    if (engine::color_device(batch.world.type(batch.world.row(zone.body)), zone.part) == nullptr) continue;
-    batch.emit(i, 0, zone.part, zone.body, {command.red, command.green, command.blue});
-  }
-}
-
-/// The verb is the part that is painted.
-void apply(World& world, const std::any&, const engine::Effect& effect) {
-  const Row target = world.row(effect.target);
-  const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);
-  const auto shown = world.state(*device).cell<float>(world.slot(target), 0);
-  bool is_new = false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double given = effect.payload[k];
-    const auto part = given > 0 ? static_cast<float>(std::min(given, 1.0)) : 0.0f;
-    is_new = is_new || shown[k] != part;
-    shown[k] = part;
-  }
-  const Row source = world.row(effect.source);
-  const BodyType::Device& brush = world.type(source).devices[effect.device];
-  world.state(brush).as<BrushState>(world.slot(source)).painted += is_new;
-}
 
 }  // namespace
 
 DeviceKind brush_kind() {
-  DeviceKind kind{.name = "brush", .text = "paints the zone below it, if that carries an led"};
-  kind.params = {{sensors::ground_height_field()}};
-  kind.prepare = [](const Record& params, const Pose& pose_body_brush) {
-    return DeviceKind::Prepared{
-        .data = Brush{sensors::Ground(params[0].number()), pose_body_brush.position()},
-        .percepts = engine::memory_fields<BrushState>(),
-        .percept_bytes = sizeof(BrushState),
-        .commands = engine::memory_fields<BrushCommand>(),
-        .command_bytes = sizeof(BrushCommand),
-        .most_effects = 1};
-  };
-  kind.look = [](std::any& data, const engine::WorldSpec& world) -> Result<> {
-    std::any_cast<Brush>(&data)->ground.look(world);
-    return {};
-  };
-  kind.act = act;
-  kind.apply = apply;
-  return kind;
+  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if that carries an led");
 }
 
 }  // namespace troupe::models

@@ -1,6 +1,7 @@
 #include "engine/description.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/world_spec.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -86,7 +87,7 @@ struct All {
   }
 };
 
-const Field& field(const FieldTable& table, std::string_view name) {
+const engine::Field& field(const FieldTable& table, std::string_view name) {
   return table.fields.at(static_cast<std::size_t>(table.find(name)));
 }
 Value& value(Record& record, const FieldTable& table, std::string_view name) {
@@ -98,7 +99,7 @@ TEST(Description, FieldsSayWhatWasSaidOfTheMembers) {
   EXPECT_EQ(table.fields.size(), 24u);  // all but the derived one, in the order of the description
   EXPECT_EQ(table.fields.front().name, "flag");
   EXPECT_EQ(table.fields.back().name, "inner_or_none");
-  const Field& angle = field(table, "angle");
+  const engine::Field& angle = field(table, "angle");
   EXPECT_EQ(angle.type, FieldType::number);
   EXPECT_EQ(angle.unit, Unit::radians);
   EXPECT_EQ(angle.min, -1);

@@ -1,5 +1,6 @@
 // What stands on a joint senses, shows and collides where the joint is: as if it had been built there.
 
+#include "engine/sensor_params.hpp"
 #include "models/devices/power.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
@@ -16,7 +17,6 @@ namespace {
 using engine::BodyType;
 using engine::DeviceSpec;
 using engine::Element;
-using engine::Record;
 using engine::StateField;
 using engine::StateTable;
 using engine::Value;
@@ -59,22 +59,21 @@ DeviceSpec device(const std::string& kind, const Pose& pose, Values values) {
           .pose_body_sensor = pose};
 }
 
-std::vector<Record> pose_record(const Pose& pose) { return {{pose.x, pose.y, pose.z, pose.heading}}; }
-
 /// One of every kind of sensor, all with their origin at one pose.
 std::vector<DeviceSpec> all_sensors(const Pose& pose) {
   DeviceSpec fan = test::ranger("fan", {{.range_max = 4, .fov = 2, .samples = 31}}, true);
-  DeviceSpec cone = test::ranger("cone", {{.range_max = 4, .fov = 1, .samples = 3}});
-  const engine::FieldTable& transducer = *test::registry().device("ranger")->params.fields[0].record;
-  cone.params[0] = std::vector<Record>{test::record(
-      transducer, {{"pose", pose_record({})}, {"range_max", 4.0}, {"beam_width", 0.3}, {"samples", 1}})};
+  DeviceSpec cone = test::ranger("cone", {});
+  cone.params = engine::to_record(
+      engine::RangerParams{.transducers = {{.range_max = 4, .samples = 1, .beam_width = 0.3}}});
   for (DeviceSpec* ranger : {&fan, &cone}) ranger->pose_body_sensor = pose;
-  const std::vector<Record> strips{{pose_record({0.2, 0, 0, 0}), 0.5}, {pose_record({0, 0.2, 0, 1.5}), 0.5}};
+  DeviceSpec bumper = device("bumper", pose, {});
+  bumper.params = engine::to_record(
+      engine::BumperParams{.bumpers = {{{0.2, 0, 0, 0}, 0.5}, {{0, 0.2, 0, 1.5}, 0.5}}, .thickness = 0.3});
   return {fan,
           cone,
           device("fiducial", pose, {{"range_max", 4.0}, {"fov", 4.0}}),
           device("blobfinder", pose, {{"fov", 2.0}, {"range", 4.0}}),
-          device("bumper", pose, {{"bumpers", strips}, {"thickness", 0.3}}),
+          bumper,
           device("camera", pose, {{"width", 24}, {"height", 16}, {"range_far", 5.0}})};
 }
 

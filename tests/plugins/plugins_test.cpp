@@ -184,6 +184,10 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
               MatchesRegex(about("another_version") +
                            "was built for troupe 99.1.0 .interface 4., this is troupe 0.1.0 "
                            ".interface 4.: build it again"));
+  EXPECT_THAT(fault_of("old_interface"),
+              MatchesRegex(about("old_interface") +
+                           "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 4.: "
+                           "build it again"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
@@ -291,6 +295,17 @@ TEST_F(PluginsTest, AreFoundByLintAndByARegistry) {
   const std::vector<Plugins::Library> libraries = plugins->libraries();
   ASSERT_EQ(libraries.size(), 1u);
   EXPECT_EQ(libraries[0].file, folder_of("plugins") / "walker.so");
+}
+
+TEST_F(PluginsTest, OfOneNameHaveParametersOfTheirOwn) {
+  engine::Registry here = make_registry();
+  engine::Registry there = make_registry();
+  const auto plugins = add_plugins(here, {folder_of("plugins")});
+  const auto others = add_plugins(there, {folder_of("other")});
+  ASSERT_NE(here.controller("walker"), nullptr);
+  ASSERT_NE(there.controller("walker"), nullptr);
+  EXPECT_EQ(here.controller("walker")->params.fields.front().text, "on the way");
+  EXPECT_EQ(there.controller("walker")->params.fields.front().text, "on another way");
 }
 
 /// The example of docs/controllers.md.

@@ -11,6 +11,7 @@
 #define FAULT_throwing_a_number 10
 #define FAULT_throwing_at_once 11
 #define FAULT_null 12
+#define FAULT_old_interface 13
 
 #if FAULT == FAULT_of_stage
 extern "C" __attribute__((visibility("default"))) int Init(void*, void*) { return 0; }
@@ -39,7 +40,7 @@ void list(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&
 #endif
 }
 std::atomic<std::uint64_t> contents = 0;
-const plugin::Library library{plugin::k_interface,
+const plugin::Library library{FAULT == FAULT_old_interface ? 3 : plugin::k_interface,
                               FAULT == FAULT_another_version ? "99.1.0" : k_version,
                               FAULT == FAULT_another_build ? "libc++, vectorized Eigen" : plugin::k_build,
                               plugin::layout() + (FAULT == FAULT_other_headers ? 1 : 0),

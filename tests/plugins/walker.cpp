@@ -4,6 +4,9 @@
 
 #ifndef TURN
 #define TURN 0.3
+#define ABOUT "on the way"
+#else
+#define ABOUT "on another way"
 #endif
 
 struct Walker {  // not in an unnamed namespace: others may bring one of this name
@@ -12,7 +15,7 @@ struct Walker {  // not in an unnamed namespace: others may bring one of this na
 
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
-      d.member<&Params::speed>("speed", troupe::Unit::meters_per_second, at_least(0), "on the way");
+      d.member<&Params::speed>("speed", troupe::Unit::meters_per_second, at_least(0), ABOUT);
     }
   };
 

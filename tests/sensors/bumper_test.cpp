@@ -1,5 +1,6 @@
 #include "sensors/bumper.hpp"
 
+#include "engine/sensor_params.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>
@@ -13,17 +14,13 @@ using test::box;
 using test::SceneBuilder;
 using ::testing::ElementsAre;
 
-engine::Value strip(const Pose& pose) {
-  return std::vector<engine::Record>{{pose.x, pose.y, pose.z, pose.heading}};
-}
-
 /// A robot of 0.4 m with a strip of 0.3 m before it and one behind it, each 1 cm off.
 struct BumperScene : SceneBuilder {
   explicit BumperScene(const Pose& pose = {}) {
     const TypeId type = robot("robot", {box(0.4, 0.4)});
-    const std::vector<engine::Record> strips{{strip({0.21, 0, 0, 0}), 0.3},
-                                             {strip({-0.21, 0, 0, k_pi}), 0.3}};
-    (*this)[type].devices = {{.name = "bumper", .kind = "bumper", .params = {strips, 0.02}, .where = {}}};
+    const engine::BumperParams params{.bumpers = {{{0.21, 0, 0, 0}, 0.3}, {{-0.21, 0, 0, k_pi}, 0.3}}};
+    (*this)[type].devices = {
+        {.name = "bumper", .kind = "bumper", .params = engine::to_record(params), .where = {}}};
     body("r", type, pose);
   }
 };

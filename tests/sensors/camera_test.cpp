@@ -20,8 +20,11 @@ using Params = std::initializer_list<std::pair<std::string_view, engine::Value>>
 
 constexpr double k_eye = 0.5;  // m: height of the camera
 
-engine::Record camera(Params params) {
-  return test::record(test::registry().device("camera")->params, params);
+engine::Record camera(Params params, Params more = {}) {
+  const engine::FieldTable& table = test::registry().device("camera")->params;
+  engine::Record record = test::record(table, params);
+  for (const auto& [name, value] : more) record.at(static_cast<std::size_t>(table.find(name))) = value;
+  return record;
 }
 
 /// A robot at the origin that looks along +x, and what the test adds.
@@ -123,10 +126,7 @@ TEST(Camera, DepthIsAlongTheAxisAndLeftIsLeft) {
 }
 
 TEST(Camera, WhatIsNearIsCutAwayAndWhatIsFarIsSky) {
-  engine::Record params = camera(k_square);
-  params[2] = 1.0;  // near
-  params[3] = 3.0;  // far
-  CameraScene scene(params);
+  CameraScene scene(camera(k_square, {{"range_near", 1.0}, {"range_far", 3.0}}));
   scene.block({1, 0, 0, 1}, {0.8, 0, 0, 0}, box(0.1, 4, 2));
   scene.block({0, 1, 0, 1}, {4, 0, 0, 0}, box(0.1, 40, 2));
   const Picture p(scene);
@@ -135,14 +135,10 @@ TEST(Camera, WhatIsNearIsCutAwayAndWhatIsFarIsSky) {
 }
 
 TEST(Camera, PanTurnsRightAndTiltTurnsUp) {
-  engine::Record params = camera(k_square);
-  params[6] = k_pi / 2;
-  CameraScene right(params);
+  CameraScene right(camera(k_square, {{"pan", k_pi / 2}}));
   right.block({1, 0, 0, 1}, {0, -2, 0, 0}, box(10, 0.2, 2));
   EXPECT_EQ(Picture(right).colors[5], k_red);
-  params[6] = 0.0;
-  params[7] = -k_pi / 2;
-  CameraScene down(params, {0, 0, 0.5, 0});
+  CameraScene down(camera(k_square, {{"tilt", -k_pi / 2}}), {0, 0, 0.5, 0});
   const Picture floor(down);
   for (const float depth : floor.depth) EXPECT_NEAR(depth, 1, 1e-6);
   for (const int color : floor.colors) EXPECT_EQ(color, k_floor);
@@ -203,11 +199,8 @@ TEST(Camera, IsTrueToAMarchThroughSolids) {
 }
 
 TEST(Camera, WhatCanSeeNothingIsRefused) {
-  engine::Record params = camera(k_square);
-  params[2] = 3.0;  // near
-  params[3] = 2.0;  // far
   try {
-    static_cast<void>(CameraScene(params).world());
+    static_cast<void>(CameraScene(camera(k_square, {{"range_near", 3.0}, {"range_far", 2.0}})).world());
     FAIL();
   } catch (const InputError& fault) {
     EXPECT_NE(std::string(fault.what())

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/sensor_params.hpp"
 #include "engine/world.hpp"
 #include "troupe/registry.hpp"
 
@@ -46,20 +47,11 @@ struct Transducer {
 
 inline engine::DeviceSpec ranger(std::string name, const std::vector<Transducer>& transducers,
                                  bool intensity = false) {
-  const engine::FieldTable& table = registry().device("ranger")->params;
-  const engine::FieldTable& fields = *table.fields[0].record;
-  std::vector<engine::Record> records;
-  for (const Transducer& t : transducers) {
-    records.push_back(
-        record(fields, {{"pose", std::vector<engine::Record>{{t.pose.x, t.pose.y, t.pose.z, t.pose.heading}}},
-                        {"range_max", t.range_max},
-                        {"fov", t.fov},
-                        {"samples", t.samples}}));
-  }
-  return {.name = std::move(name),
-          .kind = "ranger",
-          .params = record(table, {{"transducers", records}, {"intensity", intensity}}),
-          .active = true};
+  engine::RangerParams params{.intensity = intensity};
+  for (const Transducer& t : transducers)
+    params.transducers.push_back(
+        {.pose = t.pose, .range_max = t.range_max, .fov = t.fov, .samples = t.samples});
+  return {.name = std::move(name), .kind = "ranger", .params = engine::to_record(params), .active = true};
 }
 
 inline engine::DriveSpec drive(

@@ -1,6 +1,7 @@
 // What worlds that were written for Stage, and that nobody here has seen, may hold: where they are odd, but
 // Stage reads them.
 
+#include "engine/sensor_params.hpp"
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 
@@ -31,8 +32,7 @@ class StageOtherWorlds : public StageTest {
     return get(registry().device(device.kind)->params, device.params, name);
   }
   static double fov_of_first(const engine::DeviceSpec& ranger) {
-    const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
-    return get(table, param(ranger, "transducers").records()[0], "fov").number();
+    return engine::from_record<engine::RangerParams>(ranger.params).transducers.at(0).fov;
   }
 };
 
@@ -170,10 +170,10 @@ TEST_F(StageOtherWorlds, ALaserIsARangerAndItsSensor) {
       ")");
   EXPECT_THAT(messages(), IsEmpty());
   const engine::DeviceSpec& laser = type_of(spec, 1).devices[0];
-  const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
-  EXPECT_DOUBLE_EQ(get(table, param(laser, "transducers").records()[0], "noise_stddev").number(), 0.1);
-  EXPECT_TRUE(get(table, param(laser, "transducers").records()[0], "apply_range_min").boolean());
-  EXPECT_TRUE(param(laser, "intensity").boolean());
+  const auto params = engine::from_record<engine::RangerParams>(laser.params);
+  EXPECT_DOUBLE_EQ(params.transducers.at(0).noise_stddev, 0.1);
+  EXPECT_TRUE(params.transducers.at(0).apply_range_min);
+  EXPECT_TRUE(params.intensity);
   EXPECT_EQ(type_of(spec, 1).parts[1].color, (Color{0, 0, 1, 1}));
 }
 

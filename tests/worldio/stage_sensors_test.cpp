@@ -1,3 +1,4 @@
+#include "engine/sensor_params.hpp"
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 
@@ -135,12 +136,12 @@ TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
   const engine::DeviceSpec bumper = device(
       "bumper( size [0.1 0.1 0.1] bcount 2 blength 0.3 blength[1] 0.2 bpose[0] [0.1 0.2 0 45] bpose[1] [0.1 "
       "-0.2 0 -45] )");
-  const std::vector<engine::Record>& strips = param(bumper, "bumpers").records();
+  const auto strips = engine::from_record<engine::BumperParams>(bumper.params).bumpers;
   ASSERT_EQ(strips.size(), 2u);
-  EXPECT_EQ(strips[0][1].number(), 0.3);
-  EXPECT_EQ(strips[1][1].number(), 0.2);
-  EXPECT_DOUBLE_EQ(strips[1][0].records()[0][1].number(), -0.2);
-  EXPECT_DOUBLE_EQ(strips[1][0].records()[0][3].number(), -k_pi / 4);
+  EXPECT_EQ(strips[0].length, 0.3);
+  EXPECT_EQ(strips[1].length, 0.2);
+  EXPECT_DOUBLE_EQ(strips[1].pose.y, -0.2);
+  EXPECT_DOUBLE_EQ(strips[1].pose.heading, -k_pi / 4);
 }
 
 TEST_F(StageSensors, WrongBumpersAreErrors) {
@@ -180,14 +181,14 @@ TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
   const engine::DeviceSpec ranger = device(
       "ranger( intensity 1 sensor( fov 180 samples 181 range [0.1 4] noise [0.01 0.2 10] beam_width 15 "
       "apply_range_min 1 ) )");
-  const engine::FieldTable& table = *registry().device("ranger")->params.fields[0].record;
-  const engine::Record& transducer = param(ranger, "transducers").records()[0];
-  EXPECT_DOUBLE_EQ(get(table, transducer, "noise_stddev").number(), 0.1);
-  EXPECT_EQ(get(table, transducer, "noise_proportional").number(), 0.2);
-  EXPECT_DOUBLE_EQ(get(table, transducer, "noise_angular").number(), 0.5 * radians(1) * radians(10));
-  EXPECT_DOUBLE_EQ(get(table, transducer, "beam_width").number(), radians(15));
-  EXPECT_TRUE(get(table, transducer, "apply_range_min").boolean());
-  EXPECT_TRUE(param(ranger, "intensity").boolean());
+  const auto params = engine::from_record<engine::RangerParams>(ranger.params);
+  const engine::TransducerParams& transducer = params.transducers.at(0);
+  EXPECT_DOUBLE_EQ(transducer.noise_stddev, 0.1);
+  EXPECT_EQ(transducer.noise_proportional, 0.2);
+  EXPECT_DOUBLE_EQ(transducer.noise_angular, 0.5 * radians(1) * radians(10));
+  EXPECT_DOUBLE_EQ(transducer.beam_width, radians(15));
+  EXPECT_TRUE(transducer.apply_range_min);
+  EXPECT_TRUE(params.intensity);
   device("ranger( sensor( noise [-1 0 0] ) )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"noise\" needs values of 0 or above: [variance share angle]"));

@@ -86,16 +86,14 @@ void write_ranger(const DeviceSpec& device, StageText& text) {
   }
 }
 
-void write_bumpers(const DeviceSpec& device, const DeviceKind& kind, StageText& text) {
-  const FieldTable& table = *kind.params.fields[0].record;
-  const std::vector<Record>& bumpers = device.params[0].records();
-  if (bumpers.empty()) return;
-  text.number("bcount", static_cast<double>(bumpers.size()));
-  for (std::size_t k = 0; k < bumpers.size(); ++k) {
-    const Record& pose = get(table, bumpers[k], "pose").records().front();
-    text.numbers(fmt::format("bpose[{}]", k),
-                 std::array{pose[0].number(), pose[1].number(), pose[2].number(), pose[3].number()});
-    text.number(fmt::format("blength[{}]", k), get(table, bumpers[k], "length").number());
+void write_bumpers(const DeviceSpec& device, StageText& text) {
+  const auto params = engine::from_record<engine::BumperParams>(device.params);
+  if (params.bumpers.empty()) return;
+  text.number("bcount", static_cast<double>(params.bumpers.size()));
+  for (std::size_t k = 0; k < params.bumpers.size(); ++k) {
+    const auto& [pose, length] = params.bumpers[k];
+    text.numbers(fmt::format("bpose[{}]", k), std::array{pose.x, pose.y, pose.z, pose.heading});
+    text.number(fmt::format("blength[{}]", k), length);
   }
 }
 
@@ -142,7 +140,7 @@ void write_stage_device(const DeviceSpec& device, const DeviceKind& kind, StageT
   text.number("update_interval", stage_milliseconds(device.period_s));
   if (device.kind == "ranger") return write_ranger(device, text);
   write_parameters(device, kind, text);
-  if (device.kind == "bumper") write_bumpers(device, kind, text);
+  if (device.kind == "bumper") write_bumpers(device, text);
   if (device.kind == "blobfinder") write_blob_colors(device, kind, text);
   if (device.kind == "radio") write_radio(device, kind, text);
   if (device.kind != "gripper") return;

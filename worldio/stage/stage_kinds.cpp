@@ -269,7 +269,7 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
     if (given) spec.params[at] = std::move(*given);
   }
   if (kind.name == "blobfinder") is_right = add_blob_colors(model, kind, spec) && is_right;
-  if (kind.name == "bumper") is_right = add_bumpers(model, kind, spec) && is_right;
+  if (kind.name == "bumper") is_right = add_bumpers(model, spec) && is_right;
   if (kind.name == "radio") is_right = add_radio_law(model, kind, spec) && is_right;
   if (!is_right) return {};
   spec.period_s = period_s(model);

@@ -47,7 +47,7 @@ class StageKinds {
                                      int column);
   // worldio/stage/stage_sensors.cpp; each says whether what it read is right.
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
-  bool add_bumpers(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
+  bool add_bumpers(const StageModel& model, engine::DeviceSpec& spec);
   bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   std::optional<engine::TransducerParams> transducer(const StageModel& sensor);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);

@@ -1,5 +1,6 @@
 // What Stage says of sensors whose properties are more than parameters as they stand.
 
+#include "engine/sensor_params.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_kinds.hpp"
@@ -9,8 +10,6 @@
 #include <algorithm>
 
 namespace troupe::worldio {
-
-using engine::Record;
 
 /// `colors` are names, of which the first `colors_count` filter; none do where that is not given.
 bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKind& kind,
@@ -42,13 +41,13 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
   return true;
 }
 
-bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& kind,
-                             engine::DeviceSpec& spec) {
+bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) {
   constexpr std::int64_t k_most = 1000;
+  engine::BumperParams params;
   const StageProperty* count_property = model.find(document_, "bcount");
   if (count_property == nullptr) {
     values_.warning_once(model.where, "a bumper without \"bcount\" feels nothing");
-    spec.params[0] = std::vector<Record>();
+    spec.params = engine::to_record(params);
     return true;
   }
   const auto count = values_.integer(*count_property);
@@ -58,15 +57,15 @@ bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& 
                   fmt::format("\"bcount\" must be from 1 to {}; here is {}", k_most, *count));
     return false;
   }
-  const engine::FieldTable& table = *kind.params.fields[0].record;
+  const engine::FieldTable& table = engine::described<engine::BumperStripParams>();
+  const engine::Field& length_field = table.fields[static_cast<std::size_t>(table.find("length"))];
   const StageProperty* common = model.find(document_, "blength");
-  std::vector<Record> records;
   for (std::int64_t k = 0; k < *count; ++k) {
-    Record pose = engine::pose_fields().defaults();
+    engine::BumperStripParams strip;
     if (const StageProperty* property = model.find(document_, fmt::format("bpose[{}]", k))) {
       const auto given = values_.pose_in_device(*property);
       if (!given) return false;
-      pose = {given->x, given->y, given->z, given->heading};
+      strip.pose = *given;
     }
     const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
     const StageProperty* length = own != nullptr ? own : common;
@@ -75,11 +74,12 @@ bool StageKinds::add_bumpers(const StageModel& model, const engine::DeviceKind& 
                     fmt::format("bumper {} has no length: give \"blength\" or \"blength[{}]\"", k, k));
       return false;
     }
-    const auto value_of_length = value(*length, table.fields[1], values_.length_unit(), -1);
-    if (!value_of_length) return false;
-    records.push_back({std::vector<Record>{std::move(pose)}, *value_of_length});
+    const auto given = value(*length, length_field, values_.length_unit(), -1);
+    if (!given) return false;
+    strip.length = given->number();
+    params.bumpers.push_back(strip);
   }
-  spec.params[0] = std::move(records);
+  spec.params = engine::to_record(params);
   return true;
 }
 
