@@ -15,6 +15,7 @@
 #include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/world_builder.hpp"
+#include "worldio/json/json_world.hpp"
 #include "worldio/load.hpp"
 #include "worldio/results/checkpoint.hpp"
 
@@ -460,7 +461,9 @@ Simulation::Simulation(const std::filesystem::path& file, const SimulationOption
 
 Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options,
                        engine::Registry registry)
-    : Simulation(load(file, std::nullopt, options, std::move(registry))) {}
+    : Simulation(load(file, options, std::move(registry), {},
+                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how,
+                          Diagnostics& found) { return worldio::load_world(file, kinds, how, found); })) {}
 
 Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
                                  const SimulationOptions& options) {
@@ -469,30 +472,50 @@ Simulation Simulation::from_text(std::string text, const std::filesystem::path& 
 
 Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
                                  const SimulationOptions& options, engine::Registry registry) {
-  return load(name, std::move(text), options, std::move(registry));
+  return load(name, options, std::move(registry), {},
+              [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                return worldio::load_world_text(name, std::move(text), kinds, how, found);
+              });
 }
 
 Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options)
     : Simulation(world, options, make_registry()) {}
 
 Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry)
-    : Simulation(load(world.name(), world.json(), options, std::move(registry))) {}
+    : Simulation(
+          load(world.name(), options, std::move(registry), {},
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(world.node(found.files()->add(world.name().string())),
+                                                world.name(), kinds, how, found);
+               })) {}
 
-/// text: of the file, where that is not to be read.
-Simulation Simulation::load(const std::filesystem::path& file, std::optional<std::string> text,
-                            const SimulationOptions& options, engine::Registry registry) {
+Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
+                       const SimulationOptions& options)
+    : Simulation(world, name, options, make_registry()) {}
+
+Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
+                       const SimulationOptions& options, engine::Registry registry)
+    : Simulation(
+          load(name, options, std::move(registry), world.files,
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(worldio::json_world_node(world, name, kinds, found), name,
+                                                kinds, how, found);
+               })) {}
+
+/// files: what the places of findings point into; null: nothing yet
+Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
+                            engine::Registry registry, std::shared_ptr<SourceFiles> files,
+                            const ReadWorld& read) {
   restore_fp_environment();  // before anything is computed from the file
   auto impl = std::make_unique<Impl>();
   for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
   impl->file = file;
   impl->registry = std::move(registry);
   impl->plugins = add_plugins(impl->registry, options.plugin_path);
-  Diagnostics diagnostics;
+  Diagnostics diagnostics(std::move(files));
   const worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path,
                                  options.threads};
-  engine::WorldSpec spec =
-      text ? worldio::load_world_text(file, std::move(*text), impl->registry, how, diagnostics)
-           : worldio::load_world(file, impl->registry, how, diagnostics);
+  engine::WorldSpec spec = read(impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
   spec.ranging = options.ranging.value_or(spec.ranging);
   impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,

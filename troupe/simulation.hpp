@@ -21,11 +21,20 @@
 #include <utility>
 #include <vector>
 
+namespace troupe {
+class Diagnostics;
+class SourceFiles;
+}  // namespace troupe
 namespace troupe::engine {
 class World;
 struct Registry;
+struct WorldSpec;
 enum class ControlMode : std::uint8_t;
 }  // namespace troupe::engine
+namespace troupe::worldio {
+struct LoadOptions;
+struct WorldDocument;
+}  // namespace troupe::worldio
 
 namespace troupe {
 
@@ -269,6 +278,14 @@ class Simulation {
   explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
   /// The same with kinds of the caller's own.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
+  /// Makes a world that a document describes: what a world file in JSON says, as plain data
+  /// (worldio/json/world_document.hpp). `name` stands for the file, as of from_text(). Errors as of that, at
+  /// the places that the document has.
+  explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
+                      const SimulationOptions& options = {});
+  /// The same with kinds of the caller's own.
+  Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
+             const SimulationOptions& options, engine::Registry registry);
   /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
   /// had never stopped, on any number of threads, and without the files that its world was loaded from.
   /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
@@ -448,8 +465,11 @@ class Simulation {
   friend class Model;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
-  static Simulation load(const std::filesystem::path& file, std::optional<std::string> text,
-                         const SimulationOptions& options, engine::Registry registry);
+  using ReadWorld = std::function<engine::WorldSpec(const engine::Registry& registry,
+                                                    const worldio::LoadOptions& options, Diagnostics& found)>;
+  static Simulation load(const std::filesystem::path& file, const SimulationOptions& options,
+                         engine::Registry registry, std::shared_ptr<SourceFiles> files,
+                         const ReadWorld& read);
   std::size_t reserve_of(std::string_view population) const;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,10 +1,11 @@
 #include "troupe/world_builder.hpp"
 
 #include "base/math.hpp"
+#include "worldio/json/json_text.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include <charconv>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -12,24 +13,22 @@
 namespace troupe {
 namespace {
 
-std::string json_text(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + '"';
+using worldio::add_member;
+using worldio::add_node;
+using worldio::json_node;
+using worldio::JsonMember;
+using worldio::JsonNode;
+
+std::shared_ptr<const JsonNode> shared(JsonNode node) {
+  return std::make_shared<const JsonNode>(std::move(node));
 }
 
-/// `between` stands between two values.
-std::string list_of(std::span<const Setting> values, std::string_view between) {
-  std::vector<std::string_view> texts;
-  for (const Setting& value : values) texts.push_back(value.json());
-  return fmt::format("{}", fmt::join(texts, between));
+/// What a file would say, and a reader make of it: a number without a fraction is a whole one.
+JsonNode number_node(double value) {
+  const std::string text = fmt::format("{}", value);  // the shortest text that is this number
+  std::int64_t whole = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
+  return error == std::errc() && end == text.data() + text.size() ? json_node(whole) : json_node(value);
 }
 
 Settings device_of(std::string_view name, std::string_view kind, const Settings& parameters,
@@ -39,21 +38,98 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
+/// The line of a value whose members stand in lines of their own, until it is laid out; others have none.
+constexpr std::uint32_t k_broken = 1;
+
+/// Writes a world, and notes in each value the line where it stands.
+class Layout {
+ public:
+  explicit Layout(std::uint32_t file) : where_{file, 1} {}
+
+  std::string write(JsonNode& world) {
+    add(world, 0);
+    return text_ + '\n';
+  }
+
+ private:
+  void add(JsonNode& node, std::size_t indent) {
+    const bool is_broken = node.where.line == k_broken;
+    node.where = where_;
+    if (!is_broken) {
+      text_ += worldio::json_line(node);
+      place(node);
+      return;
+    }
+    auto* list = std::get_if<JsonNode::List>(&node.value);
+    auto* object = std::get_if<JsonNode::Object>(&node.value);
+    text_ += list ? '[' : '{';
+    bool is_first = true;
+    const auto begin_line = [&] {
+      if (!is_first) text_ += ',';
+      is_first = false;
+      end_line(indent + 2);
+    };
+    if (list)
+      for (JsonNode& item : *list) {
+        begin_line();
+        add(item, indent + 2);
+      }
+    if (object)
+      for (JsonMember& member : *object) {
+        begin_line();
+        member.where = where_;
+        text_ += fmt::format("{}: ", worldio::json_line(json_node(member.key)));
+        add(member.node, indent + 2);
+      }
+    end_line(indent);
+    text_ += list ? ']' : '}';
+  }
+
+  /// All that a value holds stands where it does.
+  static void place(JsonNode& node) {
+    if (auto* list = std::get_if<JsonNode::List>(&node.value))
+      for (JsonNode& item : *list) {
+        item.where = node.where;
+        place(item);
+      }
+    if (auto* object = std::get_if<JsonNode::Object>(&node.value))
+      for (JsonMember& member : *object) {
+        member.where = member.node.where = node.where;
+        place(member.node);
+      }
+  }
+
+  void end_line(std::size_t indent) {
+    text_ += '\n';
+    text_.append(indent, ' ');
+    ++where_.line;
+  }
+
+  Where where_;
+  std::string text_;
+};
+
 }  // namespace
 
-Setting::Setting(bool value) : json_(value ? "true" : "false") {}
-Setting::Setting(double value) : json_(fmt::format("{}", value)) {  // the shortest text that is this number
+Setting::Setting(bool value) : node_(shared(json_node(value))) {}
+Setting::Setting(double value) {
   if (!std::isfinite(value))
     throw std::invalid_argument(fmt::format("a world has finite numbers, not {}", value));
+  node_ = shared(number_node(value));
 }
-Setting::Setting(std::int64_t value) : json_(fmt::format("{}", value)) {}
-Setting::Setting(std::uint64_t value) : json_(fmt::format("{}", value)) {}
-Setting::Setting(const char* text) : json_(json_text(text)) {}
-Setting::Setting(std::string_view text) : json_(json_text(text)) {}
-Setting::Setting(const std::string& text) : json_(json_text(text)) {}
-Setting::Setting(const std::vector<Setting>& list) : json_(fmt::format("[{}]", list_of(list, ", "))) {}
-Setting::Setting(std::initializer_list<Setting> list)
-    : json_(fmt::format("[{}]", list_of({list.begin(), list.size()}, ", "))) {}
+Setting::Setting(std::int64_t value) : node_(shared(json_node(value))) {}
+Setting::Setting(std::uint64_t value)
+    : node_(shared(std::in_range<std::int64_t>(value) ? json_node(static_cast<std::int64_t>(value))
+                                                      : json_node(value))) {}
+Setting::Setting(const char* text) : Setting(std::string(text)) {}
+Setting::Setting(std::string_view text) : Setting(std::string(text)) {}
+Setting::Setting(const std::string& text) : node_(shared(json_node(text))) {}
+Setting::Setting(std::initializer_list<Setting> list) : Setting(std::vector<Setting>(list)) {}
+Setting::Setting(const std::vector<Setting>& list) {
+  JsonNode::List nodes;
+  for (const Setting& value : list) nodes.push_back(*value.node_);
+  node_ = shared(json_node(std::move(nodes)));
+}
 
 Setting::Setting(const Pose& pose) {
   Settings given;
@@ -65,10 +141,12 @@ Setting::Setting(const Pose& pose) {
 }
 
 Setting::Setting(const Settings& values) {
-  for (const auto& [key, value] : values.entries())
-    json_ += fmt::format("{}{}: {}", json_.empty() ? "" : ", ", json_text(key), value.json());
-  json_ = fmt::format("{{{}}}", json_);
+  JsonNode::Object object;
+  for (const auto& [key, value] : values.entries()) add_node(object, key, *value.node_);
+  node_ = shared(json_node(std::move(object)));
 }
+
+std::string Setting::json() const { return worldio::json_line(*node_); }
 
 Settings::Settings(std::initializer_list<Entry> entries) {
   for (const Entry& entry : entries) set(entry.key, entry.value);
@@ -166,32 +244,42 @@ WorldBuilder& WorldBuilder::floorplan(std::string_view name, const std::filesyst
 }
 
 std::string WorldBuilder::json() const {
-  std::string out = "{\n  \"troupe\": 1";
-  for (const auto& [key, value] : values_.entries())
-    out += fmt::format(",\n  {}: {}", json_text(key), value.json());
-  const auto add_list = [&out](std::string_view key, std::span<const Setting> values,
-                               std::string_view indent) {
-    if (values.empty()) return;
-    const std::string between = fmt::format(",\n{}  ", indent);
-    out += fmt::format(",\n{0}\"{1}\": [\n{0}  {2}\n{0}]", indent, key, list_of(values, between));
+  JsonNode world = unplaced();
+  return Layout(Where::k_no_file).write(world);
+}
+
+JsonNode WorldBuilder::node(std::uint32_t file) const {
+  JsonNode world = unplaced();
+  Layout(file).write(world);
+  return world;
+}
+
+JsonNode WorldBuilder::unplaced() const {
+  constexpr Where k_in_lines{Where::k_no_file, k_broken};
+  const auto add_values = [](const Settings& values, JsonNode::Object& object) {
+    for (const auto& [key, value] : values.entries()) add_node(object, key, *value.node_);
   };
-  add_list("floorplans", floorplans_, "  ");
-  out += ",\n  \"types\": {";
+  const auto add_list = [&](std::string_view key, std::span<const Setting> values, JsonNode::Object& object) {
+    JsonNode::List list;
+    for (const Setting& value : values) list.push_back(*value.node_);
+    if (!list.empty()) add_member(object, key, std::move(list), k_in_lines);
+  };
+  JsonNode::Object world;
+  add_member(world, "troupe", std::int64_t{1});
+  add_values(values_, world);
+  add_list("floorplans", floorplans_, world);
+  JsonNode::Object types;
   for (const Type& type : types_) {
-    out += fmt::format("{}\n    {}: {{", &type == &types_.front() ? "" : ",", json_text(type.name_));
-    std::string members;  // each behind a comma and in a line of its own
-    std::swap(out, members);
-    for (const auto& [key, value] : type.values_.entries())
-      out += fmt::format(",\n      {}: {}", json_text(key), value.json());
-    add_list("sensors", type.sensors_, "      ");
-    add_list("devices", type.devices_, "      ");
-    std::swap(out, members);
-    out += members.substr(members.empty() ? 0 : 1) + "\n    }";
+    JsonNode::Object members;
+    add_values(type.values_, members);
+    add_list("sensors", type.sensors_, members);
+    add_list("devices", type.devices_, members);
+    add_member(types, type.name_, std::move(members), k_in_lines);
   }
-  out += "\n  }";
-  add_list("models", models_, "  ");
-  add_list("populations", populations_, "  ");
-  return out + "\n}\n";
+  add_member(world, "types", std::move(types), k_in_lines);
+  add_list("models", models_, world);
+  add_list("populations", populations_, world);
+  return json_node(std::move(world), k_in_lines);
 }
 
 }  // namespace troupe

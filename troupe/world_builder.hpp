@@ -8,6 +8,7 @@
 #include <deque>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -17,6 +18,10 @@
 namespace troupe {
 
 class Settings;
+class Simulation;
+namespace worldio {
+struct JsonNode;
+}
 
 /// A value in the description of a world: a number, a text, true or false, a list, or named values.
 class Setting {
@@ -42,10 +47,11 @@ class Setting {
   Setting(const std::vector<Setting>& list);
   Setting(std::initializer_list<Setting> list);  ///< `{0.3, 0.3, 0.2}`
 
-  const std::string& json() const { return json_; }  ///< the value, in JSON
+  std::string json() const;  ///< the value, in JSON
 
  private:
-  std::string json_;
+  friend class WorldBuilder;
+  std::shared_ptr<const worldio::JsonNode> node_;
 };
 
 /// Named values, by the keys of a world file, which carry their units (docs/world-format.md):
@@ -144,10 +150,15 @@ class WorldBuilder {
                           double height = 0.5, const Settings& more = {});
 
   const std::filesystem::path& name() const { return name_; }  ///< of the world
-  /// The world as a file in JSON, a body or a sensor a line, which `troupe run` takes.
+  /// The world as a file in JSON, a body or a sensor a line, which `troupe run` takes. Throws
+  /// std::runtime_error for a text that is no UTF-8, as does the simulation that is made of it.
   std::string json() const;
 
  private:
+  friend class Simulation;
+  /// What json() writes, each value at its line there, in this file.
+  worldio::JsonNode node(std::uint32_t file) const;
+  worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;
   std::deque<Type> types_;  // deque: they stay where they are

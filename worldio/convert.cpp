@@ -21,13 +21,13 @@ std::size_t count_types(const engine::WorldSpec& spec) {
   return static_cast<std::size_t>(std::ranges::count(is_used, true));
 }
 
-/// The JSON that a world was read from, for the lines of its keys; empty where it is none.
-std::optional<JsonNode> document_of(const std::filesystem::path& file, const Diagnostics& diagnostics) {
+/// What a world in JSON says, for the lines of its keys; empty where it is none.
+std::optional<WorldDocument> document_of(const std::filesystem::path& file, const engine::Registry& registry,
+                                         const LoadOptions& options, const Diagnostics& diagnostics) {
   if (file.extension() != ".json") return std::nullopt;
-  Diagnostics reported;  // when it was loaded
+  Diagnostics reported(diagnostics.files());  // when it was loaded
   const std::optional<std::string> text = read_file(file);
-  return text ? parse_json(*text, {diagnostics.files()->add(file.string()), 0}, false, reported)
-              : std::nullopt;
+  return text ? load_json_document(file, *text, registry, options, reported) : std::nullopt;
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   // A world of Stage without a name is called by its file, which this is not.
   if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
-  const std::optional<JsonNode> source = document_of(from, diagnostics);
+  const auto source = document_of(from, registry, options, diagnostics);
   if (ending == ".world")
     converted.text = write_stage_world(spec, to, source ? &*source : nullptr, registry, diagnostics);
   else if (const auto document = write_json_world(spec, to, registry, diagnostics))

@@ -5,6 +5,7 @@
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
+#include "worldio/json/world_document.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_reader.hpp"
 
@@ -122,6 +123,69 @@ TEST(WorldBuilder, AllThatIsWrongComesOutWithTheLinesOfItsText) {
                       "omni (did you mean \"diff\"?)"),
             HasSubstr("bad.json:8: error: /types/bot/sensors/0: unknown key \"range_m\""),
             HasSubstr("\"bott\"")));
+}
+
+/// A box that drives, as plain data.
+worldio::WorldDocument box_world() {
+  worldio::WorldDocument world;
+  world.seed = 5;
+  auto& [key, bot] = world.types.emplace_back();
+  key = "bot";
+  bot.image.size = Eigen::Vector3d(0.4, 0.3, 0.2);
+  bot.drive.emplace().kind = "diff";
+  worldio::ModelDocument& model = world.models.emplace_back();
+  model.name = "r0";
+  model.type = "bot";
+  model.pose = {.x = 1, .heading = 2};
+  return world;
+}
+
+TEST(WorldDocument, SaysWhatABuilderSays) {
+  WorldBuilder built;
+  built.set("seed", 5);
+  built.type("bot").size(0.4, 0.3, 0.2).drive("diff");
+  built.add("r0", "bot", {.x = 1, .heading = 2});
+  Simulation of_builder(built);
+  Simulation of_document(box_world());
+  EXPECT_EQ(of_document.title(), "world");
+  of_builder.run_for(1);
+  of_document.run_for(1);
+  EXPECT_EQ(of_builder.state_hash(), of_document.state_hash());
+
+  worldio::WorldDocument many = box_world();
+  worldio::PopulationDocument& robots = many.populations.emplace_back();
+  robots.name = "s";
+  robots.type = "bot";
+  robots.count = 3;
+  robots.place.emplace().rule = engine::PlacementRule::Kind::uniform;
+  robots.place->region = Box::around(Vec2(10, 10), 5);
+  EXPECT_EQ(Simulation(many, "many.json", {.robots = {{"s", 7}}}).robots(), 8u);
+}
+
+TEST(WorldDocument, WhatIsWrongComesOutAllAtOnce) {
+  worldio::WorldDocument world = box_world();
+  world.tick = -1;
+  world.types[0].second.drive->kind = "dif";
+  world.models[0].type.clear();
+  world.models.emplace_back().where = {0, 7};
+  world.models.back().type = "bott";
+  world.files = std::make_shared<SourceFiles>();
+  world.files->add("mine.cpp");
+  EXPECT_THAT(
+      message_of<InputError>([&] { const Simulation simulation(world, "made.json"); }),
+      AllOf(HasSubstr("made.json: error: /tick_s: must be from 1e-06 to 3600 s, found -1"),
+            HasSubstr("made.json: error: /types/bot/drive/kind: unknown drive \"dif\"; known: car, diff, "
+                      "omni (did you mean \"diff\"?)"),
+            HasSubstr("made.json: error: /models/0: missing \"type\": the name of one of /types"),
+            HasSubstr("mine.cpp:7: error: /models/1: missing \"name\": the model's name"),
+            HasSubstr("mine.cpp:7: error: /models/1/type: unknown type \"bott\"; known: bot")));
+}
+
+TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
+  WorldBuilder world("bad");
+  world.type("bot").size(1, 1, 1).sensor("eye", "bumper").set("sensors", std::vector<Setting>());
+  EXPECT_THAT(message_of<InputError>([&] { const Simulation simulation(world); }),
+              HasSubstr("bad.json:7: error: the key \"sensors\" already stands on line 6"));
 }
 
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {

@@ -1,9 +1,12 @@
+#include "worldio/json/json_world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/json_document.hpp"
-#include "worldio/json/json_types.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/spec_difference.hpp"
+#include "worldio/json/type_document.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
@@ -292,6 +295,90 @@ TEST(JsonWorld, ItSaysHowItIsToBeWatched) {
               ElementsAre(testing::HasSubstr("/watch/rate: ")));
 }
 
+/// Everything that a document of its own kind has.
+const std::string k_all = R"({
+  "troupe": 1, "title": "All", "seed": 3, "tick_s": 0.05, "quit_time_s": 9, "measure_every_s": 2,
+  "ranging": "grid", "resolution_m": 0.05, "bounds_m": [[-50, -50], [50, 50]], "ground": {"alias": "floor"},
+  "record": {"file": "r.h5", "every_s": 1, "fields": ["pose"]}, "watch": {"clock": true}, "mortal": true,
+  "overlaps": "warn", "same_names": "warn",
+  "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.1], "color": "blue", "ranger_return": 0.3, "pushable": true,
+      "drive": {"kind": "car", "period_s": 0.2, "wheelbase_m": 0.1},
+      "sensors": [{"kind": "ranger", "pose": {"heading_deg": 90}, "active": false, "period_s": 0.5,
+                   "transducers": [{"range_max_m": 2}]}],
+      "controllers": [{"kind": "expand_swarm"}, {"kind": "expand", "law": "far"}],
+      "parts": [{"name": "hat", "pose": {"z_m": 0.1}, "floor_plan": true,
+                 "blocks": [{"points_m": [[0, 0], [0.1, 0], [0, 0.1]], "z_m": [0, 0.1], "frame": "body"}]}]},
+    "stretched": {"size_m": [1, 2, 1], "fit": true, "origin": {"x_m": 1}, "extent_m": [3, 3, 3],
+      "blocks": [{"contours_m": [[[0, 0], [1, 0], [0, 1]], [[0.1, 0.1], [0.2, 0.1], [0.1, 0.2]]], "z_m": [0, 1]}]}
+  },
+  "models": [{"name": "s", "type": "stretched", "alias": "t", "pose": {"x_m": 20}, "color": [0.1, 0.2, 0.3, 0.5]},
+             {"name": "later", "type": "bot", "reserve_of": "g", "global_parts": ["hat"]}],
+  "populations": [
+    {"name": "g", "type": "bot", "count": 3, "color": "random", "place": {"rule": "grid",
+     "region_m": [[0, 0], [1, 1]], "spill_m": [[2, 0], [3, 1]], "pitch_m": 0.5, "jitter_m": 0.01, "heading": "random"}},
+    {"name": "h", "type": "bot", "count": 2, "reserve": 2, "color": "red", "place": {"rule": "gaussian",
+     "mean_m": [-5, -5], "deviation_m": [1, 2], "heading_deg": 30, "z_m": 0.5}},
+    {"name": "u", "type": "bot", "count": 2, "place": {"rule": "uniform", "polygon_m": [[5, 5], [9, 5], [5, 9]]}},
+    {"name": "p", "type": "bot", "count": 2, "place": {"rule": "poisson_disc", "distance_m": 1,
+     "region_m": [[-20, -20], [-10, -10]]}},
+    {"name": "f", "type": "bot", "count": 2, "place": {"rule": "free_floor", "from_m": [12, 12], "cell_m": 0.5,
+     "region_m": [[10, 10], [15, 15]]}}]
+})";
+
+TEST(WorldDocument, IsWhatTheFileSays) {
+  Diagnostics diagnostics;
+  const engine::Registry registry = json_test_registry();
+  const auto document = load_json_document("maze.json", k_all, registry, {}, diagnostics);
+  ASSERT_TRUE(document);
+  ASSERT_THAT(findings(diagnostics), IsEmpty());
+  EXPECT_EQ(document->title, "All");
+  EXPECT_EQ(document->quit_time, 9.0);
+  EXPECT_EQ(document->overlaps, WorldDocument::Check::warn);
+  EXPECT_EQ(document->where_of("ranging").line, 3u);
+  EXPECT_FALSE(document->says("measures"));
+  ASSERT_EQ(document->types.size(), 2u);
+  const auto& [key, bot] = document->types[0];
+  EXPECT_EQ(key, "bot");
+  EXPECT_EQ(bot.image.size, Eigen::Vector3d(0.2, 0.2, 0.1));
+  EXPECT_EQ(bot.returns.ranger, 0.3f);
+  ASSERT_TRUE(bot.drive);
+  EXPECT_EQ(bot.drive->period, 0.2);
+  EXPECT_EQ(bot.drive->params, (engine::Record{1.0, 0.1}));
+  EXPECT_EQ(bot.drive->where_of("wheelbase").line, bot.drive->where.line)
+      << "parameters have no place of their own";
+  ASSERT_EQ(bot.controllers.size(), 2u);
+  EXPECT_EQ(bot.controllers[0].kind, "expand") << "of which expand_swarm is a preset";
+  EXPECT_EQ(bot.controllers[0].params[0], engine::Value(2.5));
+  EXPECT_EQ(document->types[1].second.blocks->front().contours->size(), 2u);
+  ASSERT_EQ(document->populations.size(), 5u);
+  const PopulationDocument& grid = document->populations[0];
+  EXPECT_TRUE(grid.color->is_random);
+  EXPECT_TRUE(grid.place->heading->is_random);
+  EXPECT_EQ(grid.place->rule, engine::PlacementRule::Kind::grid);
+  EXPECT_EQ(grid.place->pitch, 0.5);
+  EXPECT_EQ(grid.place->where.line, 20u);
+}
+
+TEST(WorldDocument, IsWrittenAsItReadsBack) {
+  Diagnostics diagnostics;
+  const engine::Registry registry = json_test_registry();
+  const auto document = load_json_document("maze.json", k_all, registry, {}, diagnostics);
+  ASSERT_TRUE(document);
+  const WorldSpec spec = expand(*document, "maze.json", registry, {}, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors()) << findings(diagnostics).front();
+  const std::string text = json_text(json_world_node(*document, "maze.json", registry, diagnostics));
+  const Loaded back(text);
+  ASSERT_FALSE(back.diagnostics.has_errors()) << back.found.front() << text;
+  EXPECT_EQ(spec_difference(spec, back.spec), "");
+  EXPECT_EQ(back.spec.bodies.size(), spec.bodies.size());
+  EXPECT_EQ(back.spec.record->fields, spec.record->fields);
+  EXPECT_EQ(back.spec.reserves.size(), 2u);
+  const auto again = load_json_document("maze.json", text, registry, {}, diagnostics);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(json_text(json_world_node(*again, "maze.json", registry, diagnostics)), text);
+}
+
 struct Wrong {
   const char* from;
   const char* to;
@@ -549,13 +636,13 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:2: error: /troupe: format version 3 is not known: this version reads 1",
           "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
-          "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
           "maze.json:5: error: unknown key \"noise\"; known: $schema, at, bounds_m, faults, floorplans, "
           "ground, "
           "measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, "
           "quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, "
-          "stop_when, tick_ms, tick_s, title, troupe, types, watch, window"));
+          "stop_when, tick_ms, tick_s, title, troupe, types, watch, window",
+          "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a"));
   EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
 }
 

@@ -313,15 +313,15 @@ WorldSpec full_spec() {
   type.parts = {part, part, part};
   type.parts[2].parent = 1;
   type.drive = engine::DriveSpec{"omni", registry.drive("omni")->params.defaults(), 0.25, {file, 8}};
-  const auto give = [](const engine::FieldTable& table, engine::Record& record, std::string_view name,
+  const auto put = [](const engine::FieldTable& table, engine::Record& record, std::string_view name,
                       engine::Value value) {
     record.at(static_cast<std::size_t>(table.find(name))) = std::move(value);
   };
-  give(registry.drive("omni")->params, type.drive->params, "velocity_min_x", -1.0 / 3);
+  put(registry.drive("omni")->params, type.drive->params, "velocity_min_x", -1.0 / 3);
   engine::DeviceSpec sensor{
       .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
   const engine::Record fan = engine::described<engine::TransducerParams>().defaults();
-  give(registry.device("ranger")->params, sensor.params, "transducers", std::vector{fan, fan});
+  put(registry.device("ranger")->params, sensor.params, "transducers", std::vector{fan, fan});
   sensor.part = 2;
   sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
@@ -330,11 +330,11 @@ WorldSpec full_spec() {
   type.devices = {sensor};
   type.controllers = {{"script", 0, registry.controller("script")->params.defaults(), 0, {file, 10}},
                       {"expand", 1, registry.controller("expand")->params.defaults(), 0.7, {file, 11}}};
-  give(registry.controller("script")->params, type.controllers[0].params, "legs",
+  put(registry.controller("script")->params, type.controllers[0].params, "legs",
       std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}});
   const engine::FieldTable& expand = registry.controller("expand")->params;
-  give(expand, type.controllers[1].params, "clearances", std::vector<double>{0.1, 0.2});
-  give(expand, type.controllers[1].params, "invert", true);
+  put(expand, type.controllers[1].params, "clearances", std::vector<double>{0.1, 0.2});
+  put(expand, type.controllers[1].params, "invert", true);
   spec.types.push_back(type);
   spec.bodies.push_back({.name = spec.names.add("r", 17),
                          .type = TypeId(1),

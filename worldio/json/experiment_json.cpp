@@ -1,16 +1,15 @@
 #include "worldio/json/experiment_json.hpp"
 
 #include "worldio/json/fields_json.hpp"
-#include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_text.hpp"
-#include "worldio/json/measures_json.hpp"
+#include "worldio/json/read_document.hpp"
+#include "worldio/json/write_document.hpp"
+#include "worldio/load.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -19,132 +18,39 @@
 namespace troupe::worldio {
 namespace {
 
-using engine::Comparison;
 using engine::FaultSpec;
 using engine::Field;
 using engine::FieldTable;
-using engine::FieldType;
 using engine::GroupSpec;
 using engine::InterventionSpec;
 using engine::Record;
 using engine::SettingSpec;
 using engine::StopSpec;
-using engine::Unit;
 using engine::Value;
 using Action = InterventionSpec::Action;
 
-constexpr double k_most_s = 1e9;
-constexpr double k_most_bodies = 1e9;
-
-const Field k_time{.name = "time", .unit = Unit::seconds, .min = 0, .max = k_most_s};
-const Field k_from{.name = "from", .unit = Unit::seconds, .min = 0, .max = k_most_s};
-const Field k_count{.name = "count", .type = FieldType::integer, .min = 0, .max = k_most_bodies};
-const Field k_share{.name = "share", .min = 0, .max = 1};
-
-/// In the order of GroupSpec::By.
-constexpr std::array<std::string_view, 3> k_groups{"population", "type", "model"};
-/// In the order of SettingSpec::Of.
-constexpr std::array<std::string_view, 3> k_settings{"drive", "device", "controller"};
-
-constexpr std::string_view k_condition =
-    "a condition on a measure, as \"coverage >= 0.9\": one of <, <=, >, >=, ==, != and a number";
-
-template <class Read>
-void each(JsonObject& object, std::string_view key, Read read) {
-  const JsonNode* node = object.find(key);
-  if (!node) return;
-  const JsonCursor cursor(object.at(), key, *node);
-  const JsonNode::List* list = read_list(cursor);
-  for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]), cursor, i);
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
-/// `>= 0.9`; nothing where it is none.
-std::optional<std::pair<Comparison, double>> comparison_of(std::string_view text) {
-  std::optional<std::size_t> longest;
-  for (std::size_t i = 0; i < engine::k_comparisons.size(); ++i)
-    if (text.starts_with(engine::k_comparisons[i]) &&
-        (!longest || engine::k_comparisons[i].size() > engine::k_comparisons[*longest].size()))
-      longest = i;
-  if (!longest) return std::nullopt;
-  const std::string_view number = trimmed(text.substr(engine::k_comparisons[*longest].size()));
-  double value = 0;
-  const auto [end, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (number.empty() || fault != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
-    return std::nullopt;
-  return std::pair(static_cast<Comparison>(*longest), value);
-}
-
-std::optional<StopSpec> read_condition(const JsonCursor& at, const JsonCursor& list, std::size_t index,
-                                       const engine::Registry& registry) {
-  std::string_view compares;
-  std::optional<engine::MeasureSpec> measure;
-  if (at.node().object()) {
-    JsonObject object(at);
-    if (const JsonNode* node = object.require("measure", "the name of a measure, or {\"kind\": ..., ...}"))
-      measure = read_measure(JsonCursor(at, "measure", *node), registry);
-    const JsonNode* node = object.require("is", "what it is compared with, as \">= 0.9\"");
-    object.finish();
-    const std::string* text =
-        node ? read_text(JsonCursor(at, "is", *node), "what it is compared with, as \">= 0.9\"") : nullptr;
-    if (text) compares = trimmed(*text);
-    if (!text || !measure) return std::nullopt;
-  } else {
-    const std::string* text = read_text(at, k_condition);
-    if (!text) return std::nullopt;
-    const std::size_t sign = std::min(text->find_first_of("<>=!"), text->size());
-    JsonNode name = json_node(std::string(trimmed(std::string_view(*text).substr(0, sign))), at.where());
-    compares = trimmed(std::string_view(*text).substr(sign));
-    if (compares.empty() || name.text()->empty()) {
-      at.expected(k_condition);
-      return std::nullopt;
-    }
-    measure = read_measure(JsonCursor(list, index, name), registry);
-    if (!measure) return std::nullopt;
-  }
-  const auto comparison = comparison_of(compares);
-  if (!comparison) {
-    at.error(fmt::format("\"{}\" is no comparison with a number: one of <, <=, >, >=, ==, != and the number",
-                         compares));
-    return std::nullopt;
-  }
-  return StopSpec{std::move(*measure), comparison->first, comparison->second};
-}
-
-/// One of the groups, and how many of it.
-GroupSpec read_group(JsonObject& object, bool with_number) {
+GroupSpec expand_group(const GroupDocument& document) {
   GroupSpec group;
-  std::size_t given = 0;
-  for (std::size_t i = 0; i < k_groups.size(); ++i) {
-    const JsonNode* node = object.find(k_groups[i]);
-    if (!node) continue;
-    const std::string* name = read_text(JsonCursor(object.at(), k_groups[i], *node), "a name");
-    group.by = static_cast<GroupSpec::By>(i);
-    if (name) group.name = *name;
-    ++given;
-  }
-  if (object.is_object() && given != 1)
-    object.at().error(fmt::format("give one of \"population\", \"type\" and \"model\": whom is it about?{}",
-                                  given > 1 ? " Here are several" : ""));
-  if (!with_number) return group;
-  if (const Value count = read_field(object, k_count); count.given()) group.count = count.integer();
-  if (const Value share = read_field(object, k_share); share.given()) group.share = share.number();
-  if (group.count && group.share) object.at().error("give \"count\" or \"share\", not both");
+  for (const auto& [by, name] :
+       {std::pair(GroupSpec::By::population, &document.population),
+        std::pair(GroupSpec::By::type, &document.type), std::pair(GroupSpec::By::model, &document.model)})
+    if (*name) {
+      group.by = by;
+      group.name = **name;
+    }
+  group.count = document.count;
+  group.share = document.share;
   return group;
 }
 
-GroupSpec read_named(JsonObject& object, GroupSpec::By by, std::string_view hint) {
-  GroupSpec group{.by = by, .name = {}, .count = {}, .share = {}};
-  const std::string_view key = k_groups[static_cast<std::size_t>(by)];
-  if (const JsonNode* node = object.require(key, hint))
-    if (const std::string* name = read_text(JsonCursor(object.at(), key, *node), "a name"))
-      group.name = *name;
-  return group;
+void contract_group(const GroupSpec& group, GroupDocument& document) {
+  switch (group.by) {
+    case GroupSpec::By::population: document.population = group.name; break;
+    case GroupSpec::By::type: document.type = group.name; break;
+    case GroupSpec::By::model: document.model = group.name; break;
+  }
+  document.count = group.count;
+  document.share = group.share;
 }
 
 /// Those of a table that are given; the others are not. The last of what an object has.
@@ -171,131 +77,62 @@ std::vector<std::string_view> names_of(const List& list, Projection name) {
   return names;
 }
 
-class ExperimentReader {
+/// New parameters of a type, which the document keeps as they stand.
+class SettingExpander {
  public:
-  ExperimentReader(std::span<const std::string> type_keys, const engine::Registry& registry,
-                   engine::WorldSpec& spec)
+  SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,
+                  const engine::WorldSpec& spec)
       : type_keys_(type_keys), registry_(registry), spec_(spec) {}
 
-  void read(JsonObject& object) {
-    engine::ExperimentSpec& experiment = spec_.experiment;
-    each(object, "stop_when", [&](const JsonCursor& at, const JsonCursor& list, std::size_t index) {
-      if (auto condition = read_condition(at, list, index, registry_))
-        experiment.stop_when.push_back(std::move(*condition));
-    });
-    each(object, "at", [&](const JsonCursor& at, const JsonCursor&, std::size_t) {
-      if (auto intervention = read_intervention(at)) experiment.at.push_back(std::move(*intervention));
-    });
-    each(object, "faults", [&](const JsonCursor& at, const JsonCursor&, std::size_t) {
-      experiment.faults.push_back(read_fault(at));
-    });
-  }
+  std::optional<SettingSpec> expand(const SettingDocument& document, const DocumentPath& at) const;
 
  private:
-  std::optional<InterventionSpec> read_intervention(const JsonCursor& at);
-  void read_action(const JsonCursor& at, InterventionSpec& intervention);
-  std::optional<SettingSpec> read_setting(JsonObject& object);
-  Record read_device(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting);
-  Record read_controller(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting);
-  FaultSpec read_fault(const JsonCursor& at);
+  Record expand_drive(const JsonCursor& at, const engine::TypeSpec& type, const std::string& key) const;
+  Record expand_device(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting) const;
+  Record expand_controller(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting) const;
 
   std::span<const std::string> type_keys_;
   const engine::Registry& registry_;
-  engine::WorldSpec& spec_;
+  const engine::WorldSpec& spec_;
 };
 
-std::optional<InterventionSpec> ExperimentReader::read_intervention(const JsonCursor& at) {
-  JsonObject object(at);
-  if (!object.is_object()) return std::nullopt;
-  InterventionSpec intervention{.where = at.where()};
-  const std::size_t before = at.diagnostics().findings().size();
-  if (const Value time = read_field(object, k_time); time.given())
-    intervention.time_s = time.number();
-  else if (at.diagnostics().findings().size() == before)
-    object.missing("time_s", "when it is done");
-  std::size_t given = 0;
-  for (std::size_t i = 0; i < engine::k_actions.size(); ++i) {
-    const JsonNode* node = object.find(engine::k_actions[i]);
-    if (!node) continue;
-    if (++given > 1) {
-      at.error_at(node->where, "one thing is done at a time: give each an entry of its own");
-      continue;
-    }
-    intervention.action = static_cast<Action>(i);
-    read_action(JsonCursor(at, engine::k_actions[i], *node), intervention);
-  }
-  object.finish();
-  if (given == 0) at.error(fmt::format("nothing is done: give one of {}", comma_list(engine::k_actions)));
-  return intervention;
-}
-
-void ExperimentReader::read_action(const JsonCursor& at, InterventionSpec& intervention) {
-  JsonObject object(at);
-  switch (intervention.action) {
-    case Action::remove:
-    case Action::disable:
-    case Action::enable: intervention.whom = read_group(object, true); break;
-    case Action::add:
-      intervention.whom = read_named(object, GroupSpec::By::population, "one that has a reserve");
-      if (const Value count = read_field(object, k_count); count.given())
-        intervention.whom.count = count.integer();
-      if (object.find("pose")) intervention.pose = read_pose(object);
-      intervention.region = read_box(object, "region_m");
-      if (intervention.pose && object.find("region_m")) at.error("give \"pose\" or \"region_m\", not both");
-      break;
-    case Action::move:
-      intervention.whom = read_named(object, GroupSpec::By::model, "the body that is put elsewhere");
-      intervention.pose = read_pose(object);
-      if (!object.find("pose")) object.missing("pose", "where it is put");
-      break;
-    case Action::set: intervention.setting = read_setting(object); break;
-  }
-  object.finish();
-}
-
-std::optional<SettingSpec> ExperimentReader::read_setting(JsonObject& object) {
-  const JsonCursor& at = object.at();
-  const JsonNode* type_node = object.require("type", "the name of one of /types");
-  const std::string* key =
-      type_node ? read_text(JsonCursor(at, "type", *type_node), "the name of one of /types") : nullptr;
-  for (const std::string_view of : k_settings) object.find(of);
-  if (!key) return std::nullopt;
-  const auto found = std::ranges::find(type_keys_, *key);
-  if (key->empty() || found == type_keys_.end()) {
+std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& document,
+                                                   const DocumentPath& at) const {
+  if (document.type.empty()) return std::nullopt;
+  const auto found = std::ranges::find(type_keys_, document.type);
+  if (found == type_keys_.end()) {
     std::vector<std::string_view> known(type_keys_.begin(), type_keys_.end());
     std::erase(known, std::string_view());
-    JsonCursor(at, "type", *type_node).error(unknown_name("type", *key, std::move(known)));
+    DocumentPath(at, "type", document.where_of("type"))
+        .error(unknown_name("type", document.type, std::move(known)));
     return std::nullopt;
   }
   SettingSpec setting{.type = TypeId(static_cast<std::size_t>(found - type_keys_.begin())), .params = {}};
   const engine::TypeSpec& type = spec_.types[setting.type.index()];
-  std::size_t given = 0;
-  for (std::size_t i = 0; i < k_settings.size(); ++i) {
-    const JsonNode* node = object.find(k_settings[i]);
-    if (!node || ++given > 1) continue;
-    const JsonCursor cursor(at, k_settings[i], *node);
-    setting.of = static_cast<SettingSpec::Of>(i);
-    switch (setting.of) {
-      case SettingSpec::Of::drive: {
-        JsonObject drive(cursor);
-        const engine::DriveKind* kind = type.drive ? registry_.drive(type.drive->kind) : nullptr;
-        if (!kind) {
-          cursor.error(fmt::format("type \"{}\" has no drive", *key));
-          break;
-        }
-        setting.params = read_some(drive, kind->params);
-        break;
-      }
-      case SettingSpec::Of::device: setting.params = read_device(cursor, type, setting); break;
-      case SettingSpec::Of::controller: setting.params = read_controller(cursor, type, setting); break;
-    }
+  if (document.drive) {
+    setting.of = SettingSpec::Of::drive;
+    setting.params = expand_drive(JsonCursor(at, "drive", *document.drive), type, document.type);
+  } else if (document.device) {
+    setting.of = SettingSpec::Of::device;
+    setting.params = expand_device(JsonCursor(at, "device", *document.device), type, setting);
+  } else if (document.controller) {
+    setting.of = SettingSpec::Of::controller;
+    setting.params = expand_controller(JsonCursor(at, "controller", *document.controller), type, setting);
   }
-  if (given != 1) at.error(fmt::format("give one of {}: what of the type is set?", comma_list(k_settings)));
   return setting;
 }
 
-Record ExperimentReader::read_device(const JsonCursor& at, const engine::TypeSpec& type,
-                                     SettingSpec& setting) {
+Record SettingExpander::expand_drive(const JsonCursor& at, const engine::TypeSpec& type,
+                                     const std::string& key) const {
+  JsonObject object(at);
+  const engine::DriveKind* kind = type.drive ? registry_.drive(type.drive->kind) : nullptr;
+  if (kind) return read_some(object, kind->params);
+  at.error(fmt::format("type \"{}\" has no drive", key));
+  return {};
+}
+
+Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSpec& type,
+                                      SettingSpec& setting) const {
   JsonObject object(at);
   const JsonNode* node = object.require("name", "which of the type's sensors and devices");
   const std::string* name = node ? read_text(JsonCursor(at, "name", *node), "a name") : nullptr;
@@ -311,8 +148,8 @@ Record ExperimentReader::read_device(const JsonCursor& at, const engine::TypeSpe
   return read_some(object, kind->params);
 }
 
-Record ExperimentReader::read_controller(const JsonCursor& at, const engine::TypeSpec& type,
-                                         SettingSpec& setting) {
+Record SettingExpander::expand_controller(const JsonCursor& at, const engine::TypeSpec& type,
+                                          SettingSpec& setting) const {
   JsonObject object(at);
   const JsonNode* node = object.require("kind", "which of the type's controllers");
   const std::string* name =
@@ -333,126 +170,168 @@ Record ExperimentReader::read_controller(const JsonCursor& at, const engine::Typ
   return read_some(object, kind->params);
 }
 
-FaultSpec ExperimentReader::read_fault(const JsonCursor& at) {
-  JsonObject object(at);
-  FaultSpec fault{.whom = read_group(object, true), .ailments = {}, .where = at.where()};
-  if (const Value from = read_field(object, k_from); from.given()) fault.from_s = from.number();
-  for (const engine::FaultKind& kind : registry_.faults)
-    if (auto params = read_block(object, kind.name, kind.params))
-      fault.ailments.push_back({std::string(kind.name), std::move(*params)});
-  object.finish();
-  if (object.is_object() && fault.ailments.empty())
-    at.error(fmt::format("nobody fails: give one of {}",
-                         comma_list(names_of(registry_.faults, &engine::FaultKind::name))));
-  return fault;
-}
-
-// ---- writing
-
-JsonNode condition_node(const StopSpec& condition, const engine::Registry& registry) {
-  const engine::MeasureSpec& measure = condition.measure;
-  const engine::MeasureKind* kind = registry.measure(measure.kind);
-  const Record defaults = kind ? kind->params.defaults() : Record();
-  const bool is_plain = measure.name.empty() &&
-                        std::ranges::equal(measure.params, defaults,
-                                           [](const Value& a, const Value& b) { return same_bits(a, b); });
-  if (is_plain) return json_node(engine::text_of(condition), measure.where);
-  JsonNode::Object object;
-  add_node(object, "measure", measure_node(measure, registry));
-  add_member(object, "is",
-             fmt::format("{} {}", engine::k_comparisons[static_cast<std::size_t>(condition.comparison)],
-                         condition.value));
-  return json_node(std::move(object), measure.where);
-}
-
-void write_group(const GroupSpec& group, JsonNode::Object& object) {
-  add_member(object, k_groups[static_cast<std::size_t>(group.by)], group.name);
-  if (group.count) write_field(k_count, *group.count, object);
-  if (group.share) write_field(k_share, *group.share, object);
-}
-
-JsonNode setting_node(const SettingSpec& setting, const engine::WorldSpec& spec,
-                      std::span<const std::string> type_keys, const engine::Registry& registry) {
+SettingDocument contract_setting(const SettingSpec& setting, const engine::WorldSpec& spec,
+                                 std::span<const std::string> type_keys, const engine::Registry& registry) {
   const engine::TypeSpec& type = spec.types[setting.type.index()];
-  JsonNode::Object inner;
+  SettingDocument document;
+  document.type = type_keys[setting.type.index()];
+  JsonNode::Object object;
   switch (setting.of) {
     case SettingSpec::Of::drive:
       if (const auto* kind = registry.drive(type.drive->kind))
-        write_some(setting.params, kind->params, inner);
+        write_some(setting.params, kind->params, object);
+      document.drive = json_node(std::move(object));
       break;
     case SettingSpec::Of::device: {
       const engine::DeviceSpec& device = type.devices[setting.index];
-      add_member(inner, "name", device.name);
-      if (const auto* kind = registry.device(device.kind)) write_some(setting.params, kind->params, inner);
+      add_member(object, "name", device.name);
+      if (const auto* kind = registry.device(device.kind)) write_some(setting.params, kind->params, object);
+      document.device = json_node(std::move(object));
       break;
     }
     case SettingSpec::Of::controller: {
       const engine::ControllerSpec& controller = type.controllers[setting.index];
-      add_member(inner, "kind", controller.kind);
+      add_member(object, "kind", controller.kind);
       if (const auto* kind = registry.controller(controller.kind))
-        write_some(setting.params, kind->params, inner);
+        write_some(setting.params, kind->params, object);
+      document.controller = json_node(std::move(object));
       break;
     }
   }
-  JsonNode::Object object;
-  add_member(object, "type", type_keys[setting.type.index()]);
-  add_member(object, k_settings[static_cast<std::size_t>(setting.of)], std::move(inner));
-  return json_node(std::move(object));
+  return document;
 }
 
-JsonNode intervention_node(const InterventionSpec& intervention, const engine::WorldSpec& spec,
-                           std::span<const std::string> type_keys, const engine::Registry& registry) {
-  JsonNode::Object object;
-  write_field(k_time, intervention.time_s, object);
-  const std::string_view action = engine::k_actions[static_cast<std::size_t>(intervention.action)];
-  if (intervention.setting) {
-    add_node(object, action, setting_node(*intervention.setting, spec, type_keys, registry));
-  } else {
-    JsonNode::Object inner;
-    write_group(intervention.whom, inner);
-    if (intervention.pose) write_place(*intervention.pose, inner);
-    if (intervention.region)
-      add_node(inner, "region_m",
-               points_node(std::array{intervention.region->min, intervention.region->max}));
-    add_member(object, action, std::move(inner));
+InterventionDocument contract_intervention(const InterventionSpec& intervention,
+                                           const engine::WorldSpec& spec,
+                                           std::span<const std::string> type_keys,
+                                           const engine::Registry& registry) {
+  InterventionDocument document;
+  document.where = intervention.where;
+  document.time = intervention.time_s;
+  const GroupSpec& whom = intervention.whom;
+  switch (intervention.action) {
+    case Action::remove: contract_group(whom, document.remove.emplace()); break;
+    case Action::disable: contract_group(whom, document.disable.emplace()); break;
+    case Action::enable: contract_group(whom, document.enable.emplace()); break;
+    case Action::add: {
+      AddDocument& add = document.add.emplace();
+      add.population = whom.name;
+      add.count = whom.count;
+      add.pose = intervention.pose;
+      add.region = intervention.region;
+      break;
+    }
+    case Action::move: {
+      MoveDocument& move = document.move.emplace();
+      move.model = whom.name;
+      move.pose = intervention.pose;
+      break;
+    }
+    case Action::set:
+      if (intervention.setting)
+        document.set = contract_setting(*intervention.setting, spec, type_keys, registry);
+      break;
   }
-  return json_node(std::move(object), intervention.where);
-}
-
-JsonNode fault_node(const FaultSpec& fault, const engine::Registry& registry) {
-  JsonNode::Object object;
-  write_group(fault.whom, object);
-  if (!same_bits(fault.from_s, 0)) write_field(k_from, fault.from_s, object);
-  for (const FaultSpec::Ailment& ailment : fault.ailments) {
-    JsonNode::Object params;
-    if (const engine::FaultKind* kind = registry.fault(ailment.kind))
-      write_fields(ailment.params, kind->params, params);
-    add_member(object, ailment.kind, std::move(params));
-  }
-  return json_node(std::move(object), fault.where);
+  return document;
 }
 
 }  // namespace
 
+engine::MeasureSpec expand_measure(const MeasureDocument& document) {
+  return {.kind = document.kind,
+          .name = document.name,
+          .of = document.of,
+          .params = document.params,
+          .where = document.where};
+}
+
+MeasureDocument contract_measure(const engine::MeasureSpec& measure) {
+  MeasureDocument document;
+  document.where = measure.where;
+  document.kind = measure.kind;
+  document.of = measure.of;
+  document.name = measure.name;
+  document.params = measure.params;
+  return document;
+}
+
+void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
+                       std::span<const std::string> type_keys, const engine::Registry& registry,
+                       engine::WorldSpec& spec) {
+  engine::ExperimentSpec& experiment = spec.experiment;
+  for (const ConditionDocument& condition : document.stop_when)
+    if (condition.measure && condition.is)
+      experiment.stop_when.push_back(
+          {expand_measure(*condition.measure), condition.is->how, condition.is->with});
+  const SettingExpander settings(type_keys, registry, spec);
+  const DocumentPath all(world, "at", where_at);
+  for (std::size_t i = 0; i < document.at.size(); ++i) {
+    const InterventionDocument& entry = document.at[i];
+    InterventionSpec intervention{.time_s = entry.time.value_or(0), .where = entry.where};
+    if (entry.set) {
+      const DocumentPath at(all, i, entry.where);
+      intervention.action = Action::set;
+      intervention.setting = settings.expand(*entry.set, DocumentPath(at, "set", entry.set->where));
+    } else if (entry.add) {
+      intervention.action = Action::add;
+      intervention.whom = {.by = GroupSpec::By::population,
+                           .name = entry.add->population,
+                           .count = entry.add->count,
+                           .share = {}};
+      intervention.pose = entry.add->pose;
+      intervention.region = entry.add->region;
+    } else if (entry.move) {
+      intervention.action = Action::move;
+      intervention.whom = {.by = GroupSpec::By::model, .name = entry.move->model, .count = {}, .share = {}};
+      intervention.pose = entry.move->pose;
+    } else {
+      intervention.action = entry.disable ? Action::disable : entry.enable ? Action::enable : Action::remove;
+      const auto& group = entry.disable ? entry.disable : entry.enable ? entry.enable : entry.remove;
+      if (group) intervention.whom = expand_group(*group);
+    }
+    experiment.at.push_back(std::move(intervention));
+  }
+  for (const FaultDocument& entry : document.faults) {
+    FaultSpec fault{.whom = expand_group(entry), .from_s = entry.from, .ailments = {}, .where = entry.where};
+    for (const FaultDocument::Impairment& one : entry.impairments)
+      fault.ailments.push_back({one.kind, one.params});
+    experiment.faults.push_back(std::move(fault));
+  }
+}
+
+void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
+                         const engine::Registry& registry, ExperimentDocument& document) {
+  for (const StopSpec& condition : spec.experiment.stop_when) {
+    ConditionDocument& entry = document.stop_when.emplace_back();
+    entry.where = condition.measure.where;
+    entry.measure = contract_measure(condition.measure);
+    entry.is = {condition.comparison, condition.value};
+  }
+  for (const InterventionSpec& intervention : spec.experiment.at)
+    document.at.push_back(contract_intervention(intervention, spec, type_keys, registry));
+  for (const FaultSpec& fault : spec.experiment.faults) {
+    FaultDocument& entry = document.faults.emplace_back();
+    entry.where = fault.where;
+    contract_group(fault.whom, entry);
+    entry.from = fault.from_s;
+    for (const FaultSpec::Ailment& one : fault.ailments) entry.impairments.push_back({one.kind, one.params});
+  }
+}
+
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec) {
-  ExperimentReader(type_keys, registry, spec).read(object);
+  ExperimentDocument document;
+  read_described_keys(object, document_table<ExperimentDocument>(), {registry, LoadOptions().most_bodies},
+                      &document);
+  expand_experiment(document, object.at(), document.where_of("at"), type_keys, registry, spec);
 }
 
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object) {
-  const auto write = [&](std::string_view key, const auto& entries, auto node) {
-    JsonNode::List list;
-    for (const auto& entry : entries) list.push_back(node(entry));
-    if (!list.empty()) add_member(object, key, std::move(list));
-  };
-  const engine::ExperimentSpec& experiment = spec.experiment;
-  write("stop_when", experiment.stop_when,
-        [&](const StopSpec& condition) { return condition_node(condition, registry); });
-  write("at", experiment.at, [&](const InterventionSpec& intervention) {
-    return intervention_node(intervention, spec, type_keys, registry);
-  });
-  write("faults", experiment.faults, [&](const FaultSpec& fault) { return fault_node(fault, registry); });
+  ExperimentDocument document;
+  contract_experiment(spec, type_keys, registry, document);
+  JsonNode node = write_document(document, registry);
+  for (JsonMember& member : std::get<JsonNode::Object>(node.value)) object.push_back(std::move(member));
 }
 
 }  // namespace troupe::worldio

@@ -177,35 +177,6 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
   return {};
 }
 
-/// Looks a field up under each of its keys. `present` tells "absent" from "there, but wrong".
-Value read_under_its_keys(JsonObject& object, const Field& field, bool& present) {
-  Value value;
-  present = false;
-  const auto suffixes = engine::unit_suffixes(field.unit);
-  for (const UnitSuffix& suffix : suffixes) {
-    const std::string key = std::string(field.name) + std::string(suffix.suffix);
-    const JsonNode* node = object.find(key);
-    if (!node) continue;
-    const JsonCursor at(object.at(), key, *node);
-    if (present)
-      at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
-    else
-      value = read_in_unit(at, field, suffix);
-    present = true;
-  }
-  if (field.unit != Unit::none) {
-    const JsonNode::Object* members = object.at().node().object();
-    for (const JsonMember& member : *members) {
-      if (member.key != field.name) continue;
-      object.find(field.name);
-      object.at().error_at(member.where,
-                           fmt::format("\"{}\" needs its unit: write {}", field.name, quoted_keys(field)));
-      present = true;
-    }
-  }
-  return value;
-}
-
 /// Degrees of at most nine digits that turn into just this angle; empty where there are none.
 std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   std::array<char, 32> digits{};
@@ -279,6 +250,10 @@ bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+bool same_bits(const Pose& a, const Pose& b) {
+  return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z) && same_bits(a.heading, b.heading);
+}
+
 bool same_bits(const Value& a, const Value& b) {
   if (a.v.index() != b.v.index()) return false;
   if (const auto* x = std::get_if<double>(&a.v)) return same_bits(*x, b.number());
@@ -322,7 +297,7 @@ void write_field(const Field& field, const Value& value, JsonNode::Object& objec
 
 void write_fields(const Record& record, const FieldTable& table, JsonNode::Object& object) {
   const Record defaults = table.defaults();
-  for (std::size_t i = 0; i < table.fields.size(); ++i)
+  for (std::size_t i = 0; i < std::min(table.fields.size(), record.size()); ++i)
     if (!same_bits(record[i], defaults[i])) write_field(table.fields[i], record[i], object);
 }
 
@@ -343,10 +318,32 @@ JsonNode color_node(const Color& color) {
   return json_numbers(parts);
 }
 
-Value read_field(JsonObject& object, const Field& field) {
-  bool present = false;
-  return object.is_object() ? read_under_its_keys(object, field, present) : Value{};
+FoundField find_field(JsonObject& object, const Field& field) {
+  FoundField found;
+  if (!object.is_object()) return found;
+  for (const UnitSuffix& suffix : engine::unit_suffixes(field.unit)) {
+    const std::string key = std::string(field.name) + std::string(suffix.suffix);
+    const JsonNode* node = object.find(key);
+    if (!node) continue;
+    const JsonCursor at(object.at(), key, *node);
+    if (found.where)
+      at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
+    else
+      found.value = read_in_unit(at, field, suffix);
+    found.where = node->where;
+  }
+  if (field.unit == Unit::none) return found;
+  for (const JsonMember& member : *object.at().node().object()) {
+    if (member.key != field.name) continue;
+    object.find(field.name);
+    object.at().error_at(member.where,
+                         fmt::format("\"{}\" needs its unit: write {}", field.name, quoted_keys(field)));
+    found.where = member.where;
+  }
+  return found;
 }
+
+Value read_field(JsonObject& object, const Field& field) { return find_field(object, field).value; }
 
 Value read_value(const JsonCursor& at, const Field& field) {
   return read_in_unit(at, field, engine::unit_suffixes(field.unit).front());
@@ -382,11 +379,10 @@ Record read_fields(JsonObject& object, const FieldTable& table,
   if (!object.is_object()) return record;
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const Field& field = table.fields[i];
-    bool present = false;
-    Value value = read_under_its_keys(object, field, present);
-    if (value.given())
-      record[i] = std::move(value);
-    else if (!present && !record[i].given() && !field.optional)
+    FoundField found = find_field(object, field);
+    if (found.value.given())
+      record[i] = std::move(found.value);
+    else if (!found.where && !record[i].given() && !field.optional)
       object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
   }
   return record;

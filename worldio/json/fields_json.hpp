@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/color.hpp"
+#include "base/pose.hpp"
 #include "engine/fields.hpp"
 #include "worldio/json/json_reader.hpp"
 
@@ -15,6 +16,13 @@ namespace troupe::worldio {
 /// One field from an object, in SI units and within its limits; not given where the object does not have it
 /// or where what it has is wrong, which is then reported. The unit stands in the key (`fov_rad`, `fov_deg`).
 engine::Value read_field(JsonObject& object, const engine::Field& field);
+
+/// The same, and where it stands: nothing where the object does not have it, right or wrong.
+struct FoundField {
+  engine::Value value;
+  std::optional<Where> where;
+};
+FoundField find_field(JsonObject& object, const engine::Field& field);
 
 /// A value that stands by itself (an entry of a list), in SI units and within the field's limits; not given,
 /// and reported, where it is wrong.
@@ -46,6 +54,7 @@ double short_number(float x);
 /// Whether two values are the same to the last bit: 0 and -0 are not.
 bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
+bool same_bits(const Pose& a, const Pose& b);
 
 /// The object under a key, every field of a table and nothing else; empty where the key is not there.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,

@@ -44,6 +44,17 @@ class CountingIterator {
   Progress* progress_;
 };
 
+void report_repeated(const JsonNode::Object& members, bool fixed_place, Diagnostics& diagnostics) {
+  std::unordered_map<std::string_view, Where> seen;
+  for (const JsonMember& member : members) {
+    const auto [first, fresh] = seen.emplace(member.key, member.where);
+    if (fresh) continue;
+    diagnostics.error(member.where, fixed_place ? fmt::format("the key \"{}\" stands here twice", member.key)
+                                                : fmt::format("the key \"{}\" already stands on line {}",
+                                                              member.key, first->second.line));
+  }
+}
+
 /// nlohmann's SAX interface, building the tree.
 class TreeBuilder {
  public:
@@ -75,7 +86,7 @@ class TreeBuilder {
     return true;
   }
   bool end_object() {
-    report_repeated_keys(std::get<JsonNode::Object>(open_.back()->value));
+    report_repeated(std::get<JsonNode::Object>(open_.back()->value), fixed_place_, diagnostics_);
     return close();
   }
 
@@ -152,18 +163,6 @@ class TreeBuilder {
   bool close() {
     open_.pop_back();
     return true;
-  }
-
-  void report_repeated_keys(const JsonNode::Object& members) {
-    std::unordered_map<std::string_view, Where> seen;
-    for (const JsonMember& member : members) {
-      const auto [first, fresh] = seen.emplace(member.key, member.where);
-      if (fresh) continue;
-      diagnostics_.error(member.where, fixed_place_
-                                           ? fmt::format("the key \"{}\" stands here twice", member.key)
-                                           : fmt::format("the key \"{}\" already stands on line {}",
-                                                         member.key, first->second.line));
-    }
   }
 
   std::string_view text_;
@@ -292,6 +291,26 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
     }
   }
   *at = std::move(node);
+}
+
+void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics) {
+  if (const auto* list = node.list())
+    for (const JsonNode& item : *list) report_repeated_keys(item, diagnostics);
+  const auto* object = node.object();
+  if (!object) return;
+  for (const JsonMember& member : *object) report_repeated_keys(member.node, diagnostics);
+  report_repeated(*object, node.where.line == 0, diagnostics);
+}
+
+void place_nodes(JsonNode& node, const Where& around) {
+  if (node.where.file == Where::k_no_file) node.where = around;
+  if (auto* list = std::get_if<JsonNode::List>(&node.value))
+    for (JsonNode& item : *list) place_nodes(item, node.where);
+  if (auto* object = std::get_if<JsonNode::Object>(&node.value))
+    for (JsonMember& member : *object) {
+      place_nodes(member.node, node.where);
+      member.where = member.node.where;
+    }
 }
 
 std::string escape_pointer_token(std::string_view token) {

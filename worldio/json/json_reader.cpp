@@ -6,12 +6,12 @@
 
 namespace troupe::worldio {
 
-std::string JsonCursor::pointer() const {
+std::string DocumentPath::pointer() const {
   if (!parent_) return {};
   return parent_->pointer() + "/" + (key_.data() ? escape_pointer_token(key_) : std::to_string(index_));
 }
 
-void JsonCursor::error_at(Where where, const std::string& message) const {
+void DocumentPath::error_at(Where where, const std::string& message) const {
   const std::string path = pointer();
   diagnostics_->error(where, path.empty() ? message : path + ": " + message);
 }

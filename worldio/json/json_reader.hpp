@@ -9,33 +9,55 @@
 
 namespace troupe::worldio {
 
-/// A value being read and how it was reached. A cursor: it lives on the stack and points at its parent's, so
-/// that the JSON pointer is spelt only when something is reported.
-class JsonCursor {
+/// How a value of a document is reached, for findings about it. It lives on the stack and points at its
+/// parent's, so that the JSON pointer is spelt only when something is reported.
+class DocumentPath {
  public:
-  JsonCursor(const JsonNode& root, Diagnostics& diagnostics) : node_(&root), diagnostics_(&diagnostics) {}
-  JsonCursor(const JsonCursor& parent, std::string_view key, const JsonNode& node)
-      : parent_(&parent), key_(key), node_(&node), diagnostics_(parent.diagnostics_) {}
-  JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
-      : parent_(&parent), index_(index), node_(&node), diagnostics_(parent.diagnostics_) {}
+  /// Of the whole document.
+  DocumentPath(Where where, Diagnostics& diagnostics) : where_(where), diagnostics_(&diagnostics) {}
+  DocumentPath(const DocumentPath& parent, std::string_view key, Where where)
+      : parent_(&parent), key_(key), where_(where), diagnostics_(parent.diagnostics_) {}
+  DocumentPath(const DocumentPath& parent, std::size_t index, Where where)
+      : parent_(&parent), index_(index), where_(where), diagnostics_(parent.diagnostics_) {}
 
-  const JsonNode& node() const { return *node_; }
-  Where where() const { return node_->where; }
+  Where where() const { return where_; }
   Diagnostics& diagnostics() const { return *diagnostics_; }
   /// `/robots/3/drive`; empty for the document itself.
   std::string pointer() const;
   /// Reports at this value: `/robots/3/drive: message`.
-  void error(const std::string& message) const { error_at(where(), message); }
+  void error(const std::string& message) const { error_at(where_, message); }
   void error_at(Where where, const std::string& message) const;
+
+ private:
+  const DocumentPath* parent_ = nullptr;
+  std::string_view key_;
+  std::size_t index_ = 0;
+  Where where_;
+  Diagnostics* diagnostics_;
+};
+
+/// The same of a value that is being read.
+class JsonCursor : public DocumentPath {
+ public:
+  JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
+      : DocumentPath(root.where, diagnostics), node_(&root) {}
+  JsonCursor(const JsonCursor& parent, std::string_view key, const JsonNode& node)
+      : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
+  JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
+      : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
+  /// Of a node that a document kept as it was.
+  JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
+      : DocumentPath(parent, key, node.where), node_(&node) {}
+
+  const JsonNode& node() const { return *node_; }
+  /// Of the object or list that holds this value; null where it is not being read.
+  const JsonCursor* parent() const { return parent_; }
   /// Reports `expected WHAT, found ...`.
   void expected(std::string_view what) const;
 
  private:
   const JsonCursor* parent_ = nullptr;
-  std::string_view key_;
-  std::size_t index_ = 0;
   const JsonNode* node_;
-  Diagnostics* diagnostics_;
 };
 
 /// Reads an object key by key, remembering which keys it knows, so that finish() reports the others.

@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace troupe::worldio {
@@ -60,6 +61,12 @@ std::string number_of(double x) {
 
 class Printer {
  public:
+  static std::string line(const JsonNode& node) {
+    std::string out;
+    compact(node, std::numeric_limits<std::size_t>::max(), out);
+    return out;
+  }
+
   std::string print(const JsonNode& document) {
     add(document, 0);
     return std::move(out_) + '\n';
@@ -162,6 +169,8 @@ JsonNode json_numbers(std::span<const double> numbers) {
   for (const double x : numbers) list.push_back(json_node(x));
   return json_node(std::move(list));
 }
+
+std::string json_line(const JsonNode& node) { return Printer::line(node); }
 
 std::string json_text(const JsonNode& document) { return Printer().print(document); }
 

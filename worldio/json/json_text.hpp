@@ -31,6 +31,9 @@ inline void add_node(JsonNode::Object& object, std::string_view key, JsonNode no
 /// [x, y, ...].
 JsonNode json_numbers(std::span<const double> numbers);
 
+/// A value on one line, as `{"x_m": 1.5}`. Throws as json_text() does.
+std::string json_line(const JsonNode& node);
+
 /// The document as text, for people: what fits on a line stands on one, numbers have the fewest digits that
 /// read back as the same double. Throws std::runtime_error for what JSON cannot say: a number that is not
 /// finite, a text that is no UTF-8.

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "base/diagnostics.hpp"
 #include "engine/kinds.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/measure_spec.hpp"
 #include "worldio/json/json_reader.hpp"
 
 #include <optional>
@@ -9,13 +10,11 @@
 
 namespace troupe::worldio {
 
-/// An entry of `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot of that name), or
-/// {`kind`, `name`, `of`, parameters}. Empty, and reported, where it is wrong.
+/// An entry of a world's `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot of that
+/// name), or {`kind`, `name`, `of`, parameters}. Empty, and reported, where it is wrong.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
-/// The object that reads back as this measure.
-JsonNode measure_node(const engine::MeasureSpec& measure, const engine::Registry& registry);
 
-/// The same from a text of its own, as the command line gives it: bare, or a JSON object. Findings stand at
+/// The same, from a text of its own, as the command line gives it: bare, or a JSON object. Findings stand at
 /// `source`.
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);

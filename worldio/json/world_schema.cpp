@@ -1,14 +1,10 @@
 #include "worldio/json/world_schema.hpp"
 
-#include "engine/ranging_engine.hpp"
-#include "engine/watch_spec.hpp"
-#include "engine/world_spec.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_text.hpp"
-#include "worldio/json/json_types.hpp"
-#include "worldio/load.hpp"
-#include "worldio/window_fields.hpp"
+#include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
 
@@ -149,6 +145,13 @@ class ObjectSchema {
     return *this;
   }
 
+  /// Another schema for a key that is there.
+  ObjectSchema& replace(std::string_view key, JsonNode schema) {
+    for (JsonMember& member : properties_)
+      if (member.key == key) member.node = std::move(schema);
+    return *this;
+  }
+
   ObjectSchema& required(std::string_view key, JsonNode schema, std::string_view about = {}) {
     required_.push_back(text(key));
     return member(key, std::move(schema), about);
@@ -173,8 +176,6 @@ class ObjectSchema {
     rules_.push_back(choice(std::move(one_of), "oneOf"));
     return *this;
   }
-
-  ObjectSchema& optional(const Field& one) { return field(one, false); }
 
   ObjectSchema& fields(const FieldTable& table, bool with_defaults = true) {
     const engine::Record defaults = table.defaults();
@@ -206,33 +207,11 @@ class ObjectSchema {
 
 JsonNode table_schema(const FieldTable& table) { return ObjectSchema().fields(table).done(); }
 
-const Field k_size{.name = "size",
-                   .type = FieldType::numbers,
-                   .unit = Unit::meters,
-                   .min = 0,
-                   .max = k_max_size_m,
-                   .text = "x, y and height of a box that stands on the floor",
-                   .columns = 3,
-                   .above_min = true};
-
-/// A number or whole number without a unit, text or truth.
-Field bare(std::string_view name, FieldType type, std::string_view about,
-           double min = -std::numeric_limits<double>::infinity(),
-           double max = std::numeric_limits<double>::infinity()) {
-  return {.name = name, .type = type, .min = min, .max = max, .text = about};
-}
-
-Field measure(std::string_view name, Unit unit, std::string_view about, double min, double max,
-              bool above_min = false) {
-  return {.name = name, .unit = unit, .min = min, .max = max, .text = about, .above_min = above_min};
-}
-
-Field chosen(std::string_view name, std::vector<std::string_view> choices, std::string_view about) {
-  return {.name = name, .type = FieldType::text, .text = about, .choices = std::move(choices)};
-}
+/// A number without a unit.
+Field plain_number(double min, double max) { return {.name = "", .min = min, .max = max}; }
 
 JsonNode color_schema() {
-  JsonNode level = number_schema(bare("", FieldType::number, "", 0, 1), {"", "", 1}, "number");
+  JsonNode level = number_schema(plain_number(0, 1), {"", "", 1}, "number");
   return choice({object_of({{"type", text("string")},
                             {"description", text("a name of X11's list: red, SteelBlue, gray30, ...")}}),
                  object_of({{"type", text("array")},
@@ -242,104 +221,9 @@ JsonNode color_schema() {
                             {"maxItems", json_node(std::int64_t{4})}})});
 }
 
-void add_returns(ObjectSchema& object) {
-  constexpr double k_most_return = 1e6;
-  using Marks = std::numeric_limits<std::int32_t>;
-  object.optional(bare("obstacle", FieldType::boolean, "whether it blocks bodies"))
-      .optional(bare("ranger_return", FieldType::number,
-                     "the intensity that rangers read; below 0, beams pass", -k_most_return, k_most_return))
-      .optional(bare("fiducial_return", FieldType::integer, "what fiducial finders read of it; 0: nothing",
-                     Marks::min(), Marks::max()))
-      .optional(bare("fiducial_key", FieldType::integer, "finders find what has their key", Marks::min(),
-                     Marks::max()))
-      .optional(bare("gripper_return", FieldType::boolean, "whether grippers can take it"))
-      .optional(bare("blob_return", FieldType::boolean, "whether blob finders see its colour"))
-      .optional(
-          bare("pushable", FieldType::boolean, "whether robots push the whole body, rather than stall"));
-}
-
-/// An image that is stretched to a size, or a map of ROS, which knows its own.
-void add_image_fields(ObjectSchema& object) {
-  object.optional(chosen("margins", {"trim", "keep"}, "trim: the solid pixels' box fills the size"))
-      .optional(chosen("unknown", {"free", "solid"}, "of a map of ROS: what nobody has seen"))
-      .optional(measure("height", Unit::meters, "of a map of ROS: of its walls", 0, k_max_size_m, true))
-      .optional(bare("boundary", FieldType::boolean, "four walls just inside the edges of the box"));
-}
-
-void add_shape(ObjectSchema& object) {
-  object.optional(k_size)
-      .member("blocks", array_of(reference("block")), "upright prisms")
-      .optional(bare("fit", FieldType::boolean, "the blocks are stretched to the size, as in Stage"))
-      .member("origin", reference("pose"), "where the middle of the image or of the stretched blocks is")
-      .member("bitmap", type("string"), "an image, relative to the world's file")
-      .optional(bare("floor_plan", FieldType::boolean, "whether it is an image of walls"))
-      .optional({.name = "extent",
-                 .type = FieldType::numbers,
-                 .unit = Unit::meters,
-                 .min = 0,
-                 .max = 2 * k_max_size_m,
-                 .text = "the size as it is declared, where it is another",
-                 .columns = 3});
-  add_image_fields(object);
-}
-
-JsonNode block_schema() {
-  const auto outline = [](std::int64_t least) {
-    JsonNode points = array_of(reference("point_m"));
-    add_member(std::get<Members>(points.value), "minItems", least);
-    return points;
-  };
-  ObjectSchema block;
-  block.member("points_m", outline(3), "the outline, which must not cross itself")
-      .member("contours_m", array_of(outline(3)), "outlines; what lies within an odd number of them is solid")
-      .field({.name = "z",
-              .type = FieldType::numbers,
-              .unit = Unit::meters,
-              .min = -k_max_size_m,
-              .max = k_max_size_m,
-              .text = "the heights between which it stands",
-              .columns = 2},
-             true)
-      .optional(chosen("frame", {"part", "body"}, "of the points, in parts"))
-      .rule(choice({object_of({{"required", texts(std::array{"points_m"})}}),
-                    object_of({{"required", texts(std::array{"contours_m"})}})},
-                   "oneOf"));
-  return block.done();
-}
-
 JsonNode kind_of(std::string_view name) { return object_of({{"const", text(name)}}); }
 
-Field pause(const FieldTable& params, std::string_view about) {
-  Field field = period_field(params);
-  field.text = about;
-  return field;
-}
-
-JsonNode joint_schema() { return choice({type("string"), type("null")}); }
-
-/// A device in a list, or (`own`) what a part itself is, whose kind may follow from the part's.
-JsonNode device_schema(const engine::DeviceKind& kind, bool own) {
-  ObjectSchema device;
-  if (own)
-    device.member("kind", kind_of(kind.name), kind.text);
-  else
-    device.required("kind", kind_of(kind.name), kind.text);
-  device.member("name", type("string"), "its name within the type")
-      .member("pose", reference("pose"), "in the frame of what it stands on")
-      .optional(bare("active", FieldType::boolean, "false: runs only when a controller reads it"))
-      .optional(pause(kind.params, "between two readings; 0: every tick"))
-      .fields(kind.params)
-      .member("joint", joint_schema(), "what it moves with; null: nothing");
-  if (!own) {
-    device.member("on", type("string"), "the device that it stands on, and moves with");
-    if (!kind.joints.empty()) {
-      device.member("color", reference("color"));
-      add_returns(device);
-      if (!kind.body) device.optional(k_size).member("blocks", array_of(reference("block")));
-    }
-  }
-  return device.done();
-}
+JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
 
 /// What only a plug-in knows the parameters of: of a kind that is none of these.
 JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
@@ -353,332 +237,171 @@ JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
                     {"required", texts(std::array{"kind"})}});
 }
 
-template <class Kinds>
-JsonNode device_schemas(const engine::Registry& registry, std::string_view what, const Kinds& kinds,
-                        bool own) {
-  std::vector<JsonNode> schemas;
-  for (const engine::DeviceKind& kind : kinds) schemas.push_back(device_schema(kind, own));
-  std::vector<std::string_view> known;
-  for (const engine::DeviceKind& kind : registry.devices) known.push_back(kind.name);
-  schemas.push_back(kind_of_a_plug_in(what, "extending", known));
-  return choice(std::move(schemas));
+/// Adds how many entries a list has.
+JsonNode counted(JsonNode list, const DocumentKey& key) {
+  if (key.least > 0)
+    add_member(std::get<Members>(list.value), "minItems", static_cast<std::int64_t>(key.least));
+  return list;
 }
 
-JsonNode drive_schema(const engine::Registry& registry) {
-  std::vector<JsonNode> schemas;
-  for (const engine::DriveKind& kind : registry.drives)
-    schemas.push_back(ObjectSchema()
-                          .required("kind", kind_of(kind.name), kind.text)
-                          .optional(pause(kind.params, "between two commands that it takes; 0: every tick"))
-                          .fields(kind.params)
-                          .done());
-  return choice(std::move(schemas));
-}
+/// The schema of described structs. Those with a name of their own are defined once, and referred to.
+class DocumentSchema {
+ public:
+  explicit DocumentSchema(const engine::Registry& registry) : registry_(registry) {}
 
-JsonNode controller_schema(const engine::Registry& registry) {
-  std::vector<JsonNode> schemas;
-  const auto add = [&](std::string_view name, std::string_view about, const FieldTable& params, bool preset) {
-    schemas.push_back(ObjectSchema()
-                          .required("kind", kind_of(name), about)
-                          .optional(pause(params, "how often it runs, where it reads no sensor"))
-                          .fields(params, !preset)
-                          .done());
-  };
-  for (const engine::ControllerKind& kind : registry.controllers)
-    add(kind.name, kind.text, kind.params, false);
-  for (const engine::Registry::Preset& preset : registry.presets)
-    if (const engine::ControllerKind* kind = registry.controller(preset.kind))
-      add(preset.name, preset.text, kind->params, true);
-  schemas.push_back(kind_of_a_plug_in("controller", "controllers", registry.controller_names()));
-  return choice(std::move(schemas));
-}
-
-/// What types and parts have in common.
-void add_body(ObjectSchema& object, const engine::Registry& registry) {
-  std::vector<std::string_view> kinds;
-  for (const engine::ModelKind& kind : registry.models) kinds.push_back(kind.name);
-  add_shape(object);
-  object.member("kind", object_of({{"enum", texts(kinds)}}), "what Stage calls it")
-      .member("color", reference("color"))
-      .member("device", reference("own_device"), "the device that it is itself")
-      .member("sensors", array_of(reference("sensor")), "what only looks at the world")
-      .member("devices", array_of(reference("device")), "what does something")
-      .member("controller", reference("controller"))
-      .member("controllers", array_of(reference("controller")))
-      .member("parts", array_of(reference("part")), "what stands on it")
-      .rule(object_of({{"not", object_of({{"required", texts(std::array{"controller", "controllers"})}})}}));
-  add_returns(object);
-}
-
-JsonNode type_schema(const engine::Registry& registry) {
-  ObjectSchema object;
-  add_body(object, registry);
-  const auto has = [](std::string_view key) { return object_of({{"required", texts(std::array{key})}}); };
-  object.member("name", type("string"), "what the type is called, where several are called the same")
-      .member("drive", reference("drive"), "a type without one never moves")
-      .member("device_order", array_of(type("string")), "in which order the devices count")
-      .rule(choice(
-          {has("size_m"), has("size_cm"), has("size_mm"), has("blocks"), has("bitmap"), has("device")}));
-  return object.done();
-}
-
-JsonNode part_schema(const engine::Registry& registry) {
-  ObjectSchema object;
-  object.required("name", type("string"), "below the body's name");
-  add_body(object, registry);
-  object.member("alias", type("string"), "another name")
-      .member("pose", reference("pose"), "in the body's frame, while all joints are at rest")
-      .member("joint", joint_schema(), "what it moves with; null: nothing");
-  return object.done();
-}
-
-JsonNode floorplan_schema() {
-  ObjectSchema plan;
-  plan.required("name", type("string"))
-      .required("bitmap", type("string"),
-                "PNG, JPEG, BMP or PNM, or the YAML of a map of ROS; dark pixels are solid")
-      .optional(k_size)
-      .member("pose", reference("pose"), "of the centre")
-      .member("color", reference("color"));
-  add_image_fields(plan);
-  add_returns(plan);
-  return plan.done();
-}
-
-JsonNode model_schema() {
-  using Marks = std::numeric_limits<std::int32_t>;
-  return ObjectSchema()
-      .optional(bare("fiducial_return", FieldType::integer, "its own number for fiducial finders",
-                     Marks::min(), Marks::max()))
-      .required("name", type("string"))
-      .required("type", type("string"), "the name of one of the types")
-      .member("pose", reference("pose"))
-      .member("color", reference("color"))
-      .member("alias", type("string"), "another name")
-      .member("global_parts", array_of(type("string")), "parts that are found without the body's name")
-      .member("reserve_of", type("string"), "the population into which it may be born, docs/lives.md")
-      .done();
-}
-
-/// What all rules of placement take, and one of them more.
-JsonNode place_schema(std::string_view rule) {
-  JsonNode corners = array_of(reference("point_m"));
-  add_member(std::get<Members>(corners.value), "minItems", std::int64_t{3});
-  ObjectSchema place;
-  place.required("rule", kind_of(rule))
-      .member("region_m", reference("box_m"), "of the bodies' origins")
-      .member("polygon_m", std::move(corners), "of the bodies' origins")
-      .member("heading", object_of({{"const", text("random")}}))
-      .optional(engine::pose_fields().fields[3])
-      .optional(measure("z", Unit::meters, "height of the origins", -k_max_size_m, k_max_size_m));
-  const auto pair = [](std::string_view name, std::string_view about, double min) {
-    return Field{.name = name,
-                 .type = FieldType::numbers,
-                 .unit = Unit::meters,
-                 .min = min,
-                 .max = k_max_size_m,
-                 .text = about,
-                 .columns = 2};
-  };
-  if (rule == "grid")
-    place.member("spill_m", reference("box_m"), "for the bodies that the first region cannot hold")
-        .field(measure("pitch", Unit::meters, "between neighbours", 0, k_max_size_m, true), true)
-        .optional(measure("jitter", Unit::meters, "how far each coordinate may be moved at random", 0,
-                          k_max_size_m));
-  if (rule == "gaussian")
-    place.field(pair("mean", "about which they are normally distributed", -k_max_size_m), true)
-        .field(pair("deviation", "the standard deviations", 0), true);
-  if (rule == "poisson_disc")
-    place.field(measure("distance", Unit::meters, "how near two may be to one another", 0.001, k_max_size_m),
-                true);
-  if (rule == "free_floor")
-    place.optional(pair("from", "from where the floor is reached", -k_max_size_m))
-        .optional(measure("cell", Unit::meters, "how finely the floor is looked at", 0.001, k_max_size_m));
-  return place.done();
-}
-
-JsonNode population_schema() {
-  const double most = LoadOptions().most_bodies;
-  std::vector<JsonNode> places;
-  for (const std::string_view rule : {"grid", "uniform", "gaussian", "poisson_disc", "free_floor"})
-    places.push_back(place_schema(rule));
-  return ObjectSchema()
-      .required("name", type("string"), "bodies are called NAME0, NAME1, ...")
-      .required("type", type("string"), "the name of one of the types")
-      .field(bare("count", FieldType::integer, "how many bodies", 0, most), true)
-      .optional(bare("reserve", FieldType::integer, "how many more may be born", 0, most))
-      .member("color", reference("color"), "or \"random\"")
-      .required("place", choice(std::move(places)))
-      .done();
-}
-
-JsonNode measure_schema(const engine::Registry& registry) {
-  std::vector<std::string_view> plain;
-  std::vector<JsonNode> schemas;
-  for (const engine::MeasureKind& kind : registry.measures) {
-    if (std::ranges::all_of(kind.params.defaults(), &Value::given)) plain.push_back(kind.name);
-    schemas.push_back(ObjectSchema()
-                          .required("kind", kind_of(kind.name), kind.text)
-                          .member("of", type("string"), "a type, a population or a robot")
-                          .member("name", type("string"), "of the column")
-                          .fields(kind.params)
-                          .done());
-  }
-  std::string either;
-  for (const std::string_view name : plain) either += fmt::format("{}{}", either.empty() ? "" : "|", name);
-  schemas.push_back(object_of({{"enum", texts(plain)}}));
-  schemas.push_back(
-      object_of({{"type", text("string")}, {"pattern", text(fmt::format("^({}):.+$", either))}}));
-  return choice(std::move(schemas));
-}
-
-constexpr double k_most_s = 1e9;
-
-JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
-
-/// Adds whom something is about, and how many of them.
-void add_group(ObjectSchema& object) {
-  object.member("population", type("string"))
-      .member("type", type("string"))
-      .member("model", type("string"))
-      .optional(bare("count", FieldType::integer, "so many of them, chosen by the seed", 0, 1e9))
-      .optional(bare("share", FieldType::number, "this share of them, chosen by the seed", 0, 1))
-      .rule(choice({has_key("population"), has_key("type"), has_key("model")}, "oneOf"))
-      .rule(object_of({{"not", object_of({{"required", texts(std::array{"count", "share"})}})}}));
-}
-
-JsonNode group_schema() {
-  ObjectSchema group;
-  add_group(group);
-  return group.done();
-}
-
-/// Which parameters there are depends on the type, which no schema can follow.
-JsonNode setting_schema() {
-  const auto with = [](std::string_view key) {
-    return object_of({{"type", text("object")}, {"required", texts(std::array{key})}});
-  };
-  return ObjectSchema()
-      .required("type", type("string"), "the name of one of the types")
-      .member("drive", type("object"), "its parameters that change")
-      .member("device", with("name"), "a device by its name, and its parameters that change")
-      .member("controller", with("kind"), "a controller by its kind, and its parameters that change")
-      .rule(choice({has_key("drive"), has_key("device"), has_key("controller")}, "oneOf"))
-      .done();
-}
-
-/// An entry of `at`: one thing that is done at a time.
-JsonNode intervention_schema() {
-  ObjectSchema entry;
-  entry.field(measure("time", Unit::seconds, "when it is done", 0, k_most_s), true);
-  std::vector<JsonNode> one;
-  for (const std::string_view action : engine::k_actions) {
-    one.push_back(has_key(action));
-    if (action == "add")
-      entry.member(action, ObjectSchema()
-                               .required("population", type("string"), "one that has a reserve")
-                               .optional(bare("count", FieldType::integer, "how many are born", 0, 1e9))
-                               .member("pose", reference("pose"))
-                               .member("region_m", reference("box_m"))
-                               .done());
-    else if (action == "move")
-      entry.member(
-          action,
-          ObjectSchema().required("model", type("string")).required("pose", reference("pose")).done());
+  JsonNode of(const DocumentTable& table) const {
+    std::vector<JsonNode> choices;
+    if (table.shorthand && table.shorthand->before_object) add_shorthand(table, choices);
+    if (table.kinds)
+      add_kinds(table, choices);
+    else if (!table.variant.empty())
+      for (std::size_t i = 0; i < table.find(table.variant)->field.choices.size(); ++i)
+        choices.push_back(object(table, nullptr, i));
     else
-      entry.member(action, action == "set" ? setting_schema() : reference("group"));
+      choices.push_back(object(table, nullptr, k_no_variant));
+    if (table.shorthand && !table.shorthand->before_object) add_shorthand(table, choices);
+    const bool is_one = !table.kinds && table.variant.empty() && !table.shorthand;
+    return is_one ? std::move(choices.front()) : choice(std::move(choices));
   }
-  return entry.rule(choice(std::move(one), "oneOf")).done();
-}
 
-JsonNode fault_schema(const engine::Registry& registry) {
-  ObjectSchema fault;
-  add_group(fault);
-  fault.optional(measure("from", Unit::seconds, "from when on", 0, k_most_s));
-  std::vector<JsonNode> any;
-  for (const engine::FaultKind& kind : registry.faults) {
-    any.push_back(has_key(kind.name));
-    fault.member(kind.name, table_schema(kind.params), kind.text);
+ private:
+  static constexpr std::size_t k_no_variant = ~std::size_t{0};
+
+  void add_shorthand(const DocumentTable& table, std::vector<JsonNode>& choices) const {
+    for (JsonNode& schema : table.shorthand->schemas(registry_)) choices.push_back(std::move(schema));
   }
-  return fault.rule(choice(std::move(any))).done();
-}
 
-JsonNode condition_schema(const engine::Registry& registry) {
-  constexpr std::string_view k_compares = "(<|<=|>|>=|==|!=) *[-+0-9.eE]+ *$";
-  const auto matching = [](const std::string& pattern) {
-    return object_of({{"type", text("string")}, {"pattern", text(pattern)}});
-  };
-  return choice({matching(fmt::format("^ *[^<>=!]+{}", k_compares)),
-                 ObjectSchema()
-                     .required("measure", measure_schema(registry))
-                     .required("is", matching(fmt::format("^ *{}", k_compares)))
-                     .done()});
-}
+  void add_kinds(const DocumentTable& table, std::vector<JsonNode>& choices) const {
+    const DocumentKinds& kinds = *table.kinds;
+    for (const DocumentKind& kind : kinds.all(registry_))
+      choices.push_back(object(table, &kind, k_no_variant));
+    if (!kinds.page.empty())
+      choices.push_back(kind_of_a_plug_in(kinds.what, kinds.page, kinds.named(registry_)));
+  }
 
-JsonNode record_schema() {
-  JsonNode fields = array_of(type("string"));
-  add_member(std::get<Members>(fields.value), "minItems", std::int64_t{1});
-  return ObjectSchema()
-      .member("file", type("string"), "where troupe run records")
-      .optional(measure("every", Unit::seconds, "of simulated time from frame to frame", 0, 1e9, true))
-      .member("fields", std::move(fields), "what of the state, docs/recordings.md")
-      .done();
-}
+  JsonNode reference_to(const DocumentTable& table) const {
+    return table.definition.empty() ? of(table) : reference(table.definition);
+  }
+
+  JsonNode object(const DocumentTable& table, const DocumentKind* kind, std::size_t variant) const {
+    ObjectSchema schema;
+    for (const DocumentKey& key : table.keys) {
+      if (variant != k_no_variant && (key.variants >> variant & 1) == 0) continue;
+      if (key.is_of && !(kind && key.is_of(kind->kind))) continue;
+      add_key(key, kind, schema);
+      if (variant != k_no_variant && key.field.name == table.variant)
+        schema.replace(key.field.name, kind_of(key.field.choices[variant]));
+    }
+    for (const DocumentRule& rule : table.rules) add_rule(table, rule, schema);
+    return schema.done();
+  }
+
+  void add_key(const DocumentKey& key, const DocumentKind* kind, ObjectSchema& schema) const {
+    switch (key.form) {
+      case Form::value: schema.field(field_of(key, kind ? kind->params : nullptr), key.required); return;
+      case Form::choice: schema.field(key.field, key.required); return;
+      case Form::heading:
+        schema.member(key.field.name, object_of({{"const", text("random")}})).field(heading_field(), false);
+        return;
+      case Form::parameters: schema.fields(*kind->params, kind->preset_of.empty()); return;
+      case Form::faults: {
+        std::vector<JsonNode> any;
+        for (const engine::FaultKind& fault : registry_.faults) {
+          any.push_back(has_key(fault.name));
+          schema.member(fault.name, table_schema(fault.params), fault.text);
+        }
+        schema.rule(choice(std::move(any)));
+        return;
+      }
+      case Form::kind:
+        if (key.required)
+          schema.required(key.field.name, kind_of(kind->name), kind->text);
+        else
+          schema.member(key.field.name, kind_of(kind->name), kind->text);
+        return;
+      default: break;
+    }
+    if (key.required)
+      schema.required(key.field.name, value(key), key.field.text);
+    else
+      schema.member(key.field.name, value(key), key.field.text);
+  }
+
+  JsonNode value(const DocumentKey& key) const {
+    switch (key.form) {
+      case Form::version: return object_of({{"const", json_node(k_format_version)}});
+      case Form::seed: return object_of({{"type", text("integer")}, {"minimum", json_node(std::int64_t{0})}});
+      case Form::names: return counted(array_of(type("string")), key);
+      case Form::model_kind: {
+        std::vector<std::string_view> kinds;
+        for (const engine::ModelKind& kind : registry_.models) kinds.push_back(kind.name);
+        return object_of({{"enum", texts(kinds)}});
+      }
+      case Form::color:
+      case Form::color_or_random: return reference("color");
+      case Form::points: return counted(array_of(reference("point_m")), key);
+      case Form::box: return reference("box_m");
+      case Form::contours: return array_of(counted(array_of(reference("point_m")), key));
+      case Form::joint: return choice({type("string"), type("null")});
+      case Form::comparison:
+        return object_of({{"type", text("string")}, {"pattern", text(comparison_pattern())}});
+      case Form::kept: {
+        JsonNode kept = type("object");
+        if (!key.expects.empty())
+          add_node(std::get<Members>(kept.value), "required", texts(std::array{key.expects}));
+        return kept;
+      }
+      case Form::block: return table_schema(*key.block);
+      case Form::object: return reference_to(key.table());
+      case Form::list: return array_of(reference_to(key.table()));
+      case Form::map:
+        return object_of({{"type", text("object")}, {"additionalProperties", reference_to(key.table())}});
+      default: return type("string");
+    }
+  }
+
+  static void add_rule(const DocumentTable& table, const DocumentRule& rule, ObjectSchema& schema) {
+    if (rule.how == DocumentRule::How::not_both) {
+      schema.rule(object_of({{"not", object_of({{"required", texts(rule.keys)}})}}));
+      return;
+    }
+    std::vector<JsonNode> have;
+    for (const std::string_view name : rule.keys) {
+      const DocumentKey* key = table.find(name);
+      const Unit unit = key->form == Form::value ? key->field.unit : Unit::none;
+      for (const UnitSuffix& suffix : engine::unit_suffixes(unit))
+        have.push_back(has_key(fmt::format("{}{}", name, suffix.suffix)));
+    }
+    schema.rule(choice(std::move(have), rule.how == DocumentRule::How::one_of ? "oneOf" : "anyOf"));
+  }
+
+  const engine::Registry& registry_;
+};
 
 JsonNode definitions(const engine::Registry& registry) {
-  JsonNode point = array_of(
-      number_schema(bare("", FieldType::number, "", -k_max_size_m, k_max_size_m), {"", "", 1}, "number"), 2);
+  const DocumentSchema schema(registry);
+  JsonNode point =
+      array_of(number_schema(plain_number(-k_max_size_m, k_max_size_m), {"", "", 1}, "number"), 2);
   return object_of(
       {{"color", color_schema()},
        {"pose", table_schema(engine::pose_fields())},
        {"point_m", std::move(point)},
        {"box_m", described(array_of(reference("point_m"), 2), "[[x_min, y_min], [x_max, y_max]]")},
-       {"block", block_schema()},
-       {"drive", drive_schema(registry)},
-       {"sensor", device_schemas(registry, "sensor", registry.sensors(), false)},
-       {"device", device_schemas(registry, "device", registry.other_devices(), false)},
-       {"own_device", device_schemas(registry, "device", registry.devices, true)},
-       {"controller", controller_schema(registry)},
-       {"group", group_schema()},
-       {"part", part_schema(registry)},
-       {"type", type_schema(registry)}});
+       {"block", schema.of(document_table<BlockDocument>())},
+       {"drive", schema.of(document_table<DriveDocument>())},
+       {"sensor", schema.of(document_table<SensorDocument>())},
+       {"device", schema.of(document_table<DeviceDocument>())},
+       {"own_device", schema.of(document_table<OwnDeviceDocument>())},
+       {"controller", schema.of(document_table<ControllerDocument>())},
+       {"group", schema.of(document_table<GroupDocument>())},
+       {"part", schema.of(document_table<PartDocument>())},
+       {"type", schema.of(document_table<TypeDocument>())}});
 }
 
 }  // namespace
 
 std::string world_schema(const engine::Registry& registry) {
-  ObjectSchema world;
-  world.member("$schema", type("string"), "of this file, for editors")
-      .required("troupe", object_of({{"const", json_node(std::int64_t{1})}}), "the version of the format")
-      .member("title", type("string"), "for people")
-      .member("seed", object_of({{"type", text("integer")}, {"minimum", json_node(std::int64_t{0})}}),
-              "of every random draw")
-      .optional(measure("tick", Unit::seconds, "length of a tick; 0.1 s unless given", 1e-6, 3600))
-      .optional(measure("quit_time", Unit::seconds, "where a run ends", 0, 1e9, true))
-      .optional(chosen("ranging", {engine::k_ranging_engines.begin(), engine::k_ranging_engines.end()},
-                       "what finds ranges, docs/sensing.md"))
-      .optional(measure("resolution", Unit::meters, "edge of the cells of the grid engine",
-                        engine::k_min_resolution_m, engine::k_max_resolution_m))
-      .member("record", record_schema(), "what a run records")
-      .member("floorplans", array_of(floorplan_schema()), "walls drawn as images")
-      .member("types", object_of({{"type", text("object")}, {"additionalProperties", reference("type")}}),
-              "what identical bodies share, by name")
-      .member("models", array_of(model_schema()), "single bodies")
-      .member("populations", array_of(population_schema()), "many bodies of one type, placed by a rule")
-      .member("measures", array_of(measure_schema(registry)), "what troupe run --measures measures")
-      .optional(measure("measure_every", Unit::seconds, "how often; 0: every tick", 0, 1e9))
-      .optional(bare("mortal", FieldType::boolean, "programs may remove bodies, docs/lives.md"))
-      .member("stop_when", array_of(condition_schema(registry)), "when a run is over, docs/experiments.md")
-      .member("at", array_of(intervention_schema()), "what is done to the world, and when")
-      .member("faults", array_of(fault_schema(registry)), "how robots fail")
-      .member("watch", table_schema(engine::watch_fields()), "how the world is watched")
-      .member("window", table_schema(window_fields()), "the view it asks for")
-      .member("bounds_m", reference("box_m"), "where robots may be")
-      .optional(chosen("overlaps", {"error", "warn"}, "what models are that overlap something at the start"))
-      .optional(chosen("same_names", {"error", "warn"}, "what two bodies of one name are"))
-      .member("ground",
-              ObjectSchema().required("alias", type("string"), "another name of the ground").done());
-  JsonNode schema = world.done();
+  JsonNode schema = DocumentSchema(registry).of(document_table<WorldDocument>());
   Members& members = std::get<Members>(schema.value);
   Members head;
   add_member(head, "$schema", std::string("http://json-schema.org/draft-07/schema#"));

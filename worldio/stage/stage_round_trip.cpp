@@ -28,10 +28,6 @@ using engine::WorldSpec;
 /// Coordinates that are further apart than this, m, are no matter of rounding.
 constexpr double k_rounding_m = 1e-9;
 
-bool same(const Pose& a, const Pose& b) {
-  return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z) && same_bits(a.heading, b.heading);
-}
-
 /// How far apart the corners of two solids are at most, m; nothing where they are no two of a kind.
 std::optional<double> distance(const std::vector<Solid>& a, const std::vector<Solid>& b) {
   if (a.size() != b.size()) return std::nullopt;
@@ -163,7 +159,8 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   Pose pose = a.pose_body_sensor;
   if (is_turned(a.where, owner, pose.heading, b.pose_body_sensor.heading))
     pose.heading = b.pose_body_sensor.heading;
-  if (!is_placeless && !same(pose, b.pose_body_sensor)) lacks(a.where, owner + ": \"pose\", to the last bit");
+  if (!is_placeless && !same_bits(pose, b.pose_body_sensor))
+    lacks(a.where, owner + ": \"pose\", to the last bit");
   if (!is_placeless && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   if (!is_placeless && a.active != b.active) lacks(a.where, owner + ": \"active\"");
   const auto joint = [](const TypeSpec& type, std::int32_t j) {
@@ -193,7 +190,7 @@ void RoundTrip::check_joints() {
   bool is_same = type_.joints.size() == back_.joints.size();
   for (std::size_t j = 0; is_same && j < type_.joints.size(); ++j)
     is_same = type_.joints[j].name == back_.joints[j].name &&
-              same(type_.joints[j].pose_body_joint, back_.joints[j].pose_body_joint);
+              same_bits(type_.joints[j].pose_body_joint, back_.joints[j].pose_body_joint);
   if (!is_same) lacks(type_.parts.front().where, "its joints");
 }
 
@@ -265,7 +262,7 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     const engine::BodySpec& other = back.bodies[b];
     const std::string name = spec.names.text(body.name);
     if (name != back.names.text(other.name)) lacks(body.where, fmt::format("the name \"{}\"", name));
-    if (!same(body.pose_world_body, other.pose_world_body))
+    if (!same_bits(body.pose_world_body, other.pose_world_body))
       lacks(body.where, fmt::format("\"{}\": its pose, to the last bit", name));
     if (body.color != other.color) lacks(body.where, fmt::format("\"{}\": its color", name));
     if (fiducial_of(spec, BodyId(b), 0) != fiducial_of(back, BodyId(b), 0))

@@ -2,8 +2,8 @@
 
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
-#include "worldio/json/json_types.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/json/type_document.hpp"
 #include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_device_writer.hpp"
 
@@ -192,9 +192,7 @@ bool TypeText::write_image(const PartSpec& part) {
     PartSpec made = part;
     made.size = size;
     if (image_solids(*image, made) != part.solids) continue;
-    JsonNode::Object path;
-    worldio::write_image(*part.image, size, folder_, path);
-    text_.text("bitmap", *path.front().node.text());
+    text_.text("bitmap", contract_image(*part.image, size, folder_).bitmap);
     text_.numbers("size", std::array{size.x(), size.y(), size.z()});
     if (part.image->origin != Pose()) text_.pose("origin", part.image->origin);
     if (part.image->keeps_margins) text_.flag("bitmap_margins", true);

@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_writer.hpp"
 
 #include "worldio/images/floor_image.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_round_trip.hpp"
 #include "worldio/stage/stage_text.hpp"
@@ -57,7 +58,7 @@ bool has_wide_heading(const WorldSpec& spec, const engine::Registry& registry) {
 
 class WorldText {
  public:
-  WorldText(const WorldSpec& spec, const std::filesystem::path& file, const JsonNode* document,
+  WorldText(const WorldSpec& spec, const std::filesystem::path& file, const WorldDocument* document,
             const engine::Registry& registry, Diagnostics& diagnostics)
       : spec_(spec),
         file_(file),
@@ -76,12 +77,15 @@ class WorldText {
   }
 
  private:
+  bool says(std::string_view key) const { return document_ && document_->says(key); }
+  /// Of a key, named without its unit.
   Where where_of(std::string_view key) const {
-    const JsonNode* node = document_ ? document_->find(key) : nullptr;
-    return node ? node->where : Where{spec_.resolution_where.file, 0};
+    return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }
   void lacks(std::string_view key, std::string_view why) {
-    diagnostics_.error(where_of(key), fmt::format("a .world file cannot say this: \"{}\": {}", key, why));
+    const engine::Field& field = document_table<WorldDocument>().find(key)->field;
+    diagnostics_.error(where_of(key), fmt::format("a .world file cannot say this: \"{}{}\": {}", key,
+                                                  engine::unit_suffixes(field.unit).front().suffix, why));
   }
   void refuse_what_stage_lacks();
   void write_settings();
@@ -91,7 +95,7 @@ class WorldText {
   const WorldSpec& spec_;
   const std::filesystem::path& file_;
   std::filesystem::path folder_;
-  const JsonNode* document_;
+  const WorldDocument* document_;
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
   Diagnostics image_findings_;  // of images that are outlines then
@@ -107,15 +111,15 @@ void WorldText::refuse_what_stage_lacks() {
   if (spec_.record) lacks("record", "what is recorded is an option of the run, --record");
   if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
-    lacks("measure_every_s", "it is an option of the run, --measure-every");
+    lacks("measure_every", "it is an option of the run, --measure-every");
   if (!spec_.reserves.empty())
-    lacks(document_ && document_->find("populations") ? "populations" : "models",
+    lacks(says("populations") ? "populations" : "models",
           "Stage has no bodies that are yet to be born, as in a \"reserve\"");
   if (spec_.mortal) lacks("mortal", "Stage has no deaths");
   if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
   if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
   if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
-  if (document_ && document_->find("bounds_m"))
+  if (says("bounds_m"))
     lacks("bounds_m", "it reaches 100 km in each direction");
   else if (spec_.bounds)
     diagnostics_.warning(
@@ -134,7 +138,7 @@ void WorldText::write_settings() {
   if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
   const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };  // whole microseconds
   text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
-  text_.at(where_of("quit_time_s"));
+  text_.at(where_of("quit_time"));
   if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
   if (spec_.resolution_m != WorldSpec().resolution_m) text_.number("resolution", spec_.resolution_m);
   text_.at(where_of("seed"));
@@ -198,7 +202,7 @@ void WorldText::write_body(const engine::BodySpec& body) {
 }  // namespace
 
 std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path& file,
-                              const JsonNode* document, const engine::Registry& registry,
+                              const WorldDocument* document, const engine::Registry& registry,
                               Diagnostics& diagnostics) {
   std::string text = WorldText(spec, file, document, registry, diagnostics).write();
   if (diagnostics.has_errors()) return text;

@@ -2,7 +2,7 @@
 
 #include "engine/kinds.hpp"
 #include "engine/world_spec.hpp"
-#include "worldio/json/json_document.hpp"
+#include "worldio/json/world_document.hpp"
 
 #include <filesystem>
 #include <string>
@@ -14,7 +14,7 @@ namespace troupe::worldio {
 /// outlines that come out otherwise in their last bits, since Stage centres bodies, are warnings.
 /// `document`: the JSON that the world was read from, for the lines of its keys; may be null.
 std::string write_stage_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
-                              const JsonNode* document, const engine::Registry& registry,
+                              const WorldDocument* document, const engine::Registry& registry,
                               Diagnostics& diagnostics);
 
 }  // namespace troupe::worldio

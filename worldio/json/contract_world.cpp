@@ -1,13 +1,12 @@
+#include "engine/watch_spec.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
-#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
-#include "worldio/json/json_settings.hpp"
 #include "worldio/json/json_text.hpp"
-#include "worldio/json/json_types.hpp"
 #include "worldio/json/json_world.hpp"
-#include "worldio/json/measures_json.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/json/type_document.hpp"
+#include "worldio/json/write_document.hpp"
 
 #include <fmt/format.h>
 
@@ -30,18 +29,24 @@ using engine::WorldSpec;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr Color k_body_color{1, 0, 0, 1};
 
+/// What is an error in the document unless it says otherwise; else it is a warning.
+struct Checks {
+  bool overlaps = true;    ///< bodies that overlap at the start
+  bool same_names = true;  ///< bodies of one name
+};
+
 enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
 
-class WorldWriter {
+class WorldContractor {
  public:
-  WorldWriter(WorldSpec spec, const std::filesystem::path& file, const engine::Registry& registry)
+  WorldContractor(WorldSpec spec, const std::filesystem::path& file, const engine::Registry& registry)
       : spec_(std::move(spec)),
         registry_(registry),
         file_(file),
         folder_(file.parent_path()),
         images_(image_findings_) {}
 
-  JsonNode document(const JsonChecks& checks, FloorPlans floor_plans);
+  WorldDocument contract(const Checks& checks, FloorPlans floor_plans);
 
  private:
   std::size_t count_floor_plans();
@@ -49,9 +54,10 @@ class WorldWriter {
   /// Whether the image of a part makes its solids again.
   bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
-  JsonNode floor_plan_node(const BodySpec& body) const;
-  JsonNode types_node(std::size_t first);
-  JsonNode model_node(std::size_t body) const;
+  void contract_settings(const Checks& checks, bool with_bounds, WorldDocument& document) const;
+  FloorplanDocument contract_floor_plan(const BodySpec& body) const;
+  void contract_types(std::size_t first, WorldDocument& document);
+  ModelDocument contract_model(std::size_t body) const;
 
   WorldSpec spec_;
   const engine::Registry& registry_;
@@ -65,7 +71,7 @@ class WorldWriter {
   std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
 };
 
-bool WorldWriter::makes(const PartSpec& part, bool as_floor_plan) {
+bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
   if (!image || image->contours.empty()) return false;
   PartSpec made = part;
@@ -74,14 +80,14 @@ bool WorldWriter::makes(const PartSpec& part, bool as_floor_plan) {
 }
 
 /// Images that do not make their part's solids are not named: the part's frame is another, or they changed.
-void WorldWriter::drop_images() {
+void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
       if (part.image && !makes(part, false)) part.image.reset();
 }
 
 /// What `floorplans` can say: a model that is an image and nothing else, of a type of its own.
-bool WorldWriter::is_floor_plan(std::size_t body) {
+bool WorldContractor::is_floor_plan(std::size_t body) {
   const BodySpec& spec = spec_.bodies[body];
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
   const TypeSpec& type = spec_.types[body];
@@ -95,7 +101,7 @@ bool WorldWriter::is_floor_plan(std::size_t body) {
 }
 
 /// They come first, behind the ground.
-std::size_t WorldWriter::count_floor_plans() {
+std::size_t WorldContractor::count_floor_plans() {
   std::size_t count = 0;
   while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
   for (std::size_t b = count + 1; b < spec_.bodies.size(); ++b)  // others of such a type are models
@@ -103,48 +109,71 @@ std::size_t WorldWriter::count_floor_plans() {
   return count;
 }
 
-JsonNode WorldWriter::document(const JsonChecks& checks, FloorPlans floor_plans) {
+WorldDocument WorldContractor::contract(const Checks& checks, FloorPlans floor_plans) {
   const std::size_t plans = floor_plans == FloorPlans::none ? 0 : count_floor_plans();
   for (const engine::NamedBody& alias : spec_.aliases) aliases_.emplace(alias.body.value, alias.name);
   for (const auto& [name, place] : spec_.part_aliases) global_parts_[place.body.value].insert(name);
 
-  JsonNode::Object object;
-  write_settings(spec_, checks, file_.stem().string(), floor_plans != FloorPlans::with_their_bounds, object);
-  JsonNode::List list;
-  for (std::size_t b = 1; b <= plans; ++b) list.push_back(floor_plan_node(spec_.bodies[b]));
-  if (!list.empty()) add_member(object, "floorplans", std::move(list));
+  WorldDocument document;
+  document.where = {spec_.resolution_where.file, 0};
+  contract_settings(checks, floor_plans != FloorPlans::with_their_bounds, document);
+  for (std::size_t b = 1; b <= plans; ++b)
+    document.floorplans.push_back(contract_floor_plan(spec_.bodies[b]));
   drop_images();
-  add_node(object, "types", types_node(plans + 1));
-  JsonNode::List models;
-  for (std::size_t b = plans + 1; b < spec_.bodies.size(); ++b) models.push_back(model_node(b));
-  add_member(object, "models", std::move(models));
-  JsonNode::List measures;
+  contract_types(plans + 1, document);
+  for (std::size_t b = plans + 1; b < spec_.bodies.size(); ++b) document.models.push_back(contract_model(b));
   for (const engine::MeasureSpec& measure : spec_.measures)
-    measures.push_back(measure_node(measure, registry_));
-  if (!measures.empty()) add_member(object, "measures", std::move(measures));
-  write_experiment(spec_, keys_, registry_, object);
-  return json_node(std::move(object), {spec_.resolution_where.file, 0});
+    document.measures.push_back(contract_measure(measure));
+  contract_experiment(spec_, keys_, registry_, document.experiment);
+  return document;
 }
 
-JsonNode WorldWriter::floor_plan_node(const BodySpec& body) const {
+void WorldContractor::contract_settings(const Checks& checks, bool with_bounds,
+                                        WorldDocument& document) const {
+  if (spec_.title != file_.stem().string()) document.title = spec_.title;
+  document.seed = spec_.seed;
+  document.tick = spec_.tick_s;
+  document.quit_time = spec_.quit_time_s;
+  document.measure_every = spec_.measure_every_s;
+  document.ranging = spec_.ranging;
+  document.resolution = spec_.resolution_m;
+  if (with_bounds) document.bounds = spec_.bounds;
+  for (const engine::NamedBody& alias : spec_.aliases)
+    if (alias.body == BodyId(0) && !document.ground)  // more than one no document can say
+      document.ground.emplace().alias = spec_.names.text(alias.name);
+  if (const auto& record = spec_.record) {
+    document.record.emplace();
+    document.record->where = record->where;
+    document.record->file = record->file;
+    document.record->every = record->every_s;
+    document.record->fields = record->fields;
+  }
+  if (spec_.watch != engine::WatchSpec()) document.watch = engine::watch_record(spec_.watch);
+  document.window = spec_.window;
+  document.mortal = spec_.mortal;
+  if (!checks.overlaps) document.overlaps = WorldDocument::Check::warn;
+  if (!checks.same_names) document.same_names = WorldDocument::Check::warn;
+}
+
+FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) const {
   const PartSpec& part = spec_.types[body.type.index()].parts.front();
-  JsonNode::Object object;
-  add_member(object, "name", spec_.names.text(body.name));
-  write_image(*part.image, part.size, folder_, object);
-  write_pose(body.pose_world_body, object);
-  if (body.color != k_floorplan_color) add_node(object, "color", color_node(body.color));
-  write_returns(part.returns, object);
-  return json_node(std::move(object), body.where);
+  FloorplanDocument document;
+  document.where = body.where;
+  document.name = spec_.names.text(body.name);
+  document.image = contract_image(*part.image, part.size, folder_);
+  document.pose = body.pose_world_body;
+  if (body.color != k_floorplan_color) document.color = body.color;
+  document.returns = part.returns;
+  return document;
 }
 
 /// Types are told apart by their keys, so that of two with one name the second has another key.
-JsonNode WorldWriter::types_node(std::size_t first) {
+void WorldContractor::contract_types(std::size_t first, WorldDocument& document) {
   keys_.assign(spec_.types.size(), {});
   colors_.assign(spec_.types.size(), {});
   for (std::size_t b = spec_.bodies.size(); b-- > 1;)
     colors_[spec_.bodies[b].type.index()] = spec_.bodies[b].color;
   std::set<std::string> taken;
-  JsonNode::Object types;
   for (std::size_t t = first; t < spec_.types.size(); ++t) {
     const TypeSpec& type = spec_.types[t];
     std::string& key = keys_[t];
@@ -152,42 +181,27 @@ JsonNode WorldWriter::types_node(std::size_t first) {
     for (int n = 2; !taken.insert(key).second; ++n) key = fmt::format("{}#{}", type.name, n);
     std::optional<Color> color = colors_[t];
     if (color == k_body_color) color.reset();
-    add_node(types, key, type_node(type, key, color, registry_, &folder_));
+    document.types.emplace_back(key, contract_type(type, key, color, registry_, &folder_));
   }
-  return json_node(std::move(types));
 }
 
-JsonNode WorldWriter::model_node(std::size_t b) const {
+ModelDocument WorldContractor::contract_model(std::size_t b) const {
   const BodySpec& body = spec_.bodies[b];
   const std::size_t type = body.type.index();
-  JsonNode::Object object;
-  add_member(object, "name", spec_.names.text(body.name));
+  ModelDocument document;
+  document.where = body.where;
+  document.name = spec_.names.text(body.name);
   if (const auto alias = aliases_.find(static_cast<std::uint32_t>(b)); alias != aliases_.end())
-    add_member(object, "alias", spec_.names.text(alias->second));
-  add_member(object, "type", keys_[type]);
+    document.alias = spec_.names.text(alias->second);
+  document.type = keys_[type];
   for (const engine::ReserveSpec& reserve : spec_.reserves)
-    if (b - reserve.first.index() < reserve.count) add_member(object, "reserve_of", reserve.population);
-  write_place(body.pose_world_body, object);
-  if (colors_[type] != body.color) add_node(object, "color", color_node(body.color));
-  if (body.fiducial != 0) add_member(object, "fiducial_return", std::int64_t{body.fiducial});
-  if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end()) {
-    JsonNode::List names;
-    for (const std::string& name : parts->second) names.push_back(json_node(name));
-    add_member(object, "global_parts", std::move(names));
-  }
-  return json_node(std::move(object), body.where);
-}
-
-/// Places of the world that was read, for what is wrong with what was made of it.
-void place_nodes(JsonNode& node, const Where& around) {
-  if (node.where.file == Where::k_no_file) node.where = around;
-  if (auto* list = std::get_if<JsonNode::List>(&node.value))
-    for (JsonNode& item : *list) place_nodes(item, node.where);
-  if (auto* object = std::get_if<JsonNode::Object>(&node.value))
-    for (JsonMember& member : *object) {
-      place_nodes(member.node, node.where);
-      member.where = member.node.where;
-    }
+    if (b - reserve.first.index() < reserve.count) document.reserve_of = reserve.population;
+  document.pose = body.pose_world_body;
+  if (colors_[type] != body.color) document.color = body.color;
+  if (body.fiducial != 0) document.fiducial_return = body.fiducial;
+  if (const auto parts = global_parts_.find(static_cast<std::uint32_t>(b)); parts != global_parts_.end())
+    document.global_parts.assign(parts->second.begin(), parts->second.end());
+  return document;
 }
 
 bool has_repeated_names(const WorldSpec& spec) {
@@ -205,13 +219,14 @@ struct Attempt {
   std::string difference;            ///< else in what it is another world
 };
 
-Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const JsonChecks& checks,
+Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const Checks& checks,
                 FloorPlans floor_plans, const engine::Registry& registry,
                 const std::shared_ptr<SourceFiles>& files) {
   Attempt result;
   const Where whole{files->add(file.string()), 0};
   try {
-    JsonNode document = WorldWriter(spec, file, registry).document(checks, floor_plans);
+    JsonNode document =
+        write_document(WorldContractor(spec, file, registry).contract(checks, floor_plans), registry);
     place_nodes(document, whole);
     Diagnostics found(files);
     const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
@@ -238,7 +253,7 @@ std::optional<JsonNode> write_json_world(const WorldSpec& spec, const std::files
                                          const engine::Registry& registry, Diagnostics& diagnostics) {
   std::vector<FloorPlans> ways{FloorPlans::none};
   if (spec.bounds) ways = {FloorPlans::with_their_bounds, FloorPlans::with_other_bounds, FloorPlans::none};
-  JsonChecks checks;
+  Checks checks;
   checks.same_names = !has_repeated_names(spec);
   Attempt last;
   for (const bool overlaps_are_errors : {true, false})

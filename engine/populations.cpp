@@ -1,0 +1,205 @@
+#include "engine/populations.hpp"
+
+#include "base/random.hpp"
+#include "partition/parallel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace troupe::engine {
+namespace {
+
+constexpr double k_max_cells = 100000000;       // of all grid rules: each may be looked at
+constexpr double k_max_floor_cells = 25000000;  // of a floor: in each something may be looked for
+constexpr double k_scene_cell_m = 0.5;
+
+/// Whether bodies of the type stay where they are.
+bool is_static(const TypeSpec& type) {
+  return !is_mobile(type) && std::ranges::none_of(type.parts, [](const PartSpec& part) {
+    return part.returns.gripper || part.returns.pushable;
+  });
+}
+
+template <class IsFixed>
+partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
+  std::vector<partition::FixedSolid> walls;
+  for (std::size_t i = 0; i < spec.bodies.size(); ++i) {
+    if (!is_fixed(BodyId(i))) continue;
+    const BodySpec& body = spec.bodies[i];
+    for (const PartSpec& part : spec.types[body.type.index()].parts)
+      for (const Solid& solid : part.solids)
+        if (part.returns.obstacle)  // no ray is cast here: what rangers see does not matter
+          walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
+  }
+  return {std::move(walls), k_scene_cell_m};
+}
+
+class Placer {
+ public:
+  Placer(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
+         const PlaceOptions& options, Diagnostics& diagnostics)
+      : populations_(populations),
+        spec_(spec),
+        occupancy_(occupancy),
+        options_(options),
+        diagnostics_(diagnostics) {}
+
+  void run() {
+    const std::size_t before = errors();
+    check_total();
+    if (errors() == before) check_rules();
+    if (errors() > before) return;
+    partition::Parallel parallel(options_.threads);
+    for (const PopulationSpec& population : populations_) add(population, parallel);
+  }
+
+ private:
+  std::size_t errors() const { return diagnostics_.findings().size(); }
+  std::string path(const PopulationSpec& population) const {
+    if (!population.path.empty()) return population.path;
+    return fmt::format("populations[{}].rule", &population - populations_.data());
+  }
+  void error(const PopulationSpec& population, const std::string& message) {
+    diagnostics_.error(population.where_place, fmt::format("{}: {}", path(population), message));
+  }
+
+  void check_total();
+  void check_rules();
+  void add(const PopulationSpec& population, partition::Parallel& parallel);
+  void add_bodies(const PopulationSpec& population, std::span<const Pose> poses);
+
+  std::span<const PopulationSpec> populations_;
+  WorldSpec& spec_;
+  Occupancy& occupancy_;
+  const PlaceOptions& options_;
+  Diagnostics& diagnostics_;
+};
+
+void Placer::check_total() {
+  double total = static_cast<double>(spec_.bodies.size());
+  for (const PopulationSpec& population : populations_)
+    total += static_cast<double>(population.count) + static_cast<double>(population.reserve);
+  if (total <= options_.most_bodies) {
+    spec_.bodies.reserve(static_cast<std::size_t>(total));
+    return;
+  }
+  diagnostics_.error(populations_.empty() ? spec_.bodies.back().where : populations_.back().where,
+                     fmt::format("the world would hold {:.0f} bodies; at most {:.0f} are allowed", total,
+                                 options_.most_bodies));
+}
+
+void Placer::check_rules() {
+  double cells_so_far = 0;
+  for (const PopulationSpec& population : populations_) {
+    const PlacementRule& rule = population.rule;
+    if (rule.region.empty()) error(population, "the region is empty");
+    if (rule.kind != PlacementRule::Kind::grid) continue;
+    const double cells = grid_cells(rule);
+    cells_so_far += cells;
+    if (cells > k_max_cells)
+      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at",
+                                    cells, rule.pitch_m, k_max_cells));
+    else if (cells_so_far > k_max_cells)
+      error(
+          population,
+          fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at",
+                      cells_so_far, k_max_cells));
+  }
+}
+
+void Placer::add(const PopulationSpec& population, partition::Parallel& parallel) {
+  const PlacementRule& rule = population.rule;
+  const partition::ObstacleShape* shape = nullptr;
+  try {
+    shape = &occupancy_.shape(population.type);
+  } catch (const std::length_error& fault) {
+    const TypeSpec& type = spec_.types[population.type.index()];
+    diagnostics_.error(type.parts.front().where, fmt::format("type \"{}\": {}", type.name, fault.what()));
+    return;
+  }
+  const bool on_floor = rule.kind == PlacementRule::Kind::free_floor;
+  const double cells = on_floor ? floor_cells(rule, *shape) : 0.0;
+  if (cells > k_max_floor_cells)
+    return error(population, fmt::format("the region has {:.4g} cells; at most {:.0f} are looked at: give a "
+                                         "larger \"cell_m\"",
+                                         cells, k_max_floor_cells));
+  const std::vector<Pose> poses = place(rule, *shape, population.count, spec_.seed, population.name,
+                                        spec_.bounds, occupancy_.scene(), occupancy_.crowd(), parallel);
+  if (poses.size() < population.count) {
+    const std::string why =
+        rule.kind == PlacementRule::Kind::grid
+            ? fmt::format("the region has no more free cells (of {:.0f})", grid_cells(rule))
+            : fmt::format("{} draws found no free place for the next{}", rule.trials,
+                          on_floor ? " on the floor that is reached" : "");
+    error(population, fmt::format("placed {} of {} bodies: {}", poses.size(), population.count, why));
+  }
+  add_bodies(population, poses);
+}
+
+void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> poses) {
+  if (population.reserve > 0)
+    spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
+                              static_cast<std::uint32_t>(population.reserve)});
+  const std::uint32_t colors = stream_id("color", population.name);
+  for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
+    BodySpec& body = spec_.bodies.emplace_back();
+    body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
+    body.type = population.type;
+    if (i < poses.size()) body.pose_world_body = poses[i];
+    body.color = population.color;
+    body.where = population.where;
+    if (!population.random_color) continue;
+    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
+    body.color.r = static_cast<float>(random.uniform());
+    body.color.g = static_cast<float>(random.uniform());
+    body.color.b = static_cast<float>(random.uniform());
+    body.color.a = 1;
+  }
+}
+
+}  // namespace
+
+Occupancy::Occupancy(const WorldSpec& spec, std::size_t fixed)
+    : types_(spec.types),
+      scene_(scene_of(spec, [fixed](BodyId body) { return body.index() < fixed; })),
+      shapes_(spec.types.size()) {}
+
+Occupancy::Occupancy(const WorldSpec& spec)
+    : types_(spec.types),
+      scene_(scene_of(
+          spec,
+          [&spec](BodyId body) { return is_static(spec.types[spec.bodies[body.index()].type.index()]); })),
+      shapes_(spec.types.size()) {
+  for (std::size_t i = 0; i < spec.bodies.size(); ++i) {
+    const BodySpec& body = spec.bodies[i];
+    if (!is_static(spec.types[body.type.index()]) && spec.starts(BodyId(i)))
+      crowd_.add(shape(body.type), body.pose_world_body);
+  }
+}
+
+const partition::ObstacleShape& Occupancy::shape(TypeId type) {
+  std::optional<partition::ObstacleShape>& shape = shapes_[type.index()];
+  if (!shape) shape = obstacle_shape(types_[type.index()]);
+  return *shape;
+}
+
+void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
+           const PlaceOptions& options, Diagnostics& diagnostics) {
+  Placer(populations, spec, occupancy, options, diagnostics).run();
+}
+
+void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
+           const PlaceOptions& options) {
+  std::optional<Occupancy> occupancy;
+  try {
+    occupancy.emplace(spec);
+  } catch (const std::length_error& fault) {
+    diagnostics.error({}, fault.what());
+    return;
+  }
+  place(populations, spec, *occupancy, options, diagnostics);
+}
+
+}  // namespace troupe::engine

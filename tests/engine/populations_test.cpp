@@ -1,0 +1,152 @@
+// Populations are placed by the engine, into any spec.
+
+#include "engine/populations.hpp"
+
+#include "base/random.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace troupe::engine {
+namespace {
+
+using testing::ElementsAre;
+
+Solid square(double side) {
+  const double h = 0.5 * side;
+  return {{{Vec2(-h, -h), Vec2(h, -h), Vec2(h, h), Vec2(-h, h)}}, {0, 1}};
+}
+
+Box area(double x0, double y0, double x1, double y1) {
+  Box b;
+  b.extend(Vec2(x0, y0));
+  b.extend(Vec2(x1, y1));
+  return b;
+}
+
+/// A world with the ground (type 0), a wall (1) at x = 1, a robot (2) at x = 3, and room around them.
+WorldSpec room() {
+  WorldSpec spec;
+  spec.files = std::make_shared<SourceFiles>();
+  spec.files->add("room.txt");
+  add_ground(spec);
+  TypeSpec wall{.name = "wall"};
+  wall.parts.push_back({.kind = "model", .solids = {square(0.5)}, .floor_plan = true});
+  spec.types.push_back(wall);
+  TypeSpec bot{.name = "bot"};
+  bot.parts.push_back({.kind = "model", .solids = {square(0.5)}});
+  bot.drive = DriveSpec{.kind = "diff"};
+  spec.types.push_back(bot);
+  spec.bodies.push_back({.name = spec.names.add("wall"), .type = TypeId(1), .pose_world_body = {1, 0, 0, 0}});
+  spec.bodies.push_back(
+      {.name = spec.names.add("guard"), .type = TypeId(2), .pose_world_body = {3, 0, 0, 0}});
+  return spec;
+}
+
+PopulationSpec row_of(std::string name, std::size_t count) {
+  PopulationSpec population{.name = std::move(name), .type = TypeId(2), .count = count};
+  population.rule = {.region = area(0, 0, 9, 0), .pitch_m = 1, .heading = 0};
+  population.where = {0, 7};
+  population.where_place = {0, 8};
+  return population;
+}
+
+std::vector<std::string> errors_of(std::vector<PopulationSpec> populations, WorldSpec spec = room(),
+                                   const PlaceOptions& options = {}) {
+  Diagnostics diagnostics(spec.files);
+  place(populations, spec, diagnostics, options);
+  std::vector<std::string> texts;
+  for (const Finding& finding : diagnostics.findings()) texts.push_back(diagnostics.text(finding));
+  return texts;
+}
+
+TEST(Populations, FillTheRoomThatBodiesLeave) {
+  WorldSpec spec = room();
+  Diagnostics diagnostics(spec.files);
+  const std::vector<PopulationSpec> populations{row_of("a", 2), row_of("b", 3)};
+  place(populations, spec, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  std::vector<std::pair<std::string, double>> found;
+  for (std::size_t b = 3; b < spec.bodies.size(); ++b)
+    found.emplace_back(spec.name(BodyId(b)), spec.bodies[b].pose_world_body.x);
+  using P = std::pair<std::string, double>;
+  EXPECT_THAT(found, ElementsAre(P{"a0", 0}, P{"a1", 2}, P{"b0", 4}, P{"b1", 5}, P{"b2", 6}));
+  EXPECT_EQ(spec.bodies[3].type, TypeId(2));
+  EXPECT_EQ(spec.bodies[3].where.line, 7u);
+}
+
+TEST(Populations, AreThoseOfTheirRule) {
+  WorldSpec spec = room();
+  PopulationSpec swarm{.name = "s", .type = TypeId(2), .count = 40};
+  swarm.rule = {.kind = PlacementRule::Kind::uniform, .region = area(-4, -4, 5, 5)};
+  Diagnostics diagnostics;
+  place(std::span(&swarm, 1), spec, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  ASSERT_EQ(spec.bodies.size(), 43u);
+
+  const WorldSpec before = room();
+  const partition::StaticScene scene({{placed(before.types[1].parts[0].solids[0], {1, 0, 0, 0}), BodyId(1)}},
+                                     1);
+  const partition::ObstacleShape shape = obstacle_shape(before.types[2]);
+  Crowd crowd;
+  crowd.add(shape, {3, 0, 0, 0});
+  partition::Parallel parallel(1);
+  const std::vector<Pose> poses =
+      place(swarm.rule, shape, 40, spec.seed, "s", std::nullopt, scene, crowd, parallel);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(spec.bodies[3 + i].pose_world_body, poses[i]) << i;
+}
+
+TEST(Populations, ReservesFollowWithoutAPlace) {
+  WorldSpec spec = room();
+  PopulationSpec some = row_of("a", 2);
+  some.reserve = 3;
+  some.random_color = true;
+  Diagnostics diagnostics;
+  place(std::span(&some, 1), spec, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  ASSERT_EQ(spec.bodies.size(), 8u);
+  ASSERT_EQ(spec.reserves.size(), 1u);
+  EXPECT_EQ(spec.reserves[0].population, "a");
+  EXPECT_EQ(spec.reserves[0].first, BodyId(5));
+  EXPECT_EQ(spec.reserves[0].count, 3u);
+  EXPECT_EQ(spec.name(BodyId(7)), "a4");
+  EXPECT_EQ(spec.bodies[7].pose_world_body, Pose());
+  EXPECT_NE(spec.bodies[3].color, spec.bodies[4].color);
+
+  // A body that is yet to be born takes up no room.
+  WorldSpec again = spec;
+  again.bodies[5].pose_world_body.x = 4;
+  const PopulationSpec more = row_of("b", 1);
+  place(std::span(&more, 1), again, diagnostics);
+  EXPECT_EQ(again.bodies[8].pose_world_body.x, 4);
+}
+
+TEST(Populations, ErrorsNameFileLineAndPopulation) {
+  EXPECT_THAT(
+      errors_of({row_of("a", 1), row_of("b", 9)}),
+      ElementsAre("room.txt:8: error: populations[1].rule: placed 7 of 9 bodies: the region has no more free "
+                  "cells (of 10)"));
+  PopulationSpec named = row_of("b", 9);
+  named.path = "/populations/0/place";
+  EXPECT_THAT(
+      errors_of({named}),
+      ElementsAre("room.txt:8: error: /populations/0/place: placed 8 of 9 bodies: the region has no more "
+                  "free cells (of 10)"));
+  EXPECT_THAT(errors_of({row_of("a", 3)}, room(), {.most_bodies = 5}),
+              ElementsAre("room.txt:7: error: the world would hold 6 bodies; at most 5 are allowed"));
+  PopulationSpec dense = row_of("a", 1);
+  dense.rule.region = area(0, 0, 9, 9);
+  dense.rule.pitch_m = 1e-5;
+  EXPECT_THAT(errors_of({dense}),
+              ElementsAre("room.txt:8: error: populations[0].rule: the region has 8.1e+11 cells "
+                          "of 1e-05 m; at most 100000000 are looked at"));
+  PopulationSpec nowhere = row_of("a", 1);
+  nowhere.rule.region = Box();
+  EXPECT_THAT(errors_of({nowhere}),
+              ElementsAre("room.txt:8: error: populations[0].rule: the region is empty"));
+}
+
+}  // namespace
+}  // namespace troupe::engine

@@ -1,0 +1,300 @@
+#include "engine/add_device.hpp"
+#include "worldio/json/json_parts.hpp"
+#include "worldio/json/type_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+template <class Kinds>
+std::vector<std::string_view> names(const Kinds& kinds) {
+  std::vector<std::string_view> known;
+  for (const auto& kind : kinds) known.push_back(kind.name);
+  return known;
+}
+
+/// What a part is to all that it carries.
+struct Stand {
+  std::uint32_t part = 0;
+  std::int32_t joint = engine::k_rigid;
+};
+
+/// A device that stands on another which may come later: `on` names it, or its joint. A path would not live
+/// as long.
+struct Riding {
+  std::size_t device;
+  std::string on;
+  bool names_joint;
+  Where where;
+  std::string pointer;
+};
+
+class TypeExpander {
+ public:
+  TypeExpander(const engine::Registry& registry, ImageFolder& images, engine::TypeSpec& type)
+      : registry_(registry), images_(images), type_(type) {}
+
+  void expand_root(const TypeDocument& document, const DocumentPath& at);
+
+ private:
+  void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
+  /// What the part itself is. Then it stands on the part; where it moves, so does the part.
+  void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
+                         Stand& stand);
+  void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
+  void expand_device(const DeviceDocument& document, const DocumentPath& at, bool is_sensor,
+                     const Stand& stand);
+  engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
+                               const engine::DeviceKind& kind) const;
+  void expand_controller(const ControllerDocument& document, std::uint32_t part);
+  /// What else than the joint of the part around it something moves with.
+  void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
+                    std::int32_t& joint);
+  /// These say what is wrong; nothing where all is right.
+  Result<> find_joint(const std::string& name, std::int32_t& joint) const;
+  Result<> put_on(engine::DeviceSpec& device, const std::string& on) const;
+  void order_devices(const TypeDocument& document, const DocumentPath& at);
+
+  const engine::Registry& registry_;
+  ImageFolder& images_;
+  engine::TypeSpec& type_;
+  std::vector<Riding> riding_;
+};
+
+void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath& at) {
+  if (!document.name.empty()) type_.name = document.name;
+  engine::PartSpec root{.where = document.where};
+  const bool has_shape = expand_shape(document, at, images_, root);
+  root.returns = document.returns;
+  if (document.drive && !document.drive->kind.empty())
+    type_.drive = engine::DriveSpec{.kind = document.drive->kind,
+                                    .params = document.drive->params,
+                                    .period_s = document.drive->period,
+                                    .where = document.drive->where};
+  root.kind = !document.kind.empty() ? document.kind : type_.drive ? "position" : "model";
+  type_.parts.push_back(std::move(root));
+
+  Stand stand;
+  expand_own_device(document, at, has_shape, stand);
+  expand_contents(document, at, stand);
+  for (const Riding& rider : riding_) {
+    engine::DeviceSpec& device = type_.devices[rider.device];
+    const Result<> stands = rider.names_joint ? find_joint(rider.on, device.joint) : put_on(device, rider.on);
+    if (!stands)
+      at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
+  }
+  order_devices(document, at);
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {  // those of parts may have wheels
+    const engine::ControllerKind* kind = registry_.controller(controller.kind);
+    return controller.part == 0 && (kind == nullptr || kind->needs_drive);
+  };
+  if (!document.drive && std::ranges::any_of(type_.controllers, needs_drive))
+    at.error_at(document.where_of(document.controller ? "controller" : "controllers"),
+                "a controller needs a \"drive\" to command");
+}
+
+void TypeExpander::expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below) {
+  engine::PartSpec part{.name = document.name,
+                        .alias = document.alias,
+                        .kind = document.kind.empty() ? "model" : document.kind,
+                        .parent = below.part,
+                        .joint = below.joint,
+                        .pose_body_part = document.pose.value_or(Pose()),
+                        .returns = document.returns,
+                        .color = document.color,
+                        .where = document.where};
+  const bool has_shape = expand_shape(document, at, images_, part);
+  expand_joint(document.joint, document.where_of("joint"), at, part.joint);
+  Stand stand{static_cast<std::uint32_t>(type_.parts.size()), part.joint};
+  type_.parts.push_back(std::move(part));
+  expand_own_device(document, at, has_shape, stand);
+  expand_contents(document, at, stand);
+}
+
+void TypeExpander::expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
+                                     Stand& stand) {
+  // What moves of a gripper is declared to be as large as the gripper itself.
+  if (document.extent) type_.parts[stand.part].size = *document.extent;
+  if (!document.device) return;
+  const OwnDeviceDocument& own = *document.device;
+  const engine::DeviceKind* kind = registry_.device(own.kind);
+  if (!kind) return;
+  const DocumentPath at(around, "device", own.where);
+  const engine::PartSpec& part = type_.parts[stand.part];
+  engine::DeviceSpec device{.name = own.name.empty() ? part.name : own.name,
+                            .kind = own.kind,
+                            .part = stand.part,
+                            .joint = stand.joint,
+                            .params = own.params,
+                            .pose_body_sensor = own.pose.value_or(part.pose_body_part),
+                            .period_s = own.period,
+                            .active = own.active,
+                            .where = own.where};
+  expand_joint(own.joint, own.where_of("joint"), at, device.joint);
+  const std::size_t d = engine::add_device(type_, std::move(device), *kind);
+  if (moves_itself(*kind)) type_.parts[stand.part].joint = stand.joint = type_.devices[d].moves;
+  if (!kind->body || has_shape) return;
+  engine::add_device_body(type_, d, *kind);
+  if (!document.extent) measure_part(type_.parts[stand.part]);
+}
+
+void TypeExpander::expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand) {
+  const auto each = [&](std::string_view key, const auto& list, auto expand) {
+    const DocumentPath all(at, key, document.where_of(key));
+    for (std::size_t i = 0; i < list.size(); ++i) expand(list[i], DocumentPath(all, i, list[i].where));
+  };
+  each("sensors", document.sensors, [&](const SensorDocument& sensor, const DocumentPath& path) {
+    expand_device(sensor, path, true, stand);
+  });
+  each("devices", document.devices, [&](const DeviceDocument& device, const DocumentPath& path) {
+    expand_device(device, path, false, stand);
+  });
+  if (document.controller) expand_controller(*document.controller, stand.part);
+  for (const ControllerDocument& controller : document.controllers) expand_controller(controller, stand.part);
+  each("parts", document.parts,
+       [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
+}
+
+/// Puts a device on another, which moves what stands on it.
+Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
+  std::vector<std::string_view> known;
+  for (const engine::DeviceSpec& other : type_.devices) {
+    const engine::DeviceKind* kind = registry_.device(other.kind);
+    if (kind == nullptr || kind->joints.size() != 1) continue;
+    known.push_back(other.name);
+    if (other.name != on) continue;
+    device.part = other.part;
+    device.joint = other.moves;
+    device.pose_body_sensor = compose(other.pose_body_sensor, device.pose_body_sensor);
+    return {};
+  }
+  if (known.empty())
+    return Error{
+        fmt::format("\"{}\" is no device before it that moves what stands on it; there is none", on)};
+  return Error{unknown_name("device that moves what stands on it", on, known)};
+}
+
+/// What a device shows of itself: the body of its kind, or one given by its size or blocks.
+engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
+                                           const engine::DeviceKind& kind) const {
+  // Parts are of model kinds, and not every device that moves something ("wheels") is one.
+  engine::PartSpec part{.name = device.name,
+                        .kind = registry_.model(device.kind) ? device.kind : "model",
+                        .pose_body_part = device.pose_body_sensor,
+                        .returns = document.returns,
+                        .color = document.color,
+                        .where = device.where};
+  if (!kind.body) part.solids = expand_solids(document.size, document.blocks, device.pose_body_sensor);
+  return part;
+}
+
+void TypeExpander::expand_device(const DeviceDocument& document, const DocumentPath& at, bool is_sensor,
+                                 const Stand& stand) {
+  const engine::DeviceKind* kind = registry_.device(document.kind);
+  if (!kind) return;
+  std::vector<engine::DeviceSpec>& devices = type_.devices;
+  engine::DeviceSpec device{.name = document.name,
+                            .kind = document.kind,
+                            .part = stand.part,
+                            .joint = stand.joint,
+                            .params = document.params,
+                            .pose_body_sensor = document.pose.value_or(Pose()),
+                            .period_s = document.period,
+                            .active = document.active,
+                            .where = document.where};
+  if (device.name.empty()) {  // as Stage names a robot's second ranger: "ranger:1"
+    const auto before = std::ranges::count(devices, device.kind, &engine::DeviceSpec::kind);
+    device.name = fmt::format("{}:{}", device.kind, before);
+  } else if (std::ranges::find(devices, device.name, &engine::DeviceSpec::name) != devices.end()) {
+    DocumentPath(at, "name", document.where_of("name"))
+        .error(fmt::format("the type has a {} \"{}\" already", is_sensor ? "sensor" : "device", device.name));
+  }
+  const bool has_part = !kind->joints.empty();
+  if (!document.on.empty()) {
+    const DocumentPath on(at, "on", document.where_of("on"));
+    if (is_sensor) {
+      riding_.push_back({devices.size(), document.on, false, on.where(), on.pointer()});
+    } else if (const Result<> put = put_on(device, document.on); !put) {
+      on.error(put.error().text);
+      return;
+    }
+  }
+  if (!has_part && document.joint && document.joint->name) {
+    const DocumentPath joint(at, "joint", document.where_of("joint"));
+    riding_.push_back({devices.size(), *document.joint->name, true, joint.where(), joint.pointer()});
+  } else {
+    expand_joint(document.joint, document.where_of("joint"), at, device.joint);
+  }
+  if (has_part) {
+    engine::PartSpec part = device_part(document, device, *kind);
+    part.parent = device.part;
+    part.joint = kind->body ? device.joint : static_cast<std::int32_t>(type_.joints.size());
+    device.part = static_cast<std::uint32_t>(type_.parts.size());
+    type_.parts.push_back(std::move(part));
+  }
+  const std::size_t part = device.part;
+  const std::size_t d = engine::add_device(type_, std::move(device), *kind);
+  if (has_part) {
+    engine::add_device_body(type_, d, *kind);
+    measure_part(type_.parts[part]);
+  }
+}
+
+void TypeExpander::expand_controller(const ControllerDocument& document, std::uint32_t part) {
+  if (document.kind.empty()) return;
+  type_.controllers.push_back({.kind = document.kind,
+                               .part = part,
+                               .params = document.params,
+                               .period_s = document.period,
+                               .where = document.where});
+}
+
+void TypeExpander::expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
+                                std::int32_t& joint) {
+  if (!name) return;
+  if (!name->name)
+    joint = engine::k_rigid;
+  else if (const Result<> found = find_joint(*name->name, joint); !found)
+    DocumentPath(at, "joint", where).error(found.error().text);
+}
+
+Result<> TypeExpander::find_joint(const std::string& name, std::int32_t& joint) const {
+  const auto found = std::ranges::find(type_.joints, name, &engine::JointSpec::name);
+  if (found == type_.joints.end()) return Error{unknown_name("joint", name, names(type_.joints))};
+  joint = static_cast<std::int32_t>(found - type_.joints.begin());
+  return {};
+}
+
+void TypeExpander::order_devices(const TypeDocument& document, const DocumentPath& at) {
+  if (!document.device_order) return;
+  std::vector<engine::DeviceSpec> ordered;
+  for (const std::string& name : *document.device_order) {
+    const auto found = std::ranges::find(type_.devices, name, &engine::DeviceSpec::name);
+    if (found == type_.devices.end()) continue;
+    ordered.push_back(std::move(*found));
+    type_.devices.erase(found);
+  }
+  if (!type_.devices.empty() || ordered.size() != document.device_order->size())
+    DocumentPath(at, "device_order", document.where_of("device_order"))
+        .error(fmt::format("expected the names of all devices of the type, each once, found a list of {}",
+                           document.device_order->size()));
+  else
+    type_.devices = std::move(ordered);
+}
+
+}  // namespace
+
+engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
+                             const engine::Registry& registry, ImageFolder& images) {
+  engine::TypeSpec type{.name = key};
+  TypeExpander(registry, images, type).expand_root(document, at);
+  return type;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,474 @@
+#include "base/math.hpp"
+#include "engine/populations.hpp"
+#include "engine/watch_spec.hpp"
+#include "worldio/images/floor_image.hpp"
+#include "worldio/json/experiment_json.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_parts.hpp"
+#include "worldio/json/json_reader.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/read_document.hpp"
+#include "worldio/json/type_document.hpp"
+#include "worldio/json/write_document.hpp"
+#include "worldio/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::BodySpec;
+using engine::PlacementRule;
+using engine::WorldSpec;
+
+constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
+constexpr Color k_body_color{1, 0, 0, 1};
+const partition::ObstacleShape k_no_shape;
+
+struct Model {
+  BodySpec body;
+  std::optional<engine::Name> alias;
+  std::vector<std::string> global_parts;  ///< parts that have names of their own
+  std::optional<std::string> reserve_of;  ///< the population into which it may be born
+  std::string pointer;
+};
+
+class WorldExpander {
+ public:
+  WorldExpander(const WorldDocument& document, const std::filesystem::path& file,
+                const engine::Registry& registry, const LoadOptions& options, Diagnostics& diagnostics)
+      : document_(document),
+        file_(file),
+        registry_(registry),
+        options_(options),
+        diagnostics_(diagnostics),
+        images_(diagnostics),
+        folder_{images_, file.parent_path()} {}
+
+  WorldSpec expand() {
+    spec_.files = diagnostics_.files();
+    engine::add_ground(spec_);
+    const DocumentPath world(document_.where, diagnostics_);
+    expand_settings();
+    each(world, "floorplans", document_.floorplans, &WorldExpander::expand_floorplan);
+    if (document_.bounds) spec_.bounds = document_.bounds;  // it beats those of the floor plans
+    expand_types(world);
+    each(world, "models", document_.models, &WorldExpander::expand_model);
+    each(world, "populations", document_.populations, &WorldExpander::expand_population);
+    for (const MeasureDocument& measure : document_.measures)
+      spec_.measures.push_back(expand_measure(measure));
+    std::vector<std::string> type_keys(spec_.types.size());
+    for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
+    expand_experiment(document_.experiment, world, document_.where_of("at"), type_keys, registry_, spec_);
+    // Bodies are placed only in a world that is otherwise right: their findings would follow from the others.
+    if (!diagnostics_.has_errors()) place_bodies();
+    if (!diagnostics_.has_errors()) report_repeated_names();
+    return std::move(spec_);
+  }
+
+ private:
+  template <class List, class Expand>
+  void each(const DocumentPath& world, std::string_view key, const List& list, Expand function) {
+    const DocumentPath all(world, key, document_.where_of(key));
+    for (std::size_t i = 0; i < list.size(); ++i)
+      (this->*function)(list[i], DocumentPath(all, i, list[i].where));
+  }
+
+  void expand_settings();
+  void expand_floorplan(const FloorplanDocument& document, const DocumentPath& at);
+  void expand_types(const DocumentPath& world);
+  void expand_model(const ModelDocument& document, const DocumentPath& at);
+  void expand_population(const PopulationDocument& document, const DocumentPath& at);
+  PlacementRule expand_rule(const PlaceDocument& document, const DocumentPath& at);
+  void expand_region(const PlaceDocument& document, const DocumentPath& at, PlacementRule& rule);
+  void place_bodies();
+  void make_shapes(engine::Occupancy& occupancy);
+  void check_model(const Model& model, engine::Occupancy& occupancy);
+  void name_parts(const Model& model, BodyId body);
+  void add_to_reserve(const std::string& population, BodyId body, TypeId type);
+  void report_repeated_names();
+
+  /// The type of this key; type 0 is the ground, for when there is none. object: what says it, at this path
+  TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
+  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(k_body_color); }
+
+  const WorldDocument& document_;
+  const std::filesystem::path& file_;
+  const engine::Registry& registry_;
+  const LoadOptions& options_;
+  Diagnostics& diagnostics_;
+  WorldSpec spec_;
+  std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
+  std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
+  FloorImages images_;                                     // plans may share one
+  ImageFolder folder_;
+  std::size_t vertices_ = 0;  // of the floor plans
+  std::vector<Model> models_;
+  std::vector<engine::PopulationSpec> populations_;
+};
+
+void WorldExpander::expand_settings() {
+  spec_.title = document_.title.empty() ? file_.stem().string() : document_.title;
+  spec_.seed = options_.seed.value_or(document_.seed);
+  spec_.tick_s = document_.tick;
+  spec_.quit_time_s = document_.quit_time;
+  spec_.measure_every_s = document_.measure_every;
+  spec_.ranging = document_.ranging;
+  spec_.resolution_m = document_.resolution;
+  spec_.resolution_where = document_.where_of("resolution");
+  // The ground is a body, too, and may have another name, as in Stage.
+  if (document_.ground && !document_.ground->alias.empty())
+    spec_.aliases.push_back({spec_.names.add(document_.ground->alias), BodyId(0)});
+  if (const auto& record = document_.record)
+    spec_.record = engine::RecordSpec{.file = record->file,
+                                      .fields = record->fields,
+                                      .every_s = record->every,
+                                      .where = record->where,
+                                      .where_fields = record->where_of("fields")};
+  if (document_.watch) spec_.watch = engine::watch_spec(*document_.watch);
+  spec_.window = document_.window;
+  spec_.mortal = document_.mortal;
+}
+
+void WorldExpander::expand_floorplan(const FloorplanDocument& document, const DocumentPath& at) {
+  BodySpec body{.name = spec_.names.add(document.name), .where = document.where};
+  body.pose_world_body = document.pose;
+  body.pose_world_body.heading = wrap_angle(body.pose_world_body.heading);
+  body.color = document.color.value_or(k_floorplan_color);
+  engine::PartSpec part{
+      .kind = "model", .returns = document.returns, .floor_plan = true, .where = document.where};
+  if (const auto image = expand_image(document.image, document, at, folder_)) {
+    part.size = image->size;
+    part.solids = floor_plan_body(*image->image, image->spec, part.size);
+    part.image = image->spec;
+    vertices_ += count_vertices(part.solids);
+    if (vertices_ > engine::k_most_vertices) {
+      at.error(fmt::format("too large: the outlines of the floor plans have more than {} corners",
+                           engine::k_most_vertices));
+      part.solids.clear();
+    }
+    const Pose pose_body_center = image->image->place ? image->image->place->pose_map_center : Pose();
+    const Transform transform(compose(body.pose_world_body, pose_body_center));
+    if (!spec_.bounds) spec_.bounds.emplace();
+    for (const double x : {-part.size.x() / 2, part.size.x() / 2})
+      for (const double y : {-part.size.y() / 2, part.size.y() / 2})
+        spec_.bounds->extend(transform * Vec2(x, y));
+  } else if (!spec_.bounds) {
+    spec_.bounds.emplace().extend(
+        Vec2::Zero());  // else populations would be told that there is no floor plan
+  }
+  body.type = TypeId(spec_.types.size());
+  engine::TypeSpec type{.name = document.name};
+  type.parts.push_back(std::move(part));
+  spec_.types.push_back(std::move(type));
+  spec_.bodies.push_back(body);
+}
+
+void WorldExpander::expand_types(const DocumentPath& world) {
+  type_colors_.resize(spec_.types.size());
+  const DocumentPath all(world, "types", document_.where_of("types"));
+  for (const auto& [key, type] : document_.types) {
+    type_ids_.emplace(key, TypeId(spec_.types.size()));
+    spec_.types.push_back(expand_type(type, key, DocumentPath(all, key, type.where), registry_, folder_));
+    type_colors_.push_back(type.color);
+  }
+}
+
+void WorldExpander::expand_model(const ModelDocument& document, const DocumentPath& at) {
+  Model model;
+  model.pointer = at.pointer();
+  model.body.where = document.where;
+  model.body.name = spec_.names.add(document.name);
+  model.body.type = type_of(document.type, document, at);
+  model.body.pose_world_body = document.pose;
+  model.body.pose_world_body.heading = wrap_angle(model.body.pose_world_body.heading);
+  model.body.color = document.color.value_or(color_of(model.body.type));
+  if (!document.alias.empty()) model.alias = spec_.names.add(document.alias);
+  const std::vector<engine::PartSpec>& parts = spec_.types[model.body.type.index()].parts;
+  const DocumentPath global(at, "global_parts", document.where_of("global_parts"));
+  for (std::size_t i = 0; i < document.global_parts.size(); ++i) {
+    const std::string& name = document.global_parts[i];
+    if (std::ranges::find(parts, name, &engine::PartSpec::name) == parts.end())
+      DocumentPath(global, i, global.where()).error(fmt::format("the model has no part \"{}\"", name));
+  }
+  model.global_parts = document.global_parts;
+  if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
+  if (document.fiducial_return) {
+    model.body.fiducial = *document.fiducial_return;
+    if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
+      DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
+          .error("needs a type with a \"fiducial_return\", which says that its robots are marked");
+  }
+  models_.push_back(std::move(model));
+}
+
+void WorldExpander::expand_population(const PopulationDocument& document, const DocumentPath& at) {
+  engine::PopulationSpec population{
+      .name = document.name, .path = at.pointer() + "/place", .where = document.where};
+  population.type = type_of(document.type, document, at);
+  population.count = static_cast<std::size_t>(document.count.value_or(0));
+  population.reserve = static_cast<std::size_t>(document.reserve);
+  population.random_color = document.color && document.color->is_random;
+  population.color = document.color ? document.color->color : color_of(population.type);
+  if (document.place) {
+    population.rule = expand_rule(*document.place, DocumentPath(at, "place", document.place->where));
+    population.where_place = document.place->where;
+  }
+  populations_.push_back(std::move(population));
+}
+
+PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const DocumentPath& at) {
+  const auto pair = [](const std::array<double, 2>& xy) { return Vec2(xy[0], xy[1]); };
+  PlacementRule rule;
+  if (document.rule) rule.kind = *document.rule;
+  expand_region(document, at, rule);
+  rule.spill = document.spill.value_or(Box());
+  rule.jitter_m = document.jitter;
+  if (document.pitch) rule.pitch_m = *document.pitch;
+  if (document.mean) rule.mean = pair(*document.mean);
+  if (document.deviation) rule.deviation = pair(*document.deviation);
+  if (document.distance) rule.distance_m = *document.distance;
+  if (document.from) rule.from = pair(*document.from);
+  if (document.cell) rule.cell_m = *document.cell;
+  if (document.heading) {
+    if (!document.heading->is_random) rule.heading = wrap_angle(document.heading->rad);
+  } else if (rule.kind == PlacementRule::Kind::grid) {
+    rule.heading = 0;
+  }
+  rule.z = document.z;
+  return rule;
+}
+
+/// Where the bodies' origins may lie: in a box, a polygon, or both; else where robots may be.
+void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
+                                  PlacementRule& rule) {
+  if (document.polygon) rule.polygon = *document.polygon;
+  for (const Vec2& corner : rule.polygon) rule.region.extend(corner);
+  if (document.region) rule.region = *document.region;
+  if (document.says("region_m") || document.region || !rule.polygon.empty()) return;
+  if (spec_.bounds)
+    rule.region = *spec_.bounds;
+  else if (rule.kind == PlacementRule::Kind::gaussian)
+    rule.region = Box::around(Vec2::Zero(), k_max_size_m);
+  else
+    at.error(
+        "missing \"region_m\": [[x_min, y_min], [x_max, y_max]], or \"polygon_m\", as there is no floor plan "
+        "to fill");
+}
+
+TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
+  if (name.empty()) return TypeId(0);
+  if (const auto found = type_ids_.find(name); found != type_ids_.end()) return found->second;
+  std::vector<std::string_view> known;
+  for (const auto& [known_name, id] : type_ids_) known.push_back(known_name);
+  DocumentPath(at, "type", object.where_of("type")).error(unknown_name("type", name, std::move(known)));
+  return TypeId(0);
+}
+
+void WorldExpander::place_bodies() {
+  engine::Occupancy occupancy(spec_, spec_.bodies.size());  // of the floor plans
+  make_shapes(occupancy);
+  if (diagnostics_.has_errors()) return;
+  for (const Model& model : models_) check_model(model, occupancy);
+  for (const Model& model : models_) {
+    const BodyId body(spec_.bodies.size());
+    name_parts(model, body);
+    if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
+    spec_.bodies.push_back(model.body);
+  }
+  engine::place(populations_, spec_, occupancy,
+                {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
+}
+
+/// Reports every type that bodies cannot be placed of, also one without bodies.
+void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
+  for (const auto& [name, type] : type_ids_) try {
+      occupancy.shape(type);
+    } catch (const std::length_error& fault) {
+      diagnostics_.error(spec_.types[type.index()].parts.front().where,
+                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
+    }
+}
+
+/// Bodies of one reserve follow one another.
+void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
+  auto& reserves = spec_.reserves;
+  if (!reserves.empty()) {
+    engine::ReserveSpec& last = reserves.back();
+    const bool follows = last.first.index() + last.count == body.index();
+    if (follows && last.population == population && spec_.bodies[last.first.index()].type == type) {
+      ++last.count;
+      return;
+    }
+  }
+  reserves.push_back({population, body, 1});
+}
+
+void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy) {
+  engine::Crowd& crowd = occupancy.crowd();
+  const bool overlaps_are_errors = document_.overlaps == WorldDocument::Check::error;
+  if (model.reserve_of) return crowd.add(k_no_shape, {});  // it is not there yet
+  const BodySpec& body = model.body;
+  const partition::ObstacleShape& shape = occupancy.shape(body.type);
+  const auto overlaps = [&](const BodySpec& other) {
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
+                                               spec_.names.text(body.name), spec_.names.text(other.name)));
+  };
+  if (overlaps_are_errors && !shape.empty())
+    for (const BodyId wall : occupancy.scene().overlapping(shape, body.pose_world_body))
+      overlaps(spec_.bodies[wall.index()]);
+  if (overlaps_are_errors)
+    for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
+  if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
+      !spec_.bounds->contains(body.pose_world_body.position()))
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
+                                               spec_.names.text(body.name)));
+  crowd.add(shape, body.pose_world_body);
+}
+
+void WorldExpander::name_parts(const Model& model, BodyId body) {
+  if (model.alias) spec_.aliases.push_back({*model.alias, body});
+  for (const std::string& part : model.global_parts)
+    spec_.part_aliases.insert_or_assign(part, engine::PartName{body, part});
+}
+
+void WorldExpander::report_repeated_names() {
+  engine::NameMap taken;
+  taken.reserve(spec_.bodies.size());
+  const Where* reported = nullptr;  // one finding a population is enough
+  for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
+    const BodySpec& body = spec_.bodies[i];
+    const BodyId first = taken.add(body.name, BodyId(i));
+    if (first == BodyId(i) ||
+        (reported && reported->file == body.where.file && reported->line == body.where.line))
+      continue;
+    if (document_.same_names == WorldDocument::Check::warn) {
+      diagnostics_.warning_once(body.where,
+                                fmt::format("the name \"{}\" is taken already; looking it up finds the last",
+                                            spec_.name(BodyId(i))));
+      continue;
+    }
+    const Where other = spec_.bodies[first.index()].where;
+    diagnostics_.error(
+        body.where,
+        fmt::format("the name \"{}\" is taken{}", spec_.name(BodyId(i)),
+                    other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
+    reported = &body.where;
+  }
+}
+
+/// The member that `--robots` sets: the count of the population of this name, or of the only one.
+std::optional<std::size_t> population_index(const JsonNode& document, const std::string& name, Where where,
+                                            Diagnostics& diagnostics) {
+  const JsonNode* node = document.find("populations");
+  const JsonNode::List* populations = node ? node->list() : nullptr;
+  std::vector<std::string_view> names;
+  if (populations)
+    for (const JsonNode& population : *populations) {
+      const JsonNode* its_name = population.find("name");
+      names.push_back(its_name && its_name->text() ? std::string_view(*its_name->text())
+                                                   : std::string_view());
+    }
+  if (names.empty()) {
+    diagnostics.error(where, "the world has no population whose size could be set");
+    return std::nullopt;
+  }
+  if (name.empty()) {
+    if (names.size() == 1) return 0;
+    diagnostics.error(where,
+                      fmt::format("the world has {} populations: say which, NAME=COUNT with NAME one of {}",
+                                  names.size(), comma_list(names)));
+    return std::nullopt;
+  }
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  diagnostics.error(where, unknown_name("population", name, names));
+  return std::nullopt;
+}
+
+void set_robots(JsonNode& document, const std::string& name, std::size_t count, Diagnostics& diagnostics) {
+  const std::string option =
+      name.empty() ? fmt::format("--robots {}", count) : fmt::format("--robots {}={}", name, count);
+  const Where where{diagnostics.files()->add(option), 0};
+  const auto index = population_index(document, name, where, diagnostics);
+  if (!index) return;
+  JsonNode& population = std::get<JsonNode::List>(document.find("populations")->value)[*index];
+  auto* members = std::get_if<JsonNode::Object>(&population.value);
+  if (!members) return;  // reported when it is read
+  JsonNode* node = population.find("count");
+  if (!node) node = &members->emplace_back(JsonMember{"count", where, {}}).node;
+  node->value = static_cast<std::uint64_t>(count);
+  if (count <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+    node->value = static_cast<std::int64_t>(count);
+  node->where = where;
+}
+
+}  // namespace
+
+WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
+                 const engine::Registry& registry, const LoadOptions& options, Diagnostics& diagnostics) {
+  return WorldExpander(document, file, registry, options, diagnostics).expand();
+}
+
+void change_json_world(JsonNode& document, const LoadOptions& options, Diagnostics& diagnostics) {
+  for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
+  for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
+}
+
+WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
+                                 const LoadOptions& options, Diagnostics& diagnostics) {
+  auto read =
+      read_document<WorldDocument>(JsonCursor(document, diagnostics), {registry, options.most_bodies});
+  read.files = diagnostics.files();
+  return read;
+}
+
+WorldSpec read_json_world(const std::filesystem::path& file, const JsonNode& document,
+                          const engine::Registry& registry, const LoadOptions& options,
+                          Diagnostics& diagnostics) {
+  return expand(read_json_document(document, registry, options, diagnostics), file, registry, options,
+                diagnostics);
+}
+
+JsonNode json_world_node(const WorldDocument& document, const std::filesystem::path& file,
+                         const engine::Registry& registry, Diagnostics& diagnostics) {
+  JsonNode node = write_document(document, registry);
+  place_nodes(node, {diagnostics.files()->add(file.string()), 0});
+  return node;
+}
+
+WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
+                         const engine::Registry& registry, const LoadOptions& options,
+                         Diagnostics& diagnostics) {
+  report_repeated_keys(document, diagnostics);
+  change_json_world(document, options, diagnostics);
+  return read_json_world(file, document, registry, options, diagnostics);
+}
+
+std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
+                                                const engine::Registry& registry, const LoadOptions& options,
+                                                Diagnostics& diagnostics) {
+  const Where start{diagnostics.files()->add(file.string()), 0};
+  std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
+  if (!document) return std::nullopt;
+  change_json_world(*document, options, diagnostics);
+  return read_json_document(*document, registry, options, diagnostics);
+}
+
+WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
+                          const engine::Registry& registry, const LoadOptions& options,
+                          Diagnostics& diagnostics) {
+  if (const auto document = load_json_document(file, text, registry, options, diagnostics))
+    return expand(*document, file, registry, options, diagnostics);
+  WorldSpec nothing;
+  nothing.files = diagnostics.files();
+  return nothing;
+}
+
+}  // namespace troupe::worldio

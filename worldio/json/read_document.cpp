@@ -1,0 +1,352 @@
+#include "worldio/json/read_document.hpp"
+
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Field;
+using engine::FieldTable;
+using engine::Value;
+
+/// Reads one object by its table.
+class ObjectReader {
+ public:
+  ObjectReader(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading, void* object)
+      : at_(keys.at()), keys_(keys), table_(table), reading_(reading), object_(object) {}
+
+  void read();
+  void read_keys() {
+    for (const DocumentKey& key : table_.keys)
+      if (applies(key)) read_key(key);
+  }
+
+ private:
+  bool find_kind();
+  /// Bit of the value of the key that tells variants apart; 0 where it has none.
+  std::uint32_t find_variant();
+  bool applies(const DocumentKey& key) const;
+  void read_key(const DocumentKey& key);
+  void read_value(const DocumentKey& key);
+  void read_choice(const DocumentKey& key);
+  void read_heading(const DocumentKey& key);
+  void read_faults(const DocumentKey& key);
+  void read_node(const DocumentKey& key, const JsonCursor& at);
+  void read_names(const DocumentKey& key, const JsonCursor& at);
+  void read_contours(const DocumentKey& key, const JsonCursor& at);
+  void read_list(const DocumentKey& key, const JsonCursor& at);
+  void read_map(const DocumentKey& key, const JsonCursor& at);
+  void check_rule(const DocumentRule& rule) const;
+  void note(const DocumentKey& key, Where where) {
+    table_.placed(object_).keys.push_back({key.field.name, where});
+  }
+  const FieldTable* params() const { return kind_ ? kind_->params : nullptr; }
+  template <class M>
+  M& member(const DocumentKey& key) {
+    return *static_cast<M*>(key.make(object_));
+  }
+
+  const JsonCursor& at_;
+  JsonObject& keys_;
+  const DocumentTable& table_;
+  const DocumentReading& reading_;
+  void* object_;
+  std::optional<DocumentKind> kind_;
+  std::uint32_t variant_ = ~0u;
+};
+
+void ObjectReader::read() {
+  table_.placed(object_).where = at_.where();
+  if (table_.kinds && !find_kind()) return;
+  if (!table_.variant.empty()) variant_ = find_variant();
+  read_keys();
+  if (variant_ != 0) keys_.finish();  // else the keys of its variant are not known
+  if (!keys_.is_object()) return;
+  for (const DocumentRule& rule : table_.rules) check_rule(rule);
+  for (const DocumentKey& key : table_.keys)
+    if (key.form == Form::faults &&
+        static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
+      std::vector<std::string_view> known;
+      for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
+      at_.error(fmt::format("nobody fails: give one of {}", comma_list(known)));
+    }
+  if (table_.check) table_.check(object_, at_);
+}
+
+/// False, and reported, where the object is of no kind: its keys are not known then.
+bool ObjectReader::find_kind() {
+  const DocumentKinds& kinds = *table_.kinds;
+  const engine::Registry& registry = reading_.registry;
+  const JsonNode* node = keys_.find("kind");
+  if (!node && kinds.implied && at_.parent()) {
+    kind_ = kinds.implied(registry, at_.parent()->node());
+    if (kind_) return true;
+  }
+  if (!node) {
+    const std::string hint(kinds.hint.empty() ? fmt::format("one of {}", comma_list(kinds.known(registry)))
+                                              : std::string(kinds.hint));
+    keys_.missing("kind", hint);
+    return false;
+  }
+  const JsonCursor at(at_, "kind", *node);
+  const std::string* name = read_text(
+      at, kinds.expects.empty() ? fmt::format("the name of a {}", kinds.what) : std::string(kinds.expects));
+  if (!name) return false;
+  auto found = kinds.find(registry, *name);
+  if (!found) {
+    at.error(found.error().text);
+    return false;
+  }
+  kind_ = std::move(*found);
+  return true;
+}
+
+std::uint32_t ObjectReader::find_variant() {
+  const DocumentKey& key = *table_.find(table_.variant);
+  const JsonNode* node = at_.node().find(key.field.name);
+  const std::string* name = node ? node->text() : nullptr;
+  const auto& choices = key.field.choices;
+  const auto found = name ? std::ranges::find(choices, *name) : choices.end();
+  return found == choices.end() ? 0 : 1u << static_cast<unsigned>(found - choices.begin());
+}
+
+bool ObjectReader::applies(const DocumentKey& key) const {
+  if (key.variants != ~0u && (key.variants & variant_) == 0) return false;
+  if (key.is_there && !key.is_there(at_.node())) return false;
+  return !key.is_of || (kind_ && key.is_of(kind_->kind));
+}
+
+void ObjectReader::read_key(const DocumentKey& key) {
+  switch (key.form) {
+    case Form::value: return read_value(key);
+    case Form::choice: return read_choice(key);
+    case Form::heading: return read_heading(key);
+    case Form::faults: return read_faults(key);
+    case Form::parameters:
+      member<engine::Record>(key) = read_fields(keys_, *params(), kind_->presets);
+      return;
+    case Form::kind: member<std::string>(key) = kind_->name; break;  // and where it stands, below
+    default: break;
+  }
+  const JsonNode* node = keys_.find(key.field.name);
+  if (node) {
+    note(key, node->where);
+    read_node(key, JsonCursor(at_, key.field.name, *node));
+  } else if (key.required && key.form != Form::kind) {
+    keys_.missing(key.field.name, key.missing_hint());
+  }
+}
+
+/// Under one of the keys of its units.
+void ObjectReader::read_value(const DocumentKey& key) {
+  const Field& field = field_of(key, params());
+  FoundField found;
+  if (key.counts_bodies) {
+    Field limited = field;
+    limited.max = std::min(field.max, reading_.most_bodies);
+    found = find_field(keys_, limited);
+  } else {
+    found = find_field(keys_, field);
+  }
+  if (found.where) note(key, *found.where);
+  if (found.value.given())
+    engine::set(field, object_, found.value);
+  else if (!found.where && key.required && keys_.is_object())
+    at_.error(fmt::format("missing {}: {}", quoted_keys(field), key.missing_hint()));
+}
+
+void ObjectReader::read_choice(const DocumentKey& key) {
+  const FoundField found = find_field(keys_, key.field);
+  if (found.where) note(key, *found.where);
+  const auto& choices = key.field.choices;
+  if (found.value.given())
+    member<std::uint8_t>(key) =
+        static_cast<std::uint8_t>(std::ranges::find(choices, found.value.text()) - choices.begin());
+  else if (!found.where && key.required)
+    keys_.missing(key.field.name, key.missing_hint());
+}
+
+/// `"heading": "random"`, or an angle.
+void ObjectReader::read_heading(const DocumentKey& key) {
+  const Field& angle = heading_field();
+  const JsonNode* word = at_.node().find(key.field.name);
+  if (word && word->text() && *word->text() == "random") {
+    keys_.find(key.field.name);
+    note(key, word->where);
+    member<PlaceDocument::Heading>(key).is_random = true;
+    for (const engine::UnitSuffix& suffix : engine::unit_suffixes(angle.unit))
+      if (keys_.find(fmt::format("{}{}", angle.name, suffix.suffix)))
+        at_.error_at(word->where,
+                     fmt::format("give \"heading\": \"random\" or {}, not both", quoted_keys(angle)));
+    return;
+  }
+  const FoundField found = find_field(keys_, angle);
+  if (found.where) note(key, *found.where);
+  if (found.value.given()) member<PlaceDocument::Heading>(key).rad = found.value.number();
+}
+
+void ObjectReader::read_faults(const DocumentKey& key) {
+  for (const engine::FaultKind& kind : reading_.registry.faults)
+    if (auto params = read_block(keys_, kind.name, kind.params))
+      member<std::vector<FaultDocument::Impairment>>(key).push_back(
+          {std::string(kind.name), std::move(*params)});
+}
+
+void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
+  switch (key.form) {
+    case Form::version: {
+      const auto* version = std::get_if<std::int64_t>(&at.node().value);
+      if (!version)
+        at.expected(key.missing_hint());
+      else if (*version != k_format_version)
+        at.error(
+            fmt::format("format version {} is not known: this version reads {}", *version, k_format_version));
+      return;
+    }
+    case Form::seed: {
+      const auto* small = std::get_if<std::int64_t>(&at.node().value);
+      const auto* big = std::get_if<std::uint64_t>(&at.node().value);
+      if (big)
+        member<std::uint64_t>(key) = *big;
+      else if (small && *small >= 0)
+        member<std::uint64_t>(key) = static_cast<std::uint64_t>(*small);
+      else
+        at.expected("a whole number from 0 to 2^64 - 1");
+      return;
+    }
+    case Form::name:
+      if (const std::string* name = read_text(at, key.expects)) member<std::string>(key) = *name;
+      return;
+    case Form::model_kind: {
+      const std::string* name = read_text(at, "the name of a model kind");
+      if (!name) return;
+      member<std::string>(key) = *name;
+      if (reading_.registry.model(*name)) return;
+      std::vector<std::string_view> known;
+      for (const engine::ModelKind& kind : reading_.registry.models) known.push_back(kind.name);
+      return at.error(unknown_name("model kind", *name, std::move(known)));
+    }
+    case Form::names: return read_names(key, at);
+    case Form::color:
+      if (const auto color = read_color(at)) member<Color>(key) = *color;
+      return;
+    case Form::color_or_random: {
+      const std::string* word = at.node().text();
+      if (word && *word == "random")
+        member<PopulationDocument::BodyColor>(key).is_random = true;
+      else if (const auto color = read_color(at))
+        member<PopulationDocument::BodyColor>(key).color = *color;
+      return;
+    }
+    case Form::points: {
+      Ring points = read_points(at, key.least, key.most);
+      if (!points.empty()) member<Ring>(key) = std::move(points);
+      return;
+    }
+    case Form::box:
+      if (const auto box = read_box(at)) member<Box>(key) = *box;
+      return;
+    case Form::contours: return read_contours(key, at);
+    case Form::joint:
+      if (std::holds_alternative<std::monostate>(at.node().value))
+        member<JointName>(key).name.reset();
+      else if (const std::string* name = read_text(at, "the name of a joint, or null: none"))
+        member<JointName>(key).name = *name;
+      return;
+    case Form::comparison:
+      if (const std::string* text = read_text(at, key.expects))
+        if (const auto comparison = read_comparison(at, *text))
+          member<ConditionDocument::Comparison>(key) = *comparison;
+      return;
+    case Form::kept: member<JsonNode>(key) = at.node(); return;
+    case Form::block: {
+      JsonObject block(at);
+      member<engine::Record>(key) = read_fields(block, *key.block);
+      return block.finish();
+    }
+    case Form::object: return read_described(at, key.table(), reading_, key.make(object_));
+    case Form::list: return read_list(key, at);
+    case Form::map: return read_map(key, at);
+    default: return;  // read under their own keys
+  }
+}
+
+void ObjectReader::read_names(const DocumentKey& key, const JsonCursor& at) {
+  const JsonNode::List* list = worldio::read_list(at);
+  if (!list) return;
+  auto& names = member<std::vector<std::string>>(key);
+  for (std::size_t i = 0; i < list->size(); ++i)
+    if (const std::string* name = read_text(JsonCursor(at, i, (*list)[i]), key.expects))
+      names.push_back(*name);
+  if (list->size() < key.least) at.expected(fmt::format("at least one {}", key.expects.substr(4)));
+}
+
+/// Outlines that are taken as they stand.
+void ObjectReader::read_contours(const DocumentKey& key, const JsonCursor& at) {
+  const JsonNode::List* list = worldio::read_list(at);
+  if (!list) return;
+  std::vector<Ring> contours;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    Ring ring = read_points(JsonCursor(at, i, (*list)[i]), key.least, key.most);
+    if (!ring.empty()) contours.push_back(std::move(ring));
+  }
+  if (list->empty()) at.expected("at least one outline, [[x, y], ...]");
+  if (!list->empty() && contours.size() == list->size()) member<std::vector<Ring>>(key) = std::move(contours);
+}
+
+void ObjectReader::read_list(const DocumentKey& key, const JsonCursor& at) {
+  const JsonNode::List* nodes = worldio::read_list(at);
+  if (!nodes) return;
+  void* list = key.make(object_);
+  for (std::size_t i = 0; i < nodes->size(); ++i)
+    read_described(JsonCursor(at, i, (*nodes)[i]), key.table(), reading_, key.append(list, {}));
+}
+
+void ObjectReader::read_map(const DocumentKey& key, const JsonCursor& at) {
+  const JsonNode::Object* members = at.node().object();
+  if (!members) return at.expected(fmt::format("an object of {} by name", key.field.name));
+  void* map = key.make(object_);
+  for (const JsonMember& one : *members)
+    read_described(JsonCursor(at, one.key, one.node), key.table(), reading_, key.append(map, one.key));
+}
+
+void ObjectReader::check_rule(const DocumentRule& rule) const {
+  const Placed& placed = table_.placed(object_);
+  std::size_t given = 0;
+  for (const std::string_view name : rule.keys) {
+    if (!placed.says(name)) continue;
+    if (++given > 1 && rule.how != DocumentRule::How::any_of && rule.at_key)
+      at_.error_at(placed.where_of(name), rule.several);
+  }
+  if (given == 0 && rule.how != DocumentRule::How::not_both) at_.error(rule.none);
+  if (given > 1 && rule.how != DocumentRule::How::any_of && !rule.at_key)
+    at_.error(rule.several.empty() ? rule.none : rule.several);
+}
+
+}  // namespace
+
+void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
+                    void* object) {
+  if (!table.shorthand || at.node().object()) {
+    JsonObject keys(at);
+    return ObjectReader(keys, table, reading, object).read();
+  }
+  table.placed(object).where = at.where();
+  if (const std::string* text = read_text(at, table.shorthand->expects))
+    table.shorthand->read(at, *text, reading.registry, object);
+}
+
+void read_described_keys(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading,
+                         void* object) {
+  table.placed(object).where = keys.at().where();
+  ObjectReader(keys, table, reading, object).read_keys();
+}
+
+}  // namespace troupe::worldio

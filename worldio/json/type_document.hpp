@@ -1,0 +1,28 @@
+#pragma once
+
+#include "engine/kinds.hpp"
+#include "engine/world_spec.hpp"
+#include "worldio/json/json_parts.hpp"
+#include "worldio/json/json_reader.hpp"
+#include "worldio/json/world_document.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace troupe::worldio {
+
+/// The type that a document describes under `key`. What is wrong is reported; the result is then meaningless.
+engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
+                             const engine::Registry& registry, ImageFolder& images);
+
+/// The document that describes this type under `key`: only what expand_type() does not take for granted.
+/// `folder` as for contract_shape(). Throws std::runtime_error for kinds that are not registered.
+TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
+                           const std::optional<Color>& color, const engine::Registry& registry,
+                           const std::filesystem::path* folder);
+
+/// Whether a part that is this device moves with it: an actuator does, a gripper's base does not.
+inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
+
+}  // namespace troupe::worldio
