@@ -157,7 +157,7 @@ class Projector {
     along = length > 0 ? Vec2(along / length) : Vec2(1, 0);
     const Vec2 pixels = Vec2(-along.y(), along.x()) * v.side - along * std::abs(v.side);
     return {here.x + pixels.x() * 2 / width_ * here.w, here.y + pixels.y() * 2 / height_ * here.w,
-            here.z + bias_, here.w};
+            here.z + (v.corner == Corner::rim ? 0.5 * bias_ : bias_), here.w};
   }
 
   void add_solid(std::span<const SolidVertex, 3> corners, const SolidInstance& instance, bool is_shadow,
@@ -168,7 +168,7 @@ class Projector {
       const SolidVertex& v = corners[i];
       clip[i] = seen(instance, v.x, v.y, v.z, is_shadow);
       if (v.corner == Corner::plain) clip[i].z += bias_;
-      if (v.corner != Corner::stroke) continue;
+      if (v.corner != Corner::stroke && v.corner != Corner::rim) continue;
       const Clip there = seen(instance, v.ax, v.ay, v.az, is_shadow);
       if (clip[i].w <= nearest_ && there.w <= nearest_) return;
       clip[i] = stroke_corner(v, clip[i], there);

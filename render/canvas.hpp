@@ -51,6 +51,7 @@ enum class Corner : std::uint32_t {
   face,    ///< of a lit surface; `a` is its normal
   plain,   ///< of a surface that is not lit, a little nearer than it is: marks on faces
   stroke,  ///< of a line as wide as `side` says; `a` is its other end
+  rim,     ///< as a stroke, but a little farther than strokes are
 };
 
 struct SolidVertex {

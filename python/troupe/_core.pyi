@@ -235,7 +235,7 @@ class Simulation:
     def table(self, component: str, type: str = ...) -> Table: ...
     def snapshot(
         self,
-        png: _File,
+        file: _File,
         width: int = ...,
         height: int = ...,
         *,
@@ -246,6 +246,7 @@ class Simulation:
         across_m: Optional[float] = ...,
         color_by: str = ...,
         color_range: Optional[Tuple[float, float]] = ...,
+        background: str = ...,
     ) -> None: ...
     def picture(
         self,
@@ -259,6 +260,7 @@ class Simulation:
         across_m: Optional[float] = ...,
         color_by: str = ...,
         color_range: Optional[Tuple[float, float]] = ...,
+        background: str = ...,
     ) -> npt.NDArray[np.uint8]: ...
 
 class Measures:

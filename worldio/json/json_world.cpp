@@ -2,6 +2,7 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/placement.hpp"
+#include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -36,7 +37,6 @@ constexpr double k_max_cells = 100000000;       // of a grid rule: each may be l
 constexpr double k_max_floor_cells = 25000000;  // in each something may be looked for
 constexpr double k_scene_cell_m = 0.5;
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
-constexpr Color k_body_color{1, 0, 0, 1};
 const partition::ObstacleShape k_no_shape;
 
 /// In the order of PlacementRule::Kind.
@@ -182,7 +182,9 @@ class WorldReader {
   std::string read_name(JsonObject& object, std::string_view what);
   /// The type that the key `type` names; type 0 is the ground, for when there is none.
   TypeId read_type_name(JsonObject& object);
-  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(k_body_color); }
+  Color color_of(TypeId type) const {
+    return type_colors_[type.index()].value_or(default_colors_[type.index()]);
+  }
 
   const std::filesystem::path& file_;
   const engine::Registry& registry_;
@@ -191,6 +193,7 @@ class WorldReader {
   WorldSpec spec_;
   JsonChecks checks_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
+  std::vector<Color> default_colors_;                      // as those
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   FloorImages images_;                                     // plans may share one
   std::size_t vertices_ = 0;                               // of the floor plans
@@ -262,6 +265,7 @@ void WorldReader::read_types(JsonObject& object) {
       }
   }
   type_colors_.resize(spec_.types.size());
+  default_colors_ = default_colors(spec_.types);
 }
 
 /// A number of its own for fiducial finders, of a body whose type is marked.

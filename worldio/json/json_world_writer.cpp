@@ -1,3 +1,4 @@
+#include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -28,7 +29,6 @@ using engine::TypeSpec;
 using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
-constexpr Color k_body_color{1, 0, 0, 1};
 
 enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
 
@@ -143,6 +143,7 @@ JsonNode WorldWriter::types_node(std::size_t first) {
   colors_.assign(spec_.types.size(), {});
   for (std::size_t b = spec_.bodies.size(); b-- > 1;)
     colors_[spec_.bodies[b].type.index()] = spec_.bodies[b].color;
+  const std::vector<Color> default_colors = worldio::default_colors(spec_.types);
   std::set<std::string> taken;
   JsonNode::Object types;
   for (std::size_t t = first; t < spec_.types.size(); ++t) {
@@ -151,7 +152,7 @@ JsonNode WorldWriter::types_node(std::size_t first) {
     key = type.name;
     for (int n = 2; !taken.insert(key).second; ++n) key = fmt::format("{}#{}", type.name, n);
     std::optional<Color> color = colors_[t];
-    if (color == k_body_color) color.reset();
+    if (color == default_colors[t]) color.reset();
     add_node(types, key, type_node(type, key, color, registry_, &folder_));
   }
   return json_node(std::move(types));

@@ -37,6 +37,8 @@ const Field k_random_seed{.name = "random_seed",
                           .min = 0,
                           .max = static_cast<double>(std::numeric_limits<std::int32_t>::max())};
 
+const Field k_series{.name = "series", .type = FieldType::boolean, .fallback = false};
+
 Field whole(std::string_view name, double min, double max, std::string_view about) {
   return {.name = name, .type = FieldType::integer, .min = min, .max = max, .text = about};
 }
@@ -94,8 +96,10 @@ class StudyReader {
     each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
     read_seeds(object);
     read_measures(object);
-    const engine::FieldTable table{{k_random_seed}};
-    study_.random_seed = static_cast<std::uint64_t>(read_fields(object, table)[0].integer());
+    const engine::FieldTable table{{k_random_seed, k_series}};
+    const engine::Record settings = read_fields(object, table);
+    study_.random_seed = static_cast<std::uint64_t>(settings[0].integer());
+    study_.series = settings[1].boolean();
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
