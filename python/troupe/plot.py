@@ -4,11 +4,18 @@
 It needs matplotlib, and nothing else that is not Python's own.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 import math
 import os
 import sys
+from typing import Dict, List, Optional, Sequence, Tuple, Union
+
+_File = Union[str, "os.PathLike[str]"]
+_Key = Tuple[str, ...]
+_Points = List[Tuple[float, float, float, int]]
 
 # Okabe and Ito's colours, which the colour-blind can tell apart, and black.
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
@@ -20,7 +27,7 @@ class PlotError(ValueError):
     """What is asked for is not there, or cannot be drawn."""
 
 
-def _read(file):
+def _read(file: str) -> Tuple[List[str], List[List[str]]]:
     try:
         with open(file, newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
@@ -33,26 +40,27 @@ def _read(file):
     return rows[0], rows[1:]
 
 
-def _known(what, name, known):
+def _known(what: str, name: str, known: Sequence[str]) -> str:
     if name not in known:
         raise PlotError(f'error: unknown {what} "{name}"; known: {", ".join(known) if known else "none"}')
     return name
 
 
-def _number(text):
+def _number(text: str) -> Optional[float]:
     try:
         return float(text)
     except ValueError:
         return None
 
 
-def _order(value):
+def _order(value: _Key) -> List[Tuple[int, float, str]]:
     """Numbers before texts, each in their order."""
     numbers = [_number(part) for part in value]
     return [(0, number, "") if number is not None else (1, 0.0, part) for number, part in zip(numbers, value)]
 
 
-def series_by(folder, measure=None, by=None):
+def series_by(folder: _File, measure: Optional[str] = None,
+              by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
     """The measure, the parameters that tell lines apart, and for each of their values [(time_s, mean, deviation, runs)].
 
     The deviation is that of a sample (n - 1), 0 of one run. Raises PlotError.
@@ -75,7 +83,7 @@ def series_by(folder, measure=None, by=None):
         names = [_known("parameter", name, parameters) for name in by.split(",")]
 
     column = head.index(measure)
-    lines = {}
+    lines: Dict[_Key, Dict[float, List[float]]] = {}
     for row in series:
         number = _number(row[column])
         time_s = _number(row[1])
@@ -89,7 +97,7 @@ def series_by(folder, measure=None, by=None):
                         f"apart: choose with --by, of: {', '.join(parameters)}")
     if not lines:
         raise PlotError(f'error: no run has a value of "{measure}"')
-    result = {}
+    result: Dict[_Key, _Points] = {}
     for key in sorted(lines, key=_order):
         result[key] = []
         for time_s, numbers in sorted(lines[key].items()):
@@ -99,12 +107,13 @@ def series_by(folder, measure=None, by=None):
     return measure, names, result
 
 
-def draw(folder, measure=None, by=None, out=None, title=None):
+def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
+         title: Optional[str] = None) -> str:
     """Writes the picture (.png, .svg or .pdf) and returns its name. Raises PlotError, ImportError without matplotlib."""
     measure, names, lines = series_by(folder, measure, by)
-    out = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
-    if os.path.splitext(out)[1] not in (".png", ".svg", ".pdf"):
-        raise PlotError(f'error: "{out}" is not the name of a picture: it must end in .png, .svg or .pdf')
+    file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
+    if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
+        raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
     import matplotlib
 
     matplotlib.use("Agg")
@@ -129,15 +138,15 @@ def draw(folder, measure=None, by=None, out=None, title=None):
     if title:
         axes.set_title(title)
     try:
-        figure.savefig(out, dpi=150)
+        figure.savefig(file, dpi=150)
     except OSError as error:
-        raise PlotError(f"{out}: error: cannot be written: {error.strerror}") from None
+        raise PlotError(f"{file}: error: cannot be written: {error.strerror}") from None
     finally:
         pyplot.close(figure)
-    return out
+    return file
 
 
-def main(arguments=None):
+def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser = argparse.ArgumentParser(prog="troupe plot", description=__doc__.splitlines()[0])
     parser.add_argument("folder")
     parser.add_argument("--measure")

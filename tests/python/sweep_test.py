@@ -66,7 +66,7 @@ class Sweep(unittest.TestCase):
     def test_what_is_wrong_is_an_error_and_a_run_that_fails_a_row(self):
         with self.assertRaisesRegex(troupe.InputError, "study.json"):
             troupe.sweep({"troupe_study": 1})
-        with self.assertRaisesRegex(troupe.InputError, "cannot be read"):
+        with self.assertRaisesRegex(troupe.InputError, "there is no such file"):
             troupe.sweep("no-such-study.json")
         crowded = {**STUDY, "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 100000]}],
                    "seeds": [1]}
