@@ -10,6 +10,7 @@
 #include "apps/lint.hpp"
 #include "apps/manual.hpp"
 #include "apps/pictures/render.hpp"
+#include "apps/plot/plot.hpp"
 #include "apps/repair.hpp"
 #include "apps/replay.hpp"
 #include "apps/run/run.hpp"
@@ -42,6 +43,7 @@ std::vector<ProgramCommand> program_commands() {
       row("run", "Run a world and tell how it went", add_run_options, run),
       row("resume", "Go on with a run from its checkpoint", add_resume_options, run),
       row("sweep", "Make all runs of a study, and one table of them", add_sweep_options, sweep),
+      row("plot", "Draw a measure of a sweep over time", add_plot_options, plot),
       row("check", "Prove that a world gives the same bits on any threads and tiles", add_check_options,
           check_shipped),
       row("diff", "Find the first tick at which two hash logs or recordings differ", add_diff_options, diff),

@@ -64,6 +64,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 if(TROUPE_RENDER)
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # opened when the first picture is asked for
 endif()
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, libcairo2, python3-matplotlib")  # films, PDFs, troupe plot
 
 # What troupeConfig.cmake looks for.
 set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)

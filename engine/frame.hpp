@@ -24,6 +24,7 @@ struct FrameType {
   std::vector<FrameShape> shapes;  ///< of all parts
   bool mobile = false;             ///< robots get a heading mark
   double radius = 0;               ///< of the circle about the body's origin that encloses it, m
+  std::string name;                ///< of the type, for people
 };
 
 /// A body to be drawn.
@@ -58,8 +59,9 @@ struct FrameScene {
   Box bounds;                        ///< of everything at the start, m
   std::string title;                 ///< of the world
   std::vector<FrameRanger> rangers;  ///< those that some scan may be of
-  double tile_m = 0;  ///< edge of the tiles of the index, and of the cells in them; 0: not known
-  double cell_m = 0;  ///< see `tile_m`
+  double tile_m = 0;          ///< edge of the tiles of the index, and of the cells in them; 0: not known
+  double cell_m = 0;          ///< see `tile_m`
+  std::optional<Box> limits;  ///< where robots may go, m; none: the world does not say
 };
 
 /// What one ranger reads.

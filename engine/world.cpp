@@ -742,7 +742,8 @@ double World::mean_displacement() const {
 
 /// What bodies of a type look like: this one, or all with their joints at rest.
 FrameType World::look_of(std::size_t t, Row row) const {
-  FrameType look{.mobile = types_[t].drive.has_value(), .radius = types_[t].radius};
+  FrameType look{
+      .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};
   for (const PartSpec& part : spec_.types[t].parts)
     for (const Solid& solid : part.solids) {
       look.shapes.push_back({solid, part.color});
@@ -764,6 +765,7 @@ FrameScene World::frame_scene() const {
   scene.bounds = scene_.bounds();
   scene.tile_m = geometry_.tile_m();
   scene.cell_m = geometry_.cell_m;
+  scene.limits = spec_.bounds;
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!body_rows_[b].valid())

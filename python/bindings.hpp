@@ -115,5 +115,6 @@ void bind_swarm(py::module_& module, SimulationClass& simulation);
 void bind_tables(py::module_& module, SimulationClass& simulation);
 void bind_observers(py::module_& module);
 void bind_math(py::module_& module);
+void bind_study(py::module_& module);
 
 }  // namespace troupe::python

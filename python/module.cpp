@@ -196,4 +196,5 @@ PYBIND11_MODULE(_core, module) {
   bind_tables(module, simulation);
   bind_observers(module);
   bind_math(module);
+  bind_study(module);
 }

@@ -229,25 +229,26 @@ using Two = std::optional<std::array<double, 2>>;
 PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
                                const Two& center_m, const Two& angle_rad,
                                const std::optional<double>& across_m, const std::string& color_by,
-                               const Two& color_range) {
+                               const Two& color_range, const std::string& background) {
   if (width < 1 || height < 1)
     throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
-  return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range};
+  return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
 }
 
-void snapshot(const Holder& held, const fs::path& png, int width, int height, const std::string& camera,
+void snapshot(const Holder& held, const fs::path& file, int width, int height, const std::string& camera,
               const std::string& layers, const Two& center_m, const Two& angle_rad,
-              const std::optional<double>& across_m, const std::string& color_by, const Two& color_range) {
-  held->use().snapshot(png, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                            color_by, color_range));
+              const std::optional<double>& across_m, const std::string& color_by, const Two& color_range,
+              const std::string& background) {
+  held->use().snapshot(file, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                             color_by, color_range, background));
 }
 
 py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, const std::string& camera,
                                   const std::string& layers, const Two& center_m, const Two& angle_rad,
                                   const std::optional<double>& across_m, const std::string& color_by,
-                                  const Two& color_range) {
-  const std::vector<std::uint8_t> bytes = held->use().picture(
-      picture_options(width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range));
+                                  const Two& color_range, const std::string& background) {
+  const std::vector<std::uint8_t> bytes = held->use().picture(picture_options(
+      width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range, background));
   py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
   std::ranges::copy(bytes, rgb.mutable_data());
   return rgb;
@@ -432,14 +433,16 @@ SimulationClass bind_simulation(py::module_& module) {
           "remove", [](const Holder& held, const HeldModel& model) { held->use().remove(model.model); },
           py::arg("model"))
       .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
-      .def("snapshot", &snapshot, py::arg("png"), py::arg("width") = 1280, py::arg("height") = 720,
+      .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), "Draws the world into a PNG (docs/pictures.md).")
+           py::arg("color_range") = py::none(), py::arg("background") = "paper",
+           "Draws the world into a .png, or as a map into a .svg or .pdf (docs/pictures.md).")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), "The same picture: height x width x 3, uint8.");
+           py::arg("color_range") = py::none(), py::arg("background") = "paper",
+           "The same picture: height x width x 3, uint8.");
   return simulation;
 }
 

@@ -75,7 +75,7 @@ void main() {
 }
 )";
 
-// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke. Faces are lit from both sides
+// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 rim. Faces are lit from both sides
 // alike, as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from
 // above.
 constexpr const char* k_solid_shader = R"(#version 330 core
@@ -124,7 +124,7 @@ void main() {
     vec2 along = dot(way, way) > 0.0 ? normalize(way) : vec2(1.0, 0.0);
     vec2 pixels = vec2(-along.y, along.x) * a.w - along * abs(a.w);
     c.xy += pixels * 2.0 / picture * c.w;
-    c.z += bias;
+    c.z += kind.y == 3u ? 0.5 * bias : bias;
   }
   if (shadow > 0.0) color = edge;
   gl_Position = vec4(c.x, -c.y, c.z, c.w);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/color.hpp"
 #include "render/draw.hpp"
 #include "render/projection.hpp"
 
@@ -11,8 +12,6 @@
 #include <vector>
 
 namespace troupe::render {
-
-using Rgba = std::array<std::uint8_t, 4>;
 
 /// Where the colour of a triangle comes from.
 enum class Paint : std::uint32_t { own, body, edge, mark };
@@ -53,6 +52,7 @@ enum class Corner : std::uint32_t {
   face,    ///< of a lit surface; `a` is its normal
   plain,   ///< of a surface that is not lit, a little nearer than it is: marks on faces
   stroke,  ///< of a line as wide as `side` says; `a` is its other end
+  rim,     ///< as a stroke, but a little farther than strokes are
 };
 
 struct SolidVertex {

@@ -7,7 +7,9 @@
 #include "render/overlays.hpp"
 #include "render/scene_layers.hpp"
 #include "render/solid_mesh.hpp"
+#include "render/theme.hpp"
 #include "render/value_colors.hpp"
+#include "render/vector_drawing.hpp"
 
 #include <algorithm>
 #include <cfenv>
@@ -39,13 +41,10 @@ class KeepFpEnvironment {
   std::fenv_t environment_;
 };
 
-bool is_from_above(const Camera& camera) {
-  return !camera.perspective && camera.pitch == 0 && camera.yaw == 0;
-}
-
 /// What has to be seen where the camera says nothing else: never empty.
 Box shown_bounds(const FrameScene& scene, const View& view) {
   Box shown = view.region.value_or(scene.bounds);
+  if (view.layers.bounds && !view.region && scene.limits) shown.extend(*scene.limits);
   if (view.region) {
     if (!shown.min.allFinite() || !shown.max.allFinite() || !((shown.size().array() > 0).all()))
       throw std::runtime_error("cannot draw: the region of the view must be finite and of positive size");
@@ -137,6 +136,10 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
 
 }  // namespace
 
+bool is_from_above(const Camera& camera) {
+  return !camera.perspective && camera.pitch == 0 && camera.yaw == 0;
+}
+
 struct Painter::Impl {
   FrameScene scene;
   SceneMeshes meshes{scene, {}};
@@ -185,13 +188,17 @@ Painter& Painter::operator=(Painter&&) noexcept = default;
 
 const FrameScene& Painter::scene() const { return impl_->scene; }
 
-Picture Painter::draw(const Frame& frame, const View& view) {
-  const KeepFpEnvironment keep;
+/// What is to be drawn, first to last.
+struct Painter::Composition {
+  std::vector<AnyLayer> layers;
+  Projection projection;
+  Writing writing;
+};
+
+Painter::Composition Painter::compose(const Frame& frame, const View& view) {
   const FrameScene& scene = impl_->scene;
-  const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Layers& shown = view.layers;
-  if (!impl_->canvas) impl_->canvas.emplace();
-  impl_->canvas->check_size(view.width, view.height);
+  const Theme& theme = theme_of(view.background);
   std::vector<Rgba> colors;  // empty: the bodies' own
   if (!frame.values.empty())
     colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
@@ -202,25 +209,48 @@ Picture Painter::draw(const Frame& frame, const View& view) {
   if (is_from_above(view.camera)) {
     framing = frame_from_above(scene, view);
     projection = Projection::from_above(framing, heights_in(scene, frame.mobile));
-    if (shown.grid) layers.emplace_back(flat(floor_grid(framing), true));
+    if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
     // Below the walls: beams are wider than the one ray that says where they end.
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
-    add_flat_fixed(layers, impl_->meshes, framing, shown);
-    add_on_floor(layers, scene, frame, colors, *projection, shown);
+    add_flat_fixed(layers, impl_->meshes, framing, shown, theme);
+    add_on_floor(layers, scene, frame, colors, *projection, shown, theme);
     add_flat_mobile(layers, impl_->meshes, frame, colors, framing, shown);
   } else {
     projection = project(scene, frame, view, framing);
     std::vector<AnyLayer> on_floor;
-    if (shown.grid) on_floor.emplace_back(solid_grid(scene, *projection, grid_pitch(*projection)));
-    add_on_floor(on_floor, scene, frame, colors, *projection, shown);
+    if (shown.grid)
+      on_floor.emplace_back(solid_grid(scene, *projection, grid_pitch(*projection), theme.grid));
+    add_on_floor(on_floor, scene, frame, colors, *projection, shown, theme);
     std::vector<AnyLayer> in_air;
     add_in_air(in_air, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
-    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, std::move(on_floor),
+    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, theme, std::move(on_floor),
                std::move(in_air));
   }
-  add_ties(layers, frame, *projection, shown);
-  layers.emplace_back(flat(written(scene, frame, *projection, framing, view), true));
-  return impl_->canvas->paint(*projection, k_paper, layers);
+  add_ties(layers, frame, *projection, shown, theme);
+  return {std::move(layers), *projection, written(scene, frame, *projection, framing, view)};
+}
+
+Picture Painter::draw(const Frame& frame, const View& view) {
+  const KeepFpEnvironment keep;
+  const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
+  if (!impl_->canvas) impl_->canvas.emplace();
+  impl_->canvas->check_size(view.width, view.height);
+  Composition composition = compose(frame, view);
+  const Theme& theme = theme_of(view.background);
+  composition.layers.emplace_back(
+      flat(mesh_of(composition.writing, composition.projection.stroke(), theme), true));
+  return impl_->canvas->paint(composition.projection, theme.ground, composition.layers);
+}
+
+std::string Painter::draw_vector(const Frame& frame, const View& view, VectorFormat format,
+                                 const FileTexts& texts) {
+  if (!is_from_above(view.camera)) throw std::runtime_error("cannot draw solids as paths: only maps");
+  const KeepFpEnvironment keep;
+  const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
+  const Composition composition = compose(frame, view);
+  const VectorDrawing drawing = vector_drawing(composition.projection, composition.layers,
+                                               composition.writing, theme_of(view.background));
+  return format == VectorFormat::svg ? svg_text(drawing, texts) : pdf_text(drawing, texts);
 }
 
 Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {

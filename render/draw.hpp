@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,16 +25,21 @@ struct Camera {
   double fov = 0.65;  ///< of a perspective view, vertical, rad
 };
 
+/// What a picture lies on. Of `transparent`, what nothing is drawn on has an opacity of 0.
+enum class Background : std::uint8_t { paper, white, dark, transparent };
+
 /// What is drawn beside the bodies.
 struct Layers {
   bool grid = true;
   bool shadows = true;
   bool headings = true;  ///< a mark at the front of each robot
-  bool stalls = true;    ///< a red outline around who stands still because its motion was refused
+  bool stalls = true;    ///< a red outline with a white rim around robots whose last motion was blocked
   bool scale = true;
   bool clock = true;
   bool speed = false;       ///< beside the clock: Frame::times_real_time
   bool legend = true;       ///< of the colours, where bodies are coloured by a value
+  bool bounds = true;       ///< the line beyond which no robot may go: FrameScene::limits
+  bool types = false;       ///< a legend of the types of robots, where they are not coloured by a value
   bool scans = false;       ///< what rangers see, filled and transparent: Frame::scans
   bool beams = false;       ///< the same, each beam a line
   bool sights = false;      ///< lines from finders to what they found: Frame::sights
@@ -58,12 +64,20 @@ struct View {
   std::optional<Box> region;
   Camera camera;
   Layers layers;
+  Background background = Background::paper;
   /// The values at the ends of the scale of colours, where bodies are coloured by a value. Not given: those
   /// that are met in the frame.
   std::optional<std::pair<double, double>> values;
 };
 
-/// 8-bit RGBA, row 0 on top.
+/// Straight down, as a map: the only view that can be drawn as paths.
+bool is_from_above(const Camera& camera);
+
+/// What a file says of itself: `world`, `time_s`, ...
+using FileTexts = std::vector<std::pair<std::string, std::string>>;
+enum class VectorFormat : std::uint8_t { svg, pdf };
+
+/// 8-bit RGBA, row 0 on top; opacity is not multiplied into the colours.
 struct Picture {
   int width = 0;
   int height = 0;
@@ -90,8 +104,16 @@ class Painter {
 
   const engine::FrameScene& scene() const;
   Picture draw(const engine::Frame& frame, const View& view);
+  /// The same picture as paths and letters, of a view from above: a file of SVG 1.1 or PDF. Its size is that
+  /// of the view in pixels of 1/96 inch. Throws std::runtime_error also for another view, and for a PDF where
+  /// cairo is missing, with the package to install.
+  std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
+                          const FileTexts& texts);
 
  private:
+  struct Composition;
+  Composition compose(const engine::Frame& frame, const View& view);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -31,16 +31,22 @@ std::vector<double> enlargements(const FrameScene& scene, const Framing& framing
   return scales;
 }
 
+/// By type.
+struct Instances {
+  std::vector<std::vector<Instance>> moving;
+  std::vector<std::vector<Instance>> stalled;  ///< those that are shown to be
+};
+
 /// Bodies by type, without those that lie outside the picture, and those of types that are left out (1; an
 /// empty list: none is). `colors` may be empty: the bodies' own.
-std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
-                                                     const std::vector<FrameBody>& bodies,
-                                                     std::span<const std::uint8_t> left_out,
-                                                     std::span<const Rgba> colors, const Framing& framing,
-                                                     double smallest, bool shows_stalls) {
+Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody>& bodies,
+                            std::span<const std::uint8_t> left_out, std::span<const Rgba> colors,
+                            const Framing& framing, double smallest, bool shows_stalls) {
   const std::vector<double> scales = enlargements(scene, framing, smallest);
   const Box world = framing.world();
-  std::vector<std::vector<Instance>> instances(scene.types.size());
+  Instances instances;
+  instances.moving.resize(scene.types.size());
+  instances.stalled.resize(scene.types.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const FrameBody& body = bodies[i];
     TROUPE_ASSERT(body.type < scene.types.size());
@@ -53,11 +59,12 @@ std::vector<std::vector<Instance>> instances_by_type(const FrameScene& scene,
     const Vec2 place = framing.to_pixels(position);
     const SinCos heading = sincos(body.pose_world_body.heading);
     const Rgba color = colors.empty() ? to_rgba(body.color) : colors[i];
-    instances[body.type].push_back(
+    const bool is_stalled = shows_stalls && body.stalled;
+    (is_stalled ? instances.stalled : instances.moving)[body.type].push_back(
         {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(heading.cos),
          static_cast<float>(heading.sin), static_cast<float>(body.pose_world_body.z),
          static_cast<float>(scale * framing.pixels_per_metre), color,
-         shows_stalls && body.stalled ? k_stalled_edge : darker(color), contrasting(color)});
+         is_stalled ? k_stalled_edge : darker(color), contrasting(color)});
   }
   return instances;
 }
@@ -68,14 +75,14 @@ Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1
 
 // With a shadow on the floor that lifts it off the paper.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
-                    const Layers& shown) {
+                    const Layers& shown, const Theme& theme) {
   const FrameScene& scene = meshes.scene;
-  const auto by_type = instances_by_type(scene, scene.fixed, {}, {}, framing, 0, false);
+  const auto by_type = instances_by_type(scene, scene.fixed, {}, {}, framing, 0, false).moving;
   std::vector<Layer> shadows;
   std::vector<Layer> bodies;
   for (std::size_t type = 0; type < by_type.size(); ++type) {
     if (by_type[type].empty()) continue;
-    const MeshStyle style{static_cast<float>(framing.stroke), false};
+    const MeshStyle style{.edge = static_cast<float>(framing.stroke)};
     bodies.push_back(
         {body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type], bodies.empty()});
     if (!shown.shadows) continue;
@@ -83,7 +90,7 @@ void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, co
     for (Instance& instance : shadows.back().instances) {
       instance.x += static_cast<float>(2 * framing.stroke);
       instance.y -= static_cast<float>(2 * framing.stroke);
-      instance.body = k_shadow;
+      instance.body = theme.shadow;
     }
   }
   std::ranges::move(shadows, std::back_inserter(layers));
@@ -121,14 +128,21 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
 
   const auto by_type = instances_by_type(scene, frame.mobile, is_dot, colors, framing,
                                          k_smallest_robot * framing.stroke, shown.stalls);
-  for (std::size_t type = 0; type < by_type.size(); ++type) {
-    if (by_type[type].empty()) continue;
+  for (std::size_t type = 0; type < scene.types.size(); ++type) {
+    if (by_type.moving[type].empty() && by_type.stalled[type].empty()) continue;
     MeshStyle style;
     if (across[type] >= k_smallest_outlined)
       style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across[type], 0.8, 1.6));
     style.mark = shown.headings && scene.types[type].mobile && across[type] >= k_smallest_marked;
-    layers.push_back(Layer{body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type],
-                           std::exchange(first, false)});
+    for (const auto* instances : {&by_type.moving[type], &by_type.stalled[type]}) {
+      if (instances == &by_type.stalled[type]) {
+        style.edge *= k_stalled_widening;
+        style.halo = style.edge * k_stalled_halo;
+      }
+      if (!instances->empty())
+        layers.push_back(Layer{body_mesh(scene.types[type], meshes.pieces[type], style), *instances,
+                               std::exchange(first, false)});
+    }
   }
 }
 

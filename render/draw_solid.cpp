@@ -26,6 +26,7 @@ constexpr double k_smallest_edged = 9;
 /// Bodies of one type, by how much of them can be seen.
 struct Seen {
   std::vector<SolidInstance> prisms;
+  std::vector<SolidInstance> stalled;  ///< prisms that are shown to be
   std::vector<SolidInstance> boxes;
   double widest = 0;            ///< of the prisms, strokes
   double pixels_per_metre = 0;  ///< where that is
@@ -75,7 +76,7 @@ class Sorter {
       seen_[body.type].boxes.push_back(instance);
     } else {
       Seen& seen = seen_[body.type];
-      seen.prisms.push_back(instance);
+      (is_stalled ? seen.stalled : seen.prisms).push_back(instance);
       if (across > seen.widest) {
         seen.widest = across;
         seen.pixels_per_metre = scale;
@@ -94,9 +95,9 @@ class Sorter {
   std::vector<Seen> seen_;
 };
 
-SolidLayer shadow_of(const SolidLayer& layer) {
+SolidLayer shadow_of(const SolidLayer& layer, Rgba color) {
   SolidLayer shadow{shadow_mesh(layer.mesh), layer.instances, SolidLayer::Depth::floor, true};
-  for (SolidInstance& instance : shadow.instances) instance.edge = k_shadow;
+  for (SolidInstance& instance : shadow.instances) instance.edge = color;
   return shadow;
 }
 
@@ -104,7 +105,7 @@ void add_type(std::vector<SolidLayer>& layers, const SceneMeshes& meshes, std::s
               const Projection& projection, bool shows_marks) {
   const FrameType& shapes = meshes.scene.types[type];
   if (!seen.boxes.empty()) layers.push_back({box_mesh(shapes), seen.boxes});
-  if (seen.prisms.empty()) return;
+  if (seen.prisms.empty() && seen.stalled.empty()) return;
   SolidStyle style;
   const double stroke = projection.stroke();
   style.edge = static_cast<float>(stroke * std::clamp(0.06 * seen.widest, 0.7, 1.3));
@@ -113,14 +114,18 @@ void add_type(std::vector<SolidLayer>& layers, const SceneMeshes& meshes, std::s
     style.least_side = k_shortest_side * stroke / seen.pixels_per_metre;
     style.least_edged = k_smallest_edged * stroke / seen.pixels_per_metre;
   }
-  layers.push_back({prism_mesh(shapes, meshes.pieces[type], style), seen.prisms});
+  if (!seen.prisms.empty()) layers.push_back({prism_mesh(shapes, meshes.pieces[type], style), seen.prisms});
+  if (seen.stalled.empty()) return;
+  style.edge *= k_stalled_widening;
+  style.halo = style.edge * k_stalled_halo;
+  layers.push_back({prism_mesh(shapes, meshes.pieces[type], style), seen.stalled});
 }
 
 }  // namespace
 
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air) {
+                const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air) {
   const FrameScene& scene = meshes.scene;
   Sorter fixed(scene, projection);
   for (const FrameBody& body : scene.fixed) fixed.add(body, to_rgba(body.color), false, 0);
@@ -139,8 +144,8 @@ void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const 
     add_type(moving, meshes, type, mobile.seen(type), projection, shown.headings);
   }
   if (shown.shadows) {
-    for (const SolidLayer& layer : standing) layers.emplace_back(shadow_of(layer));
-    for (const SolidLayer& layer : moving) layers.emplace_back(shadow_of(layer));
+    for (const SolidLayer& layer : standing) layers.emplace_back(shadow_of(layer, theme.shadow));
+    for (const SolidLayer& layer : moving) layers.emplace_back(shadow_of(layer, theme.shadow));
   }
   std::ranges::move(on_floor, std::back_inserter(layers));
   std::ranges::move(standing, std::back_inserter(layers));

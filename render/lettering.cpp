@@ -3,9 +3,6 @@
 namespace troupe::render {
 namespace {
 
-constexpr Rgba k_ink = {92, 86, 75, 255};
-constexpr Rgba k_halo = {250, 247, 240, 230};
-
 /// A letter: its polylines, and how far the next one is.
 struct Glyph {
   std::string_view points;  // on a grid 4 wide and 6 high, a point as its two digits; "a" and "b" hang below
@@ -150,9 +147,16 @@ double text_width(std::string_view text, double unit) {
   return unit * (width - 2);
 }
 
-void add_written(Mesh& mesh, const Lines& lines, double stroke) {
-  for (const auto& [a, b] : lines) add_stroke(mesh, a, b, 0, 5 * stroke, Paint::own, k_halo);
-  for (const auto& [a, b] : lines) add_stroke(mesh, a, b, 0, 1.4 * stroke, Paint::own, k_ink);
+Mesh mesh_of(const Writing& writing, double stroke, const Theme& theme) {
+  Mesh mesh = writing.under;
+  Lines lines = writing.lines;
+  for (const Text& text : writing.texts) {
+    const double width = text.ends_at_pen ? text_width(text.text, text.unit) : 0;
+    add_text(lines, text.text, text.pen - Vec2(width, 0), text.unit);
+  }
+  for (const auto& [a, b] : lines) add_stroke(mesh, a, b, 0, k_halo_strokes * stroke, Paint::own, theme.halo);
+  for (const auto& [a, b] : lines) add_stroke(mesh, a, b, 0, k_ink_strokes * stroke, Paint::own, theme.ink);
+  return mesh;
 }
 
 }  // namespace troupe::render

@@ -1,15 +1,11 @@
 #include "render/map_furniture.hpp"
 
-#include "render/lettering.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 namespace troupe::render {
 namespace {
-
-constexpr Rgba k_grid_line = {233, 227, 214, 255};
 
 constexpr double k_grid_pitch = 48;      // at least, strokes
 constexpr double k_margin = 14;          // of the furniture from the picture's edges, strokes
@@ -31,7 +27,7 @@ std::string RoundLength::text() const {
   return fmt::format("{:.{}f} m", metres, exponent < 0 ? -exponent : 0);
 }
 
-Mesh floor_grid(const Framing& framing) {
+Mesh floor_grid(const Framing& framing, Rgba color) {
   Mesh mesh;
   const double at_least = k_grid_pitch * framing.stroke / framing.pixels_per_metre;
   const double pitch = RoundLength::at_most(2.5 * at_least).metres;  // 1, 2, 5: steps of at most 2.5
@@ -45,7 +41,7 @@ Mesh floor_grid(const Framing& framing) {
     const double pixel = framing.pixels_per_metre * (coordinate - framing.center[axis]);
     min[axis] = std::round(pixel + half[axis] - width / 2) - half[axis];
     max[axis] = min[axis] + width;
-    add_rectangle(mesh, min, max, k_grid_line);
+    add_rectangle(mesh, min, max, color);
   };
   for (const int axis : {0, 1}) {
     const double first = std::ceil(world.min[axis] / pitch);
@@ -61,9 +57,8 @@ std::string clock_text(double time_s, double times_real_time) {
   return text;
 }
 
-Mesh furniture(const Framing& framing, const Furniture& shown) {
-  Mesh mesh;
-  if (!framing.has_furniture()) return mesh;
+void add_furniture(Writing& writing, const Framing& framing, const Furniture& shown) {
+  if (!framing.has_furniture()) return;
   const double stroke = framing.stroke;
   const double unit = stroke * k_cap_height / 6;
   const Vec2 half = Vec2(framing.width, framing.height) / 2;
@@ -71,7 +66,10 @@ Mesh furniture(const Framing& framing, const Furniture& shown) {
   const double left = std::round(k_margin * stroke - half.x());
   double pen = left;
 
-  Lines lines;
+  Lines& lines = writing.lines;
+  const auto add_words = [&](const std::string& text, double x, bool ends_at_pen) {
+    if (!text.empty()) writing.texts.push_back({text, {x, baseline}, unit, ends_at_pen});
+  };
   if (shown.scale) {
     const double middle = baseline + 3 * unit;
     const double longest = std::min(k_longest_scale * stroke, framing.width / 4.0);
@@ -80,14 +78,11 @@ Mesh furniture(const Framing& framing, const Furniture& shown) {
     lines.emplace_back(Vec2(left, middle), Vec2(right, middle));
     for (const double x : {left, right})
       lines.emplace_back(Vec2(x, middle - 2 * unit), Vec2(x, middle + 2 * unit));
-    add_text(lines, scale.text(), {right + 5 * unit, baseline}, unit);
+    add_words(scale.text(), right + 5 * unit, false);
     pen = right + 5 * unit + text_width(scale.text(), unit) + 8 * unit;
   }
-  add_text(lines, shown.left, {pen, baseline}, unit);
-  add_text(lines, shown.right, {half.x() - k_margin * stroke - text_width(shown.right, unit), baseline},
-           unit);
-  add_written(mesh, lines, stroke);
-  return mesh;
+  add_words(shown.left, pen, false);
+  add_words(shown.right, half.x() - k_margin * stroke, true);
 }
 
 }  // namespace troupe::render

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/framing.hpp"
+#include "render/lettering.hpp"
 #include "render/mesh.hpp"
 
 #include <string>
@@ -18,7 +19,7 @@ struct RoundLength {
 };
 
 /// The lines of a floor grid, one pixel wide where strokes are, in pixels about the picture's middle.
-Mesh floor_grid(const Framing& framing);
+Mesh floor_grid(const Framing& framing, Rgba color);
 /// What is written along the picture's lower edge.
 struct Furniture {
   bool scale = true;  ///< a bar with its length, in the left corner
@@ -28,6 +29,6 @@ struct Furniture {
 /// "12.5 s", "12.5 s  40 x real time"; 0 times real time is not told.
 std::string clock_text(double time_s, double times_real_time = 0);
 /// All of it, in pixels about the picture's middle; nothing where the picture is too small.
-Mesh furniture(const Framing& framing, const Furniture& shown);
+void add_furniture(Writing& writing, const Framing& framing, const Furniture& shown);
 
 }  // namespace troupe::render

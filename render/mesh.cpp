@@ -108,6 +108,7 @@ Mesh body_mesh(const FrameType& type, const Pieces& pieces, const MeshStyle& sty
     for (const ConvexPrism& piece : pieces[static_cast<std::size_t>(shape - type.shapes.data())]) {
       add_convex(mesh, piece.outline, shape->solid.z.max, fill, own);
     }
+    if (style.halo > 0) add_outlines(mesh, shape->solid, style.halo, Paint::own, k_white);
     if (style.edge > 0) add_outlines(mesh, shape->solid, style.edge, edge, darker(own));
   }
   if (style.mark) add_mark(mesh, shapes);

@@ -6,6 +6,7 @@ namespace troupe::render {
 
 struct MeshStyle {
   float edge = 0;     ///< width of the outline of each contour, pixels; 0: none
+  float halo = 0;     ///< width of a white line below the outline, pixels; 0: none
   bool mark = false;  ///< a triangle that points forward, at the front
 };
 

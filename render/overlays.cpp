@@ -1,6 +1,5 @@
 #include "render/overlays.hpp"
 
-#include "render/lettering.hpp"
 #include "render/map_furniture.hpp"
 #include "render/solid_mesh.hpp"
 #include "render/value_colors.hpp"
@@ -26,13 +25,10 @@ using engine::FrameScene;
 using engine::FrameTie;
 using engine::FrameTransducer;
 
-constexpr Rgba k_grid_line = {233, 227, 214, 255};
 constexpr Rgba k_sight = {196, 30, 110, 200};
 constexpr Rgba k_covered = {122, 168, 140, 255};
-constexpr Rgba k_link = {60, 56, 50, 220};
 constexpr Rgba k_free_beam = {52, 140, 70, 255};
 constexpr Rgba k_broken_beam = {206, 48, 40, 255};
-constexpr Rgba k_cell_line = {120, 112, 98, 150};
 constexpr double k_scan_opacity = 46;  // of up to k_few_scans; of more less, so that what lies below shows
 constexpr double k_few_scans = 20;
 constexpr double k_least_opacity = 5;
@@ -139,7 +135,7 @@ SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
 
 /// Squares with robots: filled by how many there are, or outlined.
 SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection& projection, double pitch,
-                   bool filled) {
+                   bool filled, Rgba outline) {
   SolidMesh mesh;
   const auto counts = count_in_squares(scene, frame, pitch);
   int most = 1;
@@ -155,7 +151,7 @@ SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection
       const std::array<Vec3, 4> corners = {a, a + Vec3(pitch, 0, 0), a + Vec3(pitch, pitch, 0),
                                            a + Vec3(0, pitch, 0)};
       for (std::size_t i = 0; i < 4; ++i)
-        add_stroke(mesh, corners[i], corners[(i + 1) % 4], projection.stroke(), Paint::own, k_cell_line);
+        add_stroke(mesh, corners[i], corners[(i + 1) % 4], projection.stroke(), Paint::own, outline);
     }
   }
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
@@ -188,7 +184,7 @@ void add_trail(SolidMesh& mesh, const engine::FrameTrail& trail, const Projectio
   }
 }
 
-void add_names(Lines& lines, const FrameScene& scene, const Frame& frame, const Projection& projection) {
+void add_names(Writing& writing, const FrameScene& scene, const Frame& frame, const Projection& projection) {
   const double unit = 0.75 * projection.stroke() * k_cap_height / 6;
   const Vec2 half = Vec2(projection.width(), projection.height()) / 2;
   for (std::size_t i = 0; i < frame.names.size(); ++i) {
@@ -198,7 +194,7 @@ void add_names(Lines& lines, const FrameScene& scene, const Frame& frame, const 
     const auto place = projection.to_pixels(top);
     if (!place || (place->cwiseAbs().array() > half.array()).any()) continue;
     const double radius = scene.types[body.type].radius * projection.pixels_per_metre(top);
-    add_text(lines, frame.names[i], *place + Vec2(radius + 2 * unit, -3 * unit), unit);
+    writing.texts.push_back({frame.names[i], *place + Vec2(radius + 2 * unit, -3 * unit), unit, false});
   }
 }
 
@@ -230,26 +226,81 @@ void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const 
 
 std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
+/// The upper left corner of what legends take up.
+Vec2 legend_corner(const Framing& framing) {
+  constexpr double k_margin = 14;  // strokes
+  return {k_margin * framing.stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * framing.stroke};
+}
+
 /// A bar of the colours with the values at its ends, in the upper left corner.
-void add_legend(Mesh& mesh, Lines& lines, const Frame& frame, const Framing& framing,
-                const std::pair<double, double>& range) {
-  constexpr double k_width = 160, k_height = 10, k_margin = 14;  // strokes
+void add_color_bar(Writing& writing, const Frame& frame, const Framing& framing,
+                   const std::pair<double, double>& range) {
+  constexpr double k_width = 160, k_height = 10;  // strokes
   constexpr int k_steps = 40;
   const double stroke = framing.stroke;
   const double unit = stroke * k_cap_height / 6;
-  const Vec2 corner(k_margin * stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * stroke);
+  const Vec2 corner = legend_corner(framing);
   const double top = corner.y() - 10 * unit;
   const double bottom = top - k_height * stroke;
-  for (int i = 0; i < k_steps; ++i) {
-    const double left = corner.x() + k_width * stroke * i / k_steps;
-    const double right = corner.x() + k_width * stroke * (i + 1) / k_steps;
-    add_rectangle(mesh, {left, bottom}, {right, top}, value_color((i + 0.5) / k_steps));
-  }
-  add_text(lines, frame.value_name, {corner.x(), corner.y() - 6 * unit}, unit);
+  const double right = corner.x() + k_width * stroke;
+  for (int i = 0; i < k_steps; ++i)
+    add_rectangle(writing.under, {corner.x() + k_width * stroke * i / k_steps, bottom},
+                  {corner.x() + k_width * stroke * (i + 1) / k_steps, top}, value_color((i + 0.5) / k_steps));
+  writing.texts.push_back({frame.value_name, {corner.x(), corner.y() - 6 * unit}, unit, false});
   const double below = bottom - 9 * unit;
-  const std::string high = number_text(range.second);
-  add_text(lines, number_text(range.first), {corner.x(), below}, unit);
-  add_text(lines, high, {corner.x() + k_width * stroke - text_width(high, unit), below}, unit);
+  writing.texts.push_back({number_text(range.first), {corner.x(), below}, unit, false});
+  writing.texts.push_back({number_text(range.second), {right, below}, unit, true});
+}
+
+/// Bodies of one type and colour.
+struct Look {
+  std::uint32_t type = 0;
+  Rgba color{};
+  std::size_t count = 0;
+};
+
+/// A swatch, a name and a number for each type and colour of the robots, in the upper left corner.
+void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, const Framing& framing) {
+  constexpr std::size_t k_most = 12;
+  std::vector<Look> looks;
+  for (const FrameBody& body : frame.mobile) {
+    const Rgba color = to_rgba(body.color);
+    if (!scene.types[body.type].mobile || looks.size() > 10 * k_most) continue;
+    // Types whose joints have moved are copies of one type each.
+    const auto known = std::ranges::find_if(looks, [&](const Look& look) {
+      return look.color == color && scene.types[look.type].name == scene.types[body.type].name;
+    });
+    if (known != looks.end())
+      ++known->count;
+    else
+      looks.push_back({body.type, color, 1});
+  }
+  const double unit = framing.stroke * k_cap_height / 6;
+  Vec2 corner = legend_corner(framing);
+  for (std::size_t i = 0; i < looks.size() && i < k_most; ++i) {
+    const Vec2 low(corner.x(), corner.y() - 6 * unit);
+    const Vec2 high(corner.x() + 6 * unit, corner.y());
+    add_rectangle(writing.under, low - Vec2(0.5 * unit, 0.5 * unit), high + Vec2(0.5 * unit, 0.5 * unit),
+                  darker(looks[i].color));
+    add_rectangle(writing.under, low, high, looks[i].color);
+    const std::string text = i + 1 == k_most && looks.size() > k_most
+                                 ? "and more"
+                                 : fmt::format("{} ({})", scene.types[looks[i].type].name, looks[i].count);
+    writing.texts.push_back({text, low + Vec2(10 * unit, 0), unit, false});
+    corner.y() -= 11 * unit;
+  }
+}
+
+/// The line beyond which no robot may go.
+void add_bounds(SolidMesh& mesh, const Box& bounds, const Projection& projection, Rgba color) {
+  const std::array<Vec2, 4> corners = {bounds.min, Vec2(bounds.max.x(), bounds.min.y()), bounds.max,
+                                       Vec2(bounds.min.x(), bounds.max.y())};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec2& a = corners[i];
+    const Vec2& b = corners[(i + 1) % 4];
+    add_stroke(mesh, Vec3(a.x(), a.y(), 0) - projection.origin(), Vec3(b.x(), b.y(), 0) - projection.origin(),
+               1.6 * projection.stroke(), Paint::own, color);
+  }
 }
 
 }  // namespace
@@ -260,7 +311,7 @@ double grid_pitch(const Projection& projection) {
   return RoundLength::at_most(2.5 * at_least).metres;
 }
 
-SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, double pitch) {
+SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, double pitch, Rgba color) {
   SolidMesh mesh;
   const Vec3& origin = projection.origin();
   const Vec2 middle(origin.x(), origin.y());
@@ -277,25 +328,28 @@ SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, dou
       Vec2 b = last;
       a[axis] = b[axis] = first[axis] + i * pitch;
       add_stroke(mesh, Vec3(a.x(), a.y(), 0) - origin, Vec3(b.x(), b.y(), 0) - origin, projection.stroke(),
-                 Paint::own, k_grid_line);
+                 Paint::own, color);
     }
   }
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
 void add_on_floor(std::vector<AnyLayer>& layers, const FrameScene& scene, const Frame& frame,
-                  std::span<const Rgba> colors, const Projection& projection, const Layers& shown) {
+                  std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
+                  const Theme& theme) {
   if (shown.coverage && !frame.covered.empty()) layers.emplace_back(covered_squares(frame, projection));
   if (shown.density) {
     const double scale = projection.pixels_per_metre(projection.floor_center());
     const double at_least = scale > 0 ? k_density_strokes * projection.stroke() / scale : 1;
-    layers.emplace_back(squares(scene, frame, projection, RoundLength::at_most(2.5 * at_least).metres, true));
+    layers.emplace_back(
+        squares(scene, frame, projection, RoundLength::at_most(2.5 * at_least).metres, true, {}));
   }
   if (shown.tiles && scene.tile_m > 0)
-    layers.emplace_back(squares(scene, frame, projection, scene.tile_m, true));
+    layers.emplace_back(squares(scene, frame, projection, scene.tile_m, true, {}));
   if (shown.cells && scene.cell_m > 0)
-    layers.emplace_back(squares(scene, frame, projection, scene.cell_m, false));
+    layers.emplace_back(squares(scene, frame, projection, scene.cell_m, false, theme.square));
   SolidMesh lines;
+  if (shown.bounds && scene.limits) add_bounds(lines, *scene.limits, projection, theme.line);
   if (shown.footprints) {
     for (std::size_t i = 0; i < frame.mobile.size(); ++i)
       add_footprint(lines, scene, frame.mobile[i], projection, darker(color_of(frame, colors, i)));
@@ -336,12 +390,14 @@ void add_in_air(std::vector<AnyLayer>& layers, const FrameScene& scene, const Fr
 }
 
 void add_ties(std::vector<AnyLayer>& layers, const Frame& frame, const Projection& projection,
-              const Layers& shown) {
+              const Layers& shown, const Theme& theme) {
   SolidMesh lines;
   const auto add = [&](const std::vector<FrameTie>& ties) {
     for (const FrameTie& tie : ties) {
       const bool is_light = tie.kind == FrameTie::Kind::beam || tie.kind == FrameTie::Kind::broken_beam;
-      const Rgba color = !is_light ? k_link : tie.kind == FrameTie::Kind::beam ? k_free_beam : k_broken_beam;
+      const Rgba color = !is_light                          ? theme.line
+                         : tie.kind == FrameTie::Kind::beam ? k_free_beam
+                                                            : k_broken_beam;
       add_stroke(lines, tie.from - projection.origin(), tie.to - projection.origin(),
                  (is_light ? 1.6 : 2.4) * projection.stroke(), Paint::own, color);
     }
@@ -351,25 +407,26 @@ void add_ties(std::vector<AnyLayer>& layers, const Frame& frame, const Projectio
   if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), SolidLayer::Depth::floor));
 }
 
-Mesh written(const FrameScene& scene, const Frame& frame, const Projection& projection,
-             const Framing& framing, const View& view) {
-  const bool from_above = !view.camera.perspective && view.camera.pitch == 0 && view.camera.yaw == 0;
+Writing written(const FrameScene& scene, const Frame& frame, const Projection& projection,
+                const Framing& framing, const View& view) {
+  const bool from_above = is_from_above(view.camera);
   Furniture shown;
   shown.scale = view.layers.scale && from_above;
   if (view.layers.scale && view.layers.grid && !from_above)
     shown.left = fmt::format("grid {}", RoundLength::at_most(1.0001 * grid_pitch(projection)).text());
   if (view.layers.clock)
     shown.right = clock_text(frame.time_s, view.layers.speed ? frame.times_real_time : 0);
-  Mesh mesh;
-  Lines lines;
-  if (view.layers.energy) add_charges(mesh, scene, frame, projection);
-  if (view.layers.names) add_names(lines, scene, frame, projection);
-  if (view.layers.legend && !frame.values.empty() && framing.has_furniture())
-    add_legend(mesh, lines, frame, framing, view.values.value_or(range_of(frame.values)));
-  add_written(mesh, lines, framing.stroke);
-  const Mesh along_the_edge = furniture(framing, shown);
-  mesh.insert(mesh.end(), along_the_edge.begin(), along_the_edge.end());
-  return mesh;
+  Writing writing;
+  if (view.layers.energy) add_charges(writing.under, scene, frame, projection);
+  if (view.layers.names) add_names(writing, scene, frame, projection);
+  if (framing.has_furniture()) {
+    if (view.layers.legend && !frame.values.empty())
+      add_color_bar(writing, frame, framing, view.values.value_or(range_of(frame.values)));
+    else if (view.layers.types)
+      add_types(writing, scene, frame, framing);
+  }
+  add_furniture(writing, framing, shown);
+  return writing;
 }
 
 }  // namespace troupe::render

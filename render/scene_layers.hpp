@@ -2,6 +2,7 @@
 
 #include "render/canvas.hpp"
 #include "render/mesh.hpp"
+#include "render/theme.hpp"
 
 #include <vector>
 
@@ -13,9 +14,11 @@ struct SceneMeshes {
   std::vector<Pieces> pieces;  ///< of each type
 };
 
-inline constexpr Rgba k_paper = {250, 247, 240, 255};
-inline constexpr Rgba k_shadow = {226, 220, 207, 255};
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
+/// The outline of a stalled robot is so much wider than one that is not, and lies on a white line so much
+/// wider again: one of both is seen on every colour.
+inline constexpr float k_stalled_widening = 1.3F;
+inline constexpr float k_stalled_halo = 1.9F;
 
 /// A robot is drawn at least this wide, strokes: a swarm stays visible in a large world.
 inline constexpr double k_smallest_robot = 3.5;
@@ -30,7 +33,7 @@ Layer flat(Mesh mesh, bool on_top);
 /// From above: the floor plan and whatever else never moves, then what moves. `colors` are the bodies', one
 /// each.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
-                    const Layers& shown);
+                    const Layers& shown, const Theme& theme);
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 
@@ -39,6 +42,6 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
 /// never hides what moves: a hundred scans one upon another would leave nothing of the robots below.
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);
+                const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);
 
 }  // namespace troupe::render

@@ -66,14 +66,16 @@ bool is_inside_others(const FrameType& type, std::size_t own, const Vec2& point,
   return false;
 }
 
-void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const SolidStyle& style) {
+void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const SolidStyle& style,
+               bool is_halo) {
   const Solid& solid = type.shapes[shape].solid;
   const auto& color = type.shapes[shape].color;
-  const Paint paint = color ? Paint::own : Paint::edge;
-  const Rgba own = color ? darker(to_rgba(*color)) : Rgba{};
+  const Paint paint = color || is_halo ? Paint::own : Paint::edge;
+  const Rgba own = is_halo ? Rgba{255, 255, 255, 255} : color ? darker(to_rgba(*color)) : Rgba{};
+  const double width = is_halo ? style.halo : style.edge;
   const auto add = [&](const Vec2& a, double za, const Vec2& b, double zb) {
     if (!is_inside_others(type, shape, (a + b) / 2, (za + zb) / 2))
-      add_stroke(mesh, at(a, za), at(b, zb), style.edge, paint, own);
+      add_stroke(mesh, at(a, za), at(b, zb), width, paint, own, is_halo ? Corner::rim : Corner::stroke);
   };
   for (const Ring& ring : solid.contours) {
     const std::size_t n = ring.size();
@@ -124,7 +126,7 @@ void add_flat(SolidMesh& mesh, std::span<const Vertex> triangles, Corner corner)
 
 SolidMesh prism_mesh(const FrameType& type, const Pieces& pieces, const SolidStyle& style) {
   SolidMesh mesh;
-  const Mesh tops = body_mesh(type, pieces, {0, false});
+  const Mesh tops = body_mesh(type, pieces, {});
   add_flat(mesh, tops, Corner::face);
   for (const FrameShape& shape : type.shapes) {
     const Rgba own = shape.color ? to_rgba(*shape.color) : Rgba{};
@@ -133,13 +135,15 @@ SolidMesh prism_mesh(const FrameType& type, const Pieces& pieces, const SolidSty
   }
   for (std::size_t i = 0; i < type.shapes.size() && style.edge > 0; ++i) {
     close_cracks(mesh, type.shapes[i], pieces[i], 0.6 * style.edge);
-    if (width_of(type.shapes[i].solid) >= style.least_edged) add_edges(mesh, type, i, style);
+    if (width_of(type.shapes[i].solid) < style.least_edged) continue;
+    if (style.halo > 0) add_edges(mesh, type, i, style, true);
+    add_edges(mesh, type, i, style, false);
   }
   if (style.mark) {
     const FrameType top = topmost(type);
     const Pieces of_top = pieces_of(top);
-    const std::size_t without = body_mesh(top, of_top, {0, false}).size();
-    const Mesh marked = body_mesh(top, of_top, {0, true});
+    const std::size_t without = body_mesh(top, of_top, {}).size();
+    const Mesh marked = body_mesh(top, of_top, {.mark = true});
     add_flat(mesh, std::span(marked).subspan(without), Corner::plain);
   }
   return mesh;
@@ -180,12 +184,12 @@ SolidMesh shadow_mesh(const SolidMesh& mesh) {
   return faces;
 }
 
-void add_stroke(SolidMesh& mesh, const Vector3d& a, const Vector3d& b, double width, Paint paint, Rgba own) {
+void add_stroke(SolidMesh& mesh, const Vector3d& a, const Vector3d& b, double width, Paint paint, Rgba own,
+                Corner corner) {
   // Seen from b the left side is the other one.
-  const std::array corners = {vertex(a, b, width / 2, paint, own, Corner::stroke),
-                              vertex(a, b, -width / 2, paint, own, Corner::stroke),
-                              vertex(b, a, width / 2, paint, own, Corner::stroke),
-                              vertex(b, a, -width / 2, paint, own, Corner::stroke)};
+  const std::array corners = {
+      vertex(a, b, width / 2, paint, own, corner), vertex(a, b, -width / 2, paint, own, corner),
+      vertex(b, a, width / 2, paint, own, corner), vertex(b, a, -width / 2, paint, own, corner)};
   for (const std::size_t k : {0, 1, 2, 0, 2, 3}) mesh.push_back(corners[k]);
 }
 

@@ -8,6 +8,7 @@ namespace troupe::render {
 
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: none
+  float halo = 0;          ///< width of a white line below each of them, pixels; 0: none
   bool mark = false;       ///< a triangle that points forward, at the front
   double least_side = 0;   ///< m: corners between shorter sides have no line, as those of a bitmap's steps
   double least_edged = 0;  ///< m: narrower shapes have no lines
@@ -25,7 +26,7 @@ ZInterval heights_of(const engine::FrameType& type);
 
 /// A line of this width in pixels.
 void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
-                Paint paint, Rgba own = {});
+                Paint paint, Rgba own = {}, Corner corner = Corner::stroke);
 /// A triangle that is not lit.
 void add_plain(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                Rgba own);

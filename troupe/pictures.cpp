@@ -6,6 +6,7 @@
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
 #include "worldio/images/png.hpp"
+#include "worldio/whole_file.hpp"
 
 #ifdef TROUPE_HAS_RENDER
 #include "render/draw.hpp"
@@ -26,16 +27,21 @@ namespace troupe {
 namespace {
 
 constexpr std::string_view k_follow = "follow:";
+constexpr std::string_view k_follow_all = "follow:all";
+// In the order of render::Background.
+constexpr std::array<std::string_view, 4> k_backgrounds = {"paper", "white", "dark", "transparent"};
 
-constexpr std::array<PictureLayer, 22> k_layers = {{
+constexpr std::array<PictureLayer, 24> k_layers = {{
     {"grid", true, "lines on the floor"},
     {"shadows", true, "of what stands, on the floor"},
     {"headings", true, "a mark at the front of each robot"},
-    {"stalls", true, "a red outline around who may not move"},
+    {"stalls", true, "a red outline with a white rim around robots that are blocked"},
     {"scale", true, "a bar of a round length, or how far apart the grid's lines are"},
     {"clock", true, "the simulated time"},
     {"speed", false, "times real time, beside the clock: of a film the film's, else the run's"},
-    {"legend", true, "of --color-by"},
+    {"legend", true, "of --color-by: a bar of the colours, with the unit"},
+    {"bounds", true, "the line beyond which no robot may go, where the world gives one"},
+    {"types", false, "a legend of the types of robots: colour, name and number"},
     {"scans", false, "what rangers see, filled and transparent"},
     {"beams", false, "the same, a line a beam"},
     {"sights", false, "lines from fiducial finders to what they have found"},
@@ -86,10 +92,18 @@ Result<> check_layers(const std::string& layers) {
 }
 
 Result<> check_camera(const std::string& camera) {
-  const std::vector<std::string_view> known = {"follow:NAME", "perspective", "top", "window"};
+  const std::vector<std::string_view> known = {"follow:NAME", "fit", "follow:all",
+                                               "perspective", "top", "window"};
   const bool follows = camera.starts_with(k_follow) && camera.size() > k_follow.size();
   if (follows || std::ranges::find(known.begin() + 1, known.end(), camera) != known.end()) return {};
   return Error{unknown_name("camera", camera, known)};
+}
+
+std::span<const std::string_view> picture_backgrounds() { return k_backgrounds; }
+
+Result<> check_background(const std::string& background) {
+  if (std::ranges::find(k_backgrounds, background) != k_backgrounds.end()) return {};
+  return Error{unknown_name("background", background, {k_backgrounds.begin(), k_backgrounds.end()})};
 }
 
 #ifdef TROUPE_HAS_RENDER
@@ -110,7 +124,7 @@ bool* switch_of(render::Layers& layers, std::string_view name) {
        {"grips", &layers.grips},       {"links", &layers.links},     {"trails", &layers.trails},
        {"names", &layers.names},       {"energy", &layers.energy},   {"footprints", &layers.footprints},
        {"coverage", &layers.coverage}, {"density", &layers.density}, {"tiles", &layers.tiles},
-       {"cells", &layers.cells}}};
+       {"cells", &layers.cells},       {"bounds", &layers.bounds},   {"types", &layers.types}}};
   const auto found = std::ranges::find(all, name, &std::pair<std::string_view, bool*>::first);
   return found == all.end() ? nullptr : found->second;
 }
@@ -171,10 +185,25 @@ const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies,
 
 }  // namespace
 
+namespace {
+
+namespace fs = std::filesystem;
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+/// None: pixels.
+std::optional<render::VectorFormat> vector_format(const fs::path& file) {
+  if (file.extension() == ".svg") return render::VectorFormat::svg;
+  if (file.extension() == ".pdf") return render::VectorFormat::pdf;
+  return std::nullopt;
+}
+
+}  // namespace
+
 struct Pictures::ShotData {
   engine::Frame frame;
   std::optional<Eigen::Vector3d> center;  // of what is followed
   std::optional<double> across_m;         // for it
+  std::optional<Box> region;              // in which robots are, where that is shown
   std::vector<std::pair<std::string, std::string>> text;
 };
 
@@ -185,6 +214,8 @@ struct Pictures::Impl {
   std::optional<std::uint32_t> follow;  // BodyId
   std::optional<Eigen::Vector3d> last_center;
   std::optional<double> last_across_m;
+  bool shows_robots = false;  // and no more than where they are
+  std::optional<Box> last_region;
   FrameWishes wishes;
   double tick_s;
   Trails trails;
@@ -200,6 +231,9 @@ struct Pictures::Impl {
         scene(source.scene()) {
     require(check_camera(options.camera));
     require(check_layers(options.layers));
+    require(check_background(options.background));
+    view.background = static_cast<render::Background>(std::ranges::find(k_backgrounds, options.background) -
+                                                      k_backgrounds.begin());
     set_camera(source);
     for (const LayerSwitch& layer : switches_of(options.layers))
       *switch_of(view.layers, layer.name) = layer.on;
@@ -238,18 +272,21 @@ struct Pictures::Impl {
   void set_camera(const PictureSource& source) {
     const std::string& camera = options.camera;
     if (camera == "window") {
-      if (!source.window()) refuse("the world has no window; other cameras: follow:NAME, perspective, top");
+      if (!source.window())
+        refuse("the world has no window; other cameras: fit, follow:all, follow:NAME, perspective, top");
       const Window window(*source.window());
       look_through(window, view);
       if (const std::string& name = window.value("follow").text(); !name.empty()) {
         find_followed(source, name);
         view.camera.eye.reset();
       }
-    } else if (camera != "top") {
+    } else if (camera != "top" && camera != "fit") {
       view.camera.perspective = true;
       view.camera.pitch = k_default_pitch;
-      if (camera.starts_with(k_follow)) find_followed(source, camera.substr(k_follow.size()));
+      if (camera.starts_with(k_follow) && camera != k_follow_all)
+        find_followed(source, camera.substr(k_follow.size()));
     }
+    shows_robots = camera == "fit" || camera == k_follow_all;
     if (options.width > 0) view.width = options.width;
     if (options.height > 0) view.height = options.height;
     if (options.angle_rad) {
@@ -266,16 +303,36 @@ struct Pictures::Impl {
     }
   }
 
-  /// Has the picture show what is followed. Who is not there any more was last seen somewhere.
+  const engine::FrameType& type_of(const engine::Frame& frame, const engine::FrameBody& body) const {
+    const std::size_t known = scene.types.size();
+    return body.type < known ? scene.types[body.type] : frame.types[body.type - known];
+  }
+
+  /// Where robots are, and some room around them. Where none is, the last were there.
+  void show_robots_in(ShotData& shot) {
+    constexpr double k_margin = 0.06;     // of the larger side
+    constexpr double k_least_side_m = 1;  // a robot alone does not fill a picture
+    Box region;
+    for (const engine::FrameBody& body : shot.frame.mobile)
+      if (const engine::FrameType& type = type_of(shot.frame, body); type.mobile)
+        region.extend(Box::around(body.pose_world_body.position(), type.radius));
+    if (!region.empty()) {
+      const Vec2 half = (0.5 * region.size()).cwiseMax(0.5 * k_least_side_m);
+      last_region =
+          Box{region.center() - half, region.center() + half}.expanded(2 * k_margin * half.maxCoeff());
+    }
+    shot.region = last_region;
+  }
+
+  /// Has the picture show what is followed. A model that is not there any more was last seen somewhere.
   void follow_in(ShotData& shot) {
+    if (shows_robots) show_robots_in(shot);
     if (!follow) return;
     const engine::Frame& frame = shot.frame;
     const engine::FrameBody* body = find_body(frame.mobile, *follow);
     if (!body) body = find_body(scene.fixed, *follow);
     if (body) {
-      const std::size_t known = scene.types.size();
-      const engine::FrameType& type =
-          body->type < known ? scene.types[body->type] : frame.types[body->type - known];
+      const engine::FrameType& type = type_of(frame, *body);
       const Pose& pose = body->pose_world_body;
       last_center = Eigen::Vector3d(pose.x, pose.y, pose.z);
       last_across_m = k_follow_widths * std::max(type.radius, k_least_followed_m);
@@ -284,16 +341,43 @@ struct Pictures::Impl {
     shot.across_m = last_across_m;
   }
 
-  render::Picture paint(const engine::Frame& frame, const render::View& from) {
+  render::Painter& ready_painter() {
     if (!painter) painter.emplace(scene);
-    return painter->draw(frame, from);
+    return *painter;
   }
 
-  std::vector<std::uint8_t> draw(const ShotData& shot) {
+  render::View view_of(const ShotData& shot) const {
     render::View own = view;
     if (shot.center) own.camera.center = shot.center;
     if (!own.camera.across_m) own.camera.across_m = shot.across_m;
-    return paint(shot.frame, own).rgba;
+    own.region = shot.region;
+    return own;
+  }
+
+  std::vector<std::uint8_t> draw(const ShotData& shot) {
+    return ready_painter().draw(shot.frame, view_of(shot)).rgba;
+  }
+
+  /// `name`: what `to` will be called.
+  void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
+             const fs::path& name) {
+    if (const auto format = vector_format(to)) {
+      if (!render::is_from_above(from.camera))
+        refuse(fmt::format(
+            "{} cannot hold solids: a .svg or .pdf is a map, of the camera top or fit, without an "
+            "angle; a .png holds both",
+            name.filename().string()));
+      const std::string text = ready_painter().draw_vector(frame, from, *format, texts);
+      try {
+        worldio::write_whole(to, {text});
+      } catch (const std::system_error& error) {
+        throw std::runtime_error(
+            fmt::format("{}: error: writing failed: {}", to.string(), error.code().message()));
+      }
+      return;
+    }
+    render::Picture picture = ready_painter().draw(frame, from);
+    worldio::write_png(to, {picture.width, picture.height, std::move(picture.rgba)}, texts);
   }
 };
 
@@ -329,6 +413,7 @@ void Pictures::forget() {
   impl_->covered = {};
   impl_->last_center.reset();
   impl_->last_across_m.reset();
+  impl_->last_region.reset();
 }
 
 Pictures::Shot Pictures::take(const Simulation& simulation, double times_real_time) {
@@ -371,26 +456,29 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
   }
   if (shot->center && later->center)
     shot->center = Eigen::Vector3d(*shot->center + share * (*later->center - *shot->center));
+  if (shot->region && later->region)
+    shot->region = Box{shot->region->min + share * (later->region->min - shot->region->min),
+                       shot->region->max + share * (later->region->max - shot->region->max)};
   std::erase_if(shot->text, [](const auto& entry) { return entry.first == "state_hash"; });  // of no state
   for (auto& [key, value] : shot->text)
     if (key == "time_s") value = fmt::format("{}", frame.time_s);
   return shot;
 }
 
-void Pictures::rehearse(const std::filesystem::path& png) {
-  const std::filesystem::path beside = std::filesystem::path(png).concat(fmt::format(".{}.png", getpid()));
+void Pictures::rehearse(const std::filesystem::path& file) {
+  std::filesystem::path beside = file;
+  beside += fmt::format(".{}{}", getpid(), vector_format(file) ? file.extension().string() : ".png");
   render::View view = impl_->view;
   view.width = view.height = 16;
-  render::Picture picture = impl_->paint({}, view);
-  worldio::write_png(beside, {picture.width, picture.height, std::move(picture.rgba)});
+  impl_->write({}, view, {}, beside, file);
   std::error_code ignored;
   std::filesystem::remove(beside, ignored);
 }
 
 std::vector<std::uint8_t> Pictures::draw(const Shot& shot) { return impl_->draw(*shot); }
 
-void Pictures::write(const Shot& shot, const std::filesystem::path& png) {
-  worldio::write_png(png, {width(), height(), impl_->draw(*shot)}, shot->text);
+void Pictures::write(const Shot& shot, const std::filesystem::path& file) {
+  impl_->write(shot->frame, impl_->view_of(*shot), shot->text, file, file);
 }
 
 #else

@@ -22,8 +22,9 @@ struct PictureOptions {
   /// Pixels; 0: 1280 x 720, or what the world's window asks for where the camera is that.
   int width = 0;
   int height = 0;  ///< as that
-  /// `top`: straight down, as a map. `perspective`: solids, seen from the side. `window`: as the world's own
-  /// `window` says. `follow:NAME`: in perspective, with that model in the middle.
+  /// `top`: straight down, as a map. `fit`: the same of the part in which robots are. `perspective`: solids,
+  /// seen from the side. `follow:all`: the same of the part in which robots are. `follow:NAME`: in
+  /// perspective, with that model in the middle. `window`: as the world's own `window` says.
   std::string camera = "top";
   /// What is in the picture's middle, world metres. Not given: everything is in the picture.
   std::optional<std::array<double, 2>> center_m;
@@ -38,6 +39,8 @@ struct PictureOptions {
   std::string color_by;
   /// The values at the ends of the scale of colours. Not given: those of each picture.
   std::optional<std::array<double, 2>> color_range;
+  /// `paper` (warm white), `white`, `dark`, or `transparent`: nothing is opaque but what is drawn.
+  std::string background = "paper";
 
   bool operator==(const PictureOptions&) const = default;
 };
@@ -52,6 +55,10 @@ struct PictureLayer {
 std::span<const PictureLayer> picture_layers();
 /// Whether all of a list of layers are known; else `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
+/// The names of backgrounds.
+std::span<const std::string_view> picture_backgrounds();
+/// Whether there is such a background; else which there are.
+Result<> check_background(const std::string& background);
 /// Whether a camera may have this name, whatever the world; else which there are.
 Result<> check_camera(const std::string& camera);
 
@@ -98,13 +105,15 @@ class Pictures {
 
   /// Throws what write() would throw for a file of this name, before there is anything to draw: writes a
   /// small picture beside it and removes that.
-  void rehearse(const std::filesystem::path& png);
+  void rehearse(const std::filesystem::path& file);
   /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where OSMesa is missing, with the package to
   /// install, and where the size is beyond what it draws. Of one thread at a time.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// A PNG that says of which world, time, seed and state it is; written beside its name and renamed when it
-  /// is whole. Throws std::runtime_error also where it cannot be written.
-  void write(const Shot& shot, const std::filesystem::path& png);
+  /// A picture that says of which world, time, seed and state it is; written beside its name and renamed when
+  /// it is whole. A file `.svg` or `.pdf` holds paths and letters (docs/pictures.md), any other is a PNG.
+  /// Throws InputError where paths are wanted of what is no map, std::runtime_error where a PDF is wanted and
+  /// cairo is missing, with the package to install, and where the file cannot be written.
+  void write(const Shot& shot, const std::filesystem::path& file);
 
  private:
   struct Impl;

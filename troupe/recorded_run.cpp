@@ -351,11 +351,13 @@ const engine::Record* RecordedRun::window() const { return impl_->window ? &*imp
 FrameScene RecordedRun::scene() const {
   FrameScene scene;
   scene.title = impl_->world.title;
+  scene.limits = impl_->world.limits;
   std::vector<std::uint8_t> moves(impl_->world.bodies.size(), 0);
   for (const std::uint32_t id : impl_->reader.ids()) moves[id] = 1;
   for (std::size_t t = 0; t < impl_->world.types.size(); ++t) {
     const RecordedScene::Type& type = impl_->world.types[t];
     scene.types.push_back(type.look);
+    scene.types.back().name = type.name;
     for (const RecordedScene::Eye& eye : type.eyes) {
       engine::FrameRanger ranger{static_cast<std::uint32_t>(t), 0, {}};
       for (const RecordedScene::Fan& fan : eye.fans) {

@@ -910,6 +910,10 @@ std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
 }
 
 std::vector<std::uint8_t> Simulation::picture(const PictureOptions& options) const {
+  if (options.background == "transparent")
+    throw std::invalid_argument(
+        "picture(): red, green and blue have no opacity: give the background paper, white or "
+        "dark, or draw a file");
   Pictures& pictures = impl_->pictures_of(*this, options);
   const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
   std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);

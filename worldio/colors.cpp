@@ -230,4 +230,28 @@ std::span<const std::string_view> color_names() {
   return names;
 }
 
+std::vector<Color> default_colors(std::span<const engine::TypeSpec> types) {
+  constexpr auto k_palette =
+      std::to_array<std::uint32_t>({0x0072b2, 0xe69f00, 0x009e73, 0xd55e00, 0x56b4e9, 0xcc79a7, 0xf0e442});
+  constexpr Color k_wall{0.3f, 0.3f, 0.3f, 1};
+  const auto is_wall = [](const engine::TypeSpec& type) {
+    return !type.drive && type.devices.empty() && type.controllers.empty() &&
+           std::ranges::none_of(type.parts, [](const engine::PartSpec& part) {
+             return part.returns.pushable || part.returns.gripper;
+           });
+  };
+  std::vector<Color> colors;
+  std::size_t next = 0;
+  for (const engine::TypeSpec& type : types) {
+    if (is_wall(type)) {
+      colors.push_back(k_wall);
+      continue;
+    }
+    const std::uint32_t rgb = k_palette[next++ % k_palette.size()];
+    const auto part = [rgb](int shift) { return static_cast<float>(rgb >> shift & 0xffU) / 255; };
+    colors.push_back({part(16), part(8), part(0), 1});
+  }
+  return colors;
+}
+
 }  // namespace troupe::worldio

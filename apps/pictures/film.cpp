@@ -49,6 +49,10 @@ std::string find_ffmpeg() {
 
 void check_film(const PictureFiles& pictures) {
   if (pictures.film.empty() || is_frames(pictures.film)) return;
+  if (pictures.look.background == "transparent")
+    refuse_output(pictures.film,
+                  "a film has no transparency: --background paper, white or dark, or pictures, as in --film "
+                  "frames/%06d.png");
   if (find_ffmpeg().empty()) refuse_output(pictures.film, k_no_ffmpeg);
 }
 

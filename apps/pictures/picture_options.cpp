@@ -72,12 +72,12 @@ double number_within(const char* option, const std::string& text, double most, s
   return *value;
 }
 
-constexpr std::array k_looks = {"--size",   "--camera", "--center",   "--angle",
-                                "--across", "--layers", "--color-by", "--color-range"};
+constexpr std::array k_looks = {"--size",   "--camera",   "--center",      "--angle",     "--across",
+                                "--layers", "--color-by", "--color-range", "--background"};
 
 void add_files(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const snapshot =
-      add_value(app, "--snapshot", "FILE.png", "Draw the last tick into a PNG",
+      add_value(app, "--snapshot", "FILE", "Draw the last tick into a .png, or a map into a .svg or .pdf",
                 [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
   add_value(app, "--snapshot-at", "T,...",
             "Instead at these simulated times, s; {time} in the name stands for them",
@@ -150,7 +150,8 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
 void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
-  add_value(app, "--camera", "C", "top (default), perspective, window (the world's own), or follow:NAME",
+  add_value(app, "--camera", "C",
+            "top (default), fit, perspective, follow:all, follow:NAME, or window (the world's own)",
             [&look](const std::string& text) {
               look.camera = text;
               if (const Result<> known = check_camera(text); !known)
@@ -170,6 +171,12 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
               const Result<> known = text.empty() ? Error{"an empty list"} : check_layers(text);
               if (!known) throw CLI::ValidationError("--layers", known.error().text);
             });
+  add_value(app, "--background", "B", "paper (default), white, dark or transparent",
+            [&look](const std::string& text) {
+              look.background = text;
+              if (const Result<> known = check_background(text); !known)
+                throw CLI::ValidationError("--background", known.error().text);
+            });
   add_value(app, "--color-by", "COMPONENT.FIELD", "Robots have the colour of a value of the state",
             [&look](const std::string& text) { look.color_by = text; });
   add_value(app, "--color-range", "LOW,HIGH", "Values at the ends of the colours (default: each picture's)",
@@ -182,8 +189,10 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
 
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {
   pictures.snapshot = text;
-  if (pictures.snapshot.extension() != ".png" || text.starts_with('-'))
-    refuse(option, text, fmt::format("the name of a picture, as in {} crowd.png", option));
+  const std::filesystem::path ending = pictures.snapshot.extension();
+  if ((ending != ".png" && ending != ".svg" && ending != ".pdf") || text.starts_with('-'))
+    refuse(option, text,
+           fmt::format("the name of a picture, as in {} crowd.png, crowd.svg or crowd.pdf", option));
 }
 
 void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
@@ -217,9 +226,11 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures) {
 
 std::string picture_help() {
   std::string text =
-      "Pictures: --camera top is a map; perspective, and follow:NAME with a robot in the middle, show "
-      "solids; "
-      "window is\nthe camera of the world's own window. --center, --angle and --across change any of them.\n"
+      "Pictures: --camera top is a map, and fit one of where robots are; perspective, follow:all (where "
+      "robots are) and\n"
+      "follow:NAME (a robot in the middle) show solids; window is the camera of the world's own window. "
+      "--center, --angle\n"
+      "and --across change any of them. A .svg or .pdf holds paths and letters, of maps alone.\n"
       "Layers, those in brackets only where --layers asks for them; -NAME leaves one out:\n";
   for (const PictureLayer& layer : picture_layers())
     text += fmt::format("  {:<13} {}\n", layer.on ? std::string(layer.name) : fmt::format("[{}]", layer.name),

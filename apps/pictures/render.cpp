@@ -205,8 +205,8 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           "World file, checkpoint or recording")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--output", "FILE.png",
-            "The picture; {time} in its name stands for the simulated time",
+  add_value(command, "-o,--output", "FILE",
+            "The picture, a .png, .svg or .pdf; {time} in its name stands for the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   CLI::Option* const at =
       add_value(command, "--at", "T,...", "Simulated times to draw, s",

@@ -17,6 +17,7 @@
 #include "worldio/json/spec_json.hpp"
 #include "worldio/json/study.hpp"
 #include "worldio/results/hdf5_file.hpp"
+#include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -46,7 +47,8 @@ using worldio::Study;
 constexpr const char* k_sweep_footer = R"(
 A study names a world, the values that differ from run to run (a grid, or samples drawn at random), seeds, and measures:
 docs/sweeps.md. Runs are made side by side, each on one thread, and noted in DIR as they end. A sweep that was stopped or
-killed goes on when it is called again; when all runs are there, DIR has the table, a row a run: table.csv and table.h5. It is
+killed goes on when it is called again; when all runs are there, DIR has the table, a row a run: table.csv and table.h5; and
+with "series": true the measures over time: series.csv, which troupe plot draws. They are
 the same whatever the number of runs at once, and however often the sweep was killed.
 
 Several machines share a study with --part: in a SLURM array of eight jobs,
@@ -120,28 +122,41 @@ double end_of(const Study& study, const Simulation& simulation) {
       study.world.string()));
 }
 
+/// What a run left.
+struct Made {
+  SweepOutcome outcome;
+  std::string series;  ///< its rows, where the study wants them
+};
+
 /// Makes a run; nothing where it was stopped on the way.
-std::optional<SweepOutcome> make(const Study& study, std::size_t index, const SweepOptions& options) {
+std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
   Statistics statistics(measures.columns().size());
   const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
   const std::uint64_t every = engine::period_ticks(study.measure_every_s, simulation.tick_s());
-  statistics.add(measures.values());
+  std::string series;
+  const auto look = [&] {
+    const std::vector<double> values = measures.values();
+    statistics.add(values);
+    if (study.series) add_series_row(series, index, simulation.time_s(), values);
+  };
+  look();
   while (simulation.tick() < end && !simulation.stopped()) {
     if (stop_requested()) return std::nullopt;
     simulation.step();
     measures.see();
     const bool is_last = simulation.tick() == end || simulation.stopped();
-    if (simulation.tick() % every == 0 || is_last) statistics.add(measures.values());
+    if (simulation.tick() % every == 0 || is_last) look();
   }
-  return SweepOutcome{.run = index,
-                      .seed = simulation.world().spec().seed,
-                      .ticks = simulation.tick(),
-                      .time_s = simulation.time_s(),
-                      .stopped_by = simulation.stopped().value_or(""),
-                      .values = statistics.values(study.statistics),
-                      .state_hash = hex(simulation.state_hash())};
+  return Made{.outcome = {.run = index,
+                          .seed = simulation.world().spec().seed,
+                          .ticks = simulation.tick(),
+                          .time_s = simulation.time_s(),
+                          .stopped_by = simulation.stopped().value_or(""),
+                          .values = statistics.values(study.statistics),
+                          .state_hash = hex(simulation.state_hash())},
+              .series = std::move(series)};
 }
 
 /// Loads the world of the first run, so that what is wrong with the world is told before any run. Returns
@@ -185,6 +200,15 @@ class Count {
   bool visible_;
 };
 
+void keep_series(const fs::path& file, const std::string& rows) {
+  try {
+    worldio::write_whole(file, {rows});
+  } catch (const std::system_error& error) {
+    throw std::runtime_error(
+        fmt::format("{}: error: writing failed: {}", file.string(), error.code().message()));
+  }
+}
+
 /// Makes these runs, several at once, and notes each as it ends. Returns what failed, and why.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal) {
@@ -197,10 +221,10 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
     while (!stop_requested()) {
       const std::size_t i = next++;
       if (i >= runs.size()) return;
-      std::optional<SweepOutcome> outcome;
+      std::optional<Made> made;
       std::string error;
       try {
-        outcome = make(study, runs[i], options);
+        made = make(study, runs[i], options);
       } catch (const std::exception& thrown) {
         error = thrown.what();
       } catch (...) {  // a plug-in may throw anything
@@ -208,9 +232,11 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       }
       const std::lock_guard lock(mutex);
       if (!error.empty()) failed.emplace(runs[i], error);
-      if (!outcome) continue;
+      if (!made) continue;
       try {
-        journal.add(*outcome);
+        // Before the journal: a run that is noted has its rows.
+        if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
+        journal.add(made->outcome);
         count.add_one();
       } catch (...) {
         fault = std::current_exception();
@@ -257,14 +283,14 @@ ExitCode sweep_checked(const SweepOptions& options) {
   check_folder(options.folder);
   const fs::path csv = options.folder / "table.csv";
   const fs::path hdf5 = options.folder / "table.h5";
-  if (fs::exists(options.folder)) check_outputs({}, {csv, hdf5});
+  if (fs::exists(options.folder)) check_outputs({}, {csv, hdf5, options.folder / "series.csv"});
   stop_on_signals();
-  fs::create_directories(options.folder);
+  fs::create_directories(study.series ? options.folder / "series" : options.folder);
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
   const auto done = read_journals(options.folder, identity);
   std::vector<std::size_t> runs;
   for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
-    if (!done.contains(r)) runs.push_back(r);
+    if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
 
   SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
   table.failed = make_all(study, runs, options, journal);
@@ -274,6 +300,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
   if (left == 0) {
     try {
       write_csv(table, csv);
+      if (study.series) write_series(table, measures, options.folder);
       if (worldio::has_hdf5()) write_hdf5(table, hdf5);
     } catch (const OutputError& error) {  // not bad usage any more: the runs are made and noted
       fmt::print(stderr, "{}\n", error.what());
@@ -284,7 +311,8 @@ ExitCode sweep_checked(const SweepOptions& options) {
     fmt::print("{} of {} runs done", table.outcomes.size(), study.run_count());
     if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
     if (left == 0)
-      fmt::print(": {}\n", csv.string());
+      fmt::print(": {}{}\n", csv.string(),
+                 study.series ? ", " + (options.folder / "series.csv").string() : std::string());
     else
       fmt::print("; the table follows when all are\n");
   }

@@ -2,6 +2,8 @@
 
 #include "apps/csv.hpp"
 #include "apps/outputs.hpp"
+#include "worldio/files.hpp"
+#include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/whole_file.hpp"
 
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -130,6 +133,36 @@ void write_csv(const SweepTable& table, const fs::path& file) {
     for (const Column& column : columns)
       text += fmt::format("{}{}", cell_of(column, row), &column == &columns.back() ? '\n' : ',');
   write_file(file, text);
+}
+
+fs::path series_file(const fs::path& folder, std::size_t run) {
+  return folder / "series" / fmt::format("{}.csv", run);
+}
+
+void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values) {
+  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_s);
+  for (const double value : values) rows += std::isnan(value) ? ",nan" : fmt::format(",{}", value);
+  rows += '\n';
+}
+
+void write_series(const SweepTable& table, const std::vector<std::string>& measures, const fs::path& folder) {
+  const fs::path file = folder / "series.csv";
+  try {
+    worldio::PartialFile whole(file);
+    const auto write = [&whole](const std::string& text) { whole.write(std::as_bytes(std::span(text))); };
+    std::string head = "run,time_s";
+    for (const std::string& measure : measures) head += "," + csv_cell(measure);
+    write(head + "\n");
+    for (const auto& [run, outcome] : table.outcomes) {  // in their order
+      const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
+      if (!rows) refuse_output(series_file(folder, run), "it is there no more");
+      write(*rows);
+    }
+    whole.sync();
+    whole.commit();
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
 }
 
 void write_hdf5(const SweepTable& table, const fs::path& file) {

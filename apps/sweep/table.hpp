@@ -28,6 +28,15 @@ struct SweepTable {
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`, as pandas reads it without
 /// options. Written whole or not at all. Throws OutputError.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
+/// `run,time_s,MEASURES...`: a row for each look of each run, of the files that runs have left. `measures`:
+/// as the world names them. Written whole or not at all. Throws OutputError.
+void write_series(const SweepTable& table, const std::vector<std::string>& measures,
+                  const std::filesystem::path& folder);
+/// The rows of one run, in a file of its own until all are there.
+std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
+/// Appends the row of a look.
+void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
+
 /// The same columns as datasets of the group /table, and their order as /columns (docs/sweeps.md).
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 

@@ -37,6 +37,7 @@ from ._core import (
     __version__,
     version_line,
 )
+from ._sweep import sweep
 
 __all__ = [
     "Event",
@@ -56,6 +57,7 @@ __all__ = [
     "Table",
     "__version__",
     "math",
+    "sweep",
     "version_line",
 ]
 

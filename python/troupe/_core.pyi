@@ -18,6 +18,9 @@ _Callback = TypeVar("_Callback", bound=Optional[Callable[["Simulation"], object]
 
 def version_line() -> str: ...
 def processors_allowed() -> int: ...
+def _read_study(file: _File, text: Optional[str] = ...) -> Dict[str, Any]: ...
+def _ticks_until(end_s: float, tick_s: float) -> int: ...
+def _period_ticks(period_s: float, tick_s: float) -> int: ...
 
 class InputError(ValueError):
     findings: List[str]
@@ -235,7 +238,7 @@ class Simulation:
     def table(self, component: str, type: str = ...) -> Table: ...
     def snapshot(
         self,
-        png: _File,
+        file: _File,
         width: int = ...,
         height: int = ...,
         *,
@@ -246,6 +249,7 @@ class Simulation:
         across_m: Optional[float] = ...,
         color_by: str = ...,
         color_range: Optional[Tuple[float, float]] = ...,
+        background: str = ...,
     ) -> None: ...
     def picture(
         self,
@@ -259,6 +263,7 @@ class Simulation:
         across_m: Optional[float] = ...,
         color_by: str = ...,
         color_range: Optional[Tuple[float, float]] = ...,
+        background: str = ...,
     ) -> npt.NDArray[np.uint8]: ...
 
 class Measures:

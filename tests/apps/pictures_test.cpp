@@ -80,6 +80,51 @@ TEST_F(RunPictures, TheySeeThroughAnyCamera) {
   }
 }
 
+TEST_F(RunPictures, AMapMayBePathsAndLetters) {
+  const Outcome outcome = run({"--snapshot", "map.svg", "--background", "transparent", "--layers", "types"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "map.svg", "room.world"));
+  const std::string svg = read("map.svg");
+  EXPECT_THAT(svg, AllOf(HasSubstr("<svg "), HasSubstr("world: room.world"), HasSubstr("time_s: 0.5"),
+                         ::testing::EndsWith("</svg>\n")));
+  EXPECT_EQ(run({"--snapshot", "fit.svg", "--camera", "fit"}).code, 0);
+  EXPECT_NE(read("fit.svg"), svg);
+  const Outcome solid = run({"--snapshot", "side.svg", "--camera", "perspective"});
+  EXPECT_EQ(solid.code, 2);
+  EXPECT_EQ(solid.err,
+            "room.world: error: side.svg cannot hold solids: a .svg or .pdf is a map, of the camera top or "
+            "fit, without "
+            "an angle; a .png holds both\n");
+  EXPECT_FALSE(std::filesystem::exists(path("side.svg")));
+}
+
+TEST_F(RunPictures, APdfNeedsCairo) {
+  const Outcome drawn = run({"--snapshot", "map.pdf"});
+  if (drawn.code == 0) {
+    EXPECT_THAT(read("map.pdf"), ::testing::StartsWith("%PDF-"));
+    std::filesystem::remove(path("map.pdf"));
+  }
+  for (const char* name : {"libcairo.so.2", "libcairo.so"}) write(name, "no library");
+  setenv("LD_LIBRARY_PATH", ".", 1);
+  const Outcome outcome = run({"--snapshot", "map.pdf", "--hash-log", "h.log"});
+  unsetenv("LD_LIBRARY_PATH");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre(HasSubstr("cairo is not installed (Debian, Ubuntu: apt install "
+                                    "libcairo2)")));
+  EXPECT_THAT(files(), ElementsAre("bin", "libcairo.so", "libcairo.so.2", "room.world"));
+}
+
+TEST_F(RunPictures, CamerasFollowAllRobots) {
+  for (const char* camera : {"fit", "follow:all"}) {
+    const Outcome outcome = run({"--snapshot", "p.png", "--camera", camera});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+  }
+  const Outcome unknown = run({"--snapshot", "p.png", "--camera", "fitt"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean \"fit\""));
+}
+
 TEST_F(RunPictures, AFilmHasThirtyPicturesASecond) {
   add_ffmpeg();
   const Outcome outcome = run({"--film", "f.mp4"});
@@ -148,6 +193,16 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
        "--snapshot p-{time}.png; see"},
       {{"--film", "none/%06d.png"}, "none/%06d.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
+      {{"--snapshot", "none/p.svg"}, "none/p.svg: error: cannot be written: there is no folder none"},
+      {{"--snapshot", "p.gif"},
+       "--snapshot: \"p.gif\" is not the name of a picture, as in --snapshot crowd.png, crowd.svg or "
+       "crowd.pdf"},
+      {{"--snapshot", "p.png", "--background", "pink"},
+       "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
+      {{"--film", "f.mp4", "--background", "transparent"},
+       "f.mp4: error: cannot be written: a film has no transparency: --background paper, white or dark"},
+      {{"--background", "dark"}, "--background requires --snapshot or --film"},
+      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg cannot hold solids"},
   };
   for (const auto& [options, message] : cases) {
     std::vector<std::string> with_log = options;

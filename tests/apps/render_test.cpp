@@ -242,7 +242,7 @@ TEST_F(Render, BadInputIsOneLine) {
        "in "
        "--output q-{time}.png; see"},
       {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
-      {{"render", "room.world", "-o", "q.png", "--at", "1", "--for", "2"}, "--for excludes --at"},
+      {{"render", "room.world", "-o", "q.png", "--at", "1", "--for", "2"}, "--at excludes --for"},
       {{"render", "room.world", "-o", "q.png", "--for", "-2"}, "\"-2\" is not a time in seconds"},
       {{"render", "room.world", "-o", "q.png", "--seed", "x"}, "\"x\" is not a whole number"},
       {{"render", "room.world", "-o", "q.png", "--threads", "0"}, "\"0\" is not a number of threads"},

@@ -61,6 +61,76 @@ TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   EXPECT_EQ(table("parts"), table("one"));
 }
 
+/// The study, with every look.
+std::string with_series() {
+  std::string study(k_study);
+  study.insert(1, R"("series": true, "measure_every_s": 0.3, )");
+  return study;
+}
+
+TEST_F(Sweep, KeepsTheSeriesOfEachRun) {
+  write("series.json", with_series());
+  const Outcome outcome = troupe({"sweep", "series.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "6 of 6 runs done: out/table.csv, out/series.csv\n");
+  const std::vector<std::string> lines = lines_of(read("out/series.csv"));
+  ASSERT_THAT(lines, SizeIs(1 + 6 * 5));  // at 0, 0.3, 0.6, 0.9 and 1 s
+  EXPECT_EQ(lines[0], "run,time_s,path_length_m,stalls");
+  EXPECT_EQ(lines[1], "0,0,0,0");
+  EXPECT_THAT(lines[2], StartsWith("0,0.3"));
+  EXPECT_THAT(lines[5], StartsWith("0,1,"));
+  EXPECT_THAT(lines[30], StartsWith("5,1,"));
+  // The last look of a run is its row in the table.
+  const std::string row = lines_of(table("out"))[6];
+  EXPECT_THAT(row, HasSubstr("," + lines[30].substr(4, lines[30].rfind(',') - 4) + ","));
+}
+
+TEST_F(Sweep, TheSeriesIsTheSameOnAnyThreadsInAnyPartsAndAfterACut) {
+  write("series.json", with_series());
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "one", "--threads", "1"}).code, 0);
+  const std::string whole = read("one/series.csv");
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "parts", "--part", "2/2", "--threads", "4"}).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("parts/series.csv")));
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "parts", "--part", "1/2"}).code, 0);
+  EXPECT_EQ(read("parts/series.csv"), whole);
+
+  // Cut off behind a series and before its line in the journal; and with a series that is lost.
+  const std::string journal = read("one/runs-1-of-1.jsonl");
+  write("one/runs-1-of-1.jsonl", journal.substr(0, journal.size() * 2 / 3));
+  std::filesystem::remove(path("one/series.csv"));
+  std::filesystem::remove(path("one/series/0.csv"));
+  EXPECT_EQ(troupe({"sweep", "series.json", "-o", "one"}).code, 0);
+  EXPECT_EQ(read("one/series.csv"), whole);
+}
+
+/// What the python3 that the program starts is handed.
+constexpr std::string_view k_fake_python = R"(#!/bin/sh
+test "$1" = -c || exit 9
+shift 2
+echo "$@"
+exit 7
+)";
+
+TEST_F(Sweep, PlotHandsOverToPython) {
+  write("python", k_fake_python);
+  std::filesystem::permissions(path("python"), std::filesystem::perms::owner_all);
+  setenv("TROUPE_PYTHON", path("python").c_str(), 1);
+  const Outcome outcome = troupe({"plot", "out", "--measure", "order", "--by", "robots,seed", "-o", "o.pdf"});
+  const Outcome alone = troupe({"plot", "--", "-odd"});
+  setenv("TROUPE_PYTHON", "./no-such-python", 1);
+  const Outcome missing = troupe({"plot", "out"});
+  unsetenv("TROUPE_PYTHON");
+  EXPECT_EQ(outcome.code, 7);
+  EXPECT_EQ(outcome.out, "--measure=order --by=robots,seed --out=o.pdf -- out\n");
+  EXPECT_EQ(alone.out, "-- -odd\n");
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_THAT(lines_of(missing.err),
+              ElementsAre(AllOf(StartsWith("troupe plot: error: ./no-such-python cannot be started"),
+                                HasSubstr("apt install python3-matplotlib"))));
+  EXPECT_EQ(troupe({"plot"}).code, 2);
+  EXPECT_EQ(troupe({"plot", "out", "--measure", ""}).code, 2);
+}
+
 TEST_F(Sweep, GoesOnWhereItWasCutOff) {
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out", "--threads", "1"}).code, 0);
   const std::string whole = table("out");
@@ -131,6 +201,10 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
   write("study.json", study);
   refused({"sweep", "study.json", "-o", "out"}, "--set /populations/7/count");
+  study = k_study;
+  study.insert(1, R"("series": "yes", )");
+  write("study.json", study);
+  refused({"sweep", "study.json", "-o", "out"}, "study.json:1: error: /series: ");
   study = k_study;
   study.replace(study.find("\"for_s\": 1,"), 11, "");
   write("study.json", study);

@@ -677,8 +677,15 @@ class Looking(InAFolder):
             self.skipTest(str(error))
         self.assertEqual((picture.dtype, picture.shape), (np.uint8, (200, 320, 3)))
         self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 5)
-        red = (picture[:, :, 0] > 200) & (picture[:, :, 1] < 60) & (picture[:, :, 2] < 60)
-        self.assertTrue(red[:, :290].any())  # the robots
+        blue = (picture == (0x00, 0x72, 0xB2)).all(axis=2)
+        self.assertTrue(blue[:, :290].any())  # the robots: the first type has the palette's first colour
+        self.assertFalse(((picture[:, :, 0] > 200) & (picture[:, :, 1] < 60)).any())
+        self.assertTrue((world.picture(320, 200) == picture).all())
+        self.assertTrue((world.picture(320, 200, background="dark")[0, 0] == (27, 29, 34)).all())
+        with self.assertRaisesRegex(ValueError, "have no opacity"):
+            world.picture(320, 200, background="transparent")
+        world.snapshot("room.svg", 320, 200, background="transparent")
+        self.assertIn("<svg", (self.folder / "room.svg").read_text())
         world.snapshot("room.png", 320, 200)
         self.assertEqual((self.folder / "room.png").read_bytes()[:4], b"\x89PNG")
         side = world.picture(320, 200, camera="perspective", layers="scans", across_m=4)

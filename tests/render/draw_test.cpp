@@ -9,6 +9,7 @@
 #include <array>
 #include <cfenv>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -132,6 +133,70 @@ TEST(Draw, OutlinesAreDarkerAndRedWhenStalled) {
   const Pixel stalled = stage.pixel(599, 150);
   EXPECT_GT(stalled[0], 150);
   EXPECT_EQ(stage.at(1.5, 0.5), k_blue_pixel);
+}
+
+TEST(Draw, AStalledRobotIsSeenWhateverItsColour) {
+  const std::array<Color, 4> colors = {Color{0.88F, 0.13F, 0.13F, 1}, Color{1, 1, 1, 1}, k_blue,
+                                       Color{0, 0, 0, 1}};
+  for (const Color& color : colors) {
+    Stage stage;
+    stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, color)};
+    stage.draw();
+    const Picture moving = stage.picture;
+    stage.frame.mobile[0].stalled = true;
+    stage.draw();
+    // On the robot, along its side: pixels that differ much from what they are of one that moves.
+    int marked = 0;
+    for (int row = 110; row < 190; ++row) {
+      int in_row = 0;
+      for (int column = 400; column < 410; ++column) {
+        const std::size_t i = 4 * (static_cast<std::size_t>(row) * 800 + static_cast<std::size_t>(column));
+        int difference = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+          difference = std::max(difference, std::abs(stage.picture.rgba[i + k] - moving.rgba[i + k]));
+        in_row += difference > 90;
+      }
+      marked += in_row > 0;
+    }
+    EXPECT_GE(marked, 75) << color.r << " " << color.g << " " << color.b;
+  }
+}
+
+TEST(Draw, BackgroundsChangeWhatIsNoBody) {
+  Stage stage;
+  stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, k_blue)};
+  stage.view.background = Background::dark;
+  stage.draw();
+  EXPECT_EQ(stage.at(-3.3, 1.3), (Pixel{27, 29, 34}));
+  EXPECT_EQ(stage.at(0.5, 0.5), k_blue_pixel);
+  stage.view.background = Background::transparent;
+  stage.draw();
+  const auto opacity = [&](double x, double y) {
+    const auto column = static_cast<std::size_t>((x + 4) * 100);
+    const auto row = static_cast<std::size_t>((2 - y) * 100);
+    return stage.picture.rgba[4 * (row * 800 + column) + 3];
+  };
+  EXPECT_EQ(opacity(-3.3, 1.3), 0);
+  EXPECT_EQ(opacity(0.5, 0.5), 255);
+  EXPECT_EQ(stage.at(0.5, 0.5), k_blue_pixel);
+}
+
+TEST(Draw, BoundsAreALineAndInThePicture) {
+  Stage stage;
+  stage.scene.limits = Box{{-3, -1}, {3, 1}};
+  stage.draw();
+  const Pixel line = stage.at(-2.5, 1.0);
+  EXPECT_LT(line[0], 130);
+  EXPECT_EQ(stage.at(-2.55, 1.05), k_paper);
+  stage.view.layers.bounds = false;
+  stage.draw();
+  EXPECT_GT(stage.at(-2.5, 1.0)[0], 220);
+
+  stage.view = {.width = 800, .height = 400};  // framed by itself: robots may go there
+  stage.scene.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
+  stage.draw();
+  const int dark = stage.count([](const Pixel& p) { return p[0] < 130; });
+  EXPECT_GT(dark, 1500);
 }
 
 TEST(Draw, XPointsRightAndYUp) {

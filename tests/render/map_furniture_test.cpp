@@ -39,7 +39,7 @@ TEST(FloorGrid, LiesOnWholePixelsAtRoundWorldCoordinates) {
   Framing framing = framing_of(400, 200);
   framing.center = {0.3, 0};
   // Shown: x from -1.7 to 2.3, y from -1 to 1. Lines a metre apart: four across, three along.
-  const Mesh mesh = floor_grid(framing);
+  const Mesh mesh = floor_grid(framing, Rgba{});
   ASSERT_EQ(mesh.size(), 7U * 6);
   EXPECT_FLOAT_EQ(mesh[0].x + 200, 70);  // x = -1
   for (std::size_t i = 0; i < mesh.size(); ++i) {
@@ -52,10 +52,16 @@ TEST(FloorGrid, StaysSparseAtAnyScale) {
   for (const double scale : {1e-9, 1e-4, 0.03, 1.0, 77.0, 1e5}) {
     Framing framing = framing_of(1280, 720);
     framing.pixels_per_metre = scale;
-    const std::size_t lines = floor_grid(framing).size() / 6;
+    const std::size_t lines = floor_grid(framing, Rgba{}).size() / 6;
     EXPECT_GE(lines, 12U) << scale;
     EXPECT_LE(lines, (1280 + 720) / 48 + 2U) << scale;
   }
+}
+
+Mesh furniture(const Framing& framing, const Furniture& shown) {
+  Writing writing;
+  add_furniture(writing, framing, shown);
+  return mesh_of(writing, framing.stroke, theme_of(Background::paper));
 }
 
 TEST(Furniture, StaysInsideThePicture) {

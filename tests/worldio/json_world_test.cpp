@@ -121,12 +121,13 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_EQ(spec.bodies[1].type, TypeId(2));
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{5, 5, 0, 0}));
   EXPECT_EQ(spec.bodies[1].where.line, 14u);
+  EXPECT_EQ(spec.bodies[1].color, (Color{0.3f, 0.3f, 0.3f, 1}));  // it neither moves nor senses
   const double y[] = {0, 0.25, 0.5, 0.75};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(spec.name(BodyId(2 + i)), fmt::format("r{}", i));
     EXPECT_EQ(spec.bodies[2 + i].type, TypeId(1));
     EXPECT_EQ(spec.bodies[2 + i].pose_world_body, (Pose{0, y[i], 0, 0}));
-    EXPECT_EQ(spec.bodies[2 + i].color, (Color{1, 0, 0, 1}));
+    EXPECT_EQ(spec.bodies[2 + i].color, (Color{0, 114 / 255.0f, 178 / 255.0f, 1}));  // the palette's first
     EXPECT_EQ(spec.bodies[2 + i].where.line, 17u);
   }
   EXPECT_EQ(loaded.diagnostics.files()->name(spec.bodies[1].where.file), "maze.json");

@@ -1,4 +1,5 @@
 #include "engine/watch_spec.hpp"
+#include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_parts.hpp"
@@ -27,7 +28,6 @@ using engine::TypeSpec;
 using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
-constexpr Color k_body_color{1, 0, 0, 1};
 
 /// What is an error in the document unless it says otherwise; else it is a warning.
 struct Checks {
@@ -173,6 +173,7 @@ void WorldContractor::contract_types(std::size_t first, WorldDocument& document)
   colors_.assign(spec_.types.size(), {});
   for (std::size_t b = spec_.bodies.size(); b-- > 1;)
     colors_[spec_.bodies[b].type.index()] = spec_.bodies[b].color;
+  const std::vector<Color> default_colors = worldio::default_colors(spec_.types);
   std::set<std::string> taken;
   for (std::size_t t = first; t < spec_.types.size(); ++t) {
     const TypeSpec& type = spec_.types[t];
@@ -180,7 +181,7 @@ void WorldContractor::contract_types(std::size_t first, WorldDocument& document)
     key = type.name;
     for (int n = 2; !taken.insert(key).second; ++n) key = fmt::format("{}#{}", type.name, n);
     std::optional<Color> color = colors_[t];
-    if (color == k_body_color) color.reset();
+    if (color == default_colors[t]) color.reset();
     document.types.emplace_back(key, contract_type(type, key, color, registry_, &folder_));
   }
 }

@@ -1,6 +1,7 @@
 #include "base/math.hpp"
 #include "engine/populations.hpp"
 #include "engine/watch_spec.hpp"
+#include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_document.hpp"
@@ -28,7 +29,6 @@ using engine::PlacementRule;
 using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
-constexpr Color k_body_color{1, 0, 0, 1};
 const partition::ObstacleShape k_no_shape;
 
 struct Model {
@@ -96,7 +96,7 @@ class WorldExpander {
 
   /// The type of this key; type 0 is the ground, for when there is none. object: what says it, at this path
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
-  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(k_body_color); }
+  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(default_colors_[type.index()]); }
 
   const WorldDocument& document_;
   const std::filesystem::path& file_;
@@ -105,6 +105,7 @@ class WorldExpander {
   Diagnostics& diagnostics_;
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
+  std::vector<Color> default_colors_;                      // as those
   std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
   FloorImages images_;                                     // plans may share one
   ImageFolder folder_;
@@ -178,6 +179,7 @@ void WorldExpander::expand_types(const DocumentPath& world) {
     spec_.types.push_back(expand_type(type, key, DocumentPath(all, key, type.where), registry_, folder_));
     type_colors_.push_back(type.color);
   }
+  default_colors_ = default_colors(spec_.types);
 }
 
 void WorldExpander::expand_model(const ModelDocument& document, const DocumentPath& at) {

@@ -35,6 +35,8 @@ const Field k_random_seed{.name = "random_seed",
                           .min = 0,
                           .max = static_cast<double>(std::numeric_limits<std::int32_t>::max())};
 
+const Field k_series{.name = "series", .type = FieldType::boolean, .fallback = false};
+
 Field whole(std::string_view name, double min, double max, std::string_view about) {
   return {.name = name, .type = FieldType::integer, .min = min, .max = max, .text = about};
 }
@@ -129,6 +131,7 @@ class StudyReader {
     read_measures(object);
     if (const Value seed = read_field(object, k_random_seed); seed.given())
       study_.random_seed = static_cast<std::uint64_t>(seed.integer());
+    if (const Value series = read_field(object, k_series); series.given()) study_.series = series.boolean();
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();

@@ -37,6 +37,7 @@ struct Study {
   std::vector<std::string> measures;  ///< as troupe::Measures takes them; none given: the world's
   std::vector<Statistic> statistics;
   double measure_every_s = 1;  ///< world time between two looks; 0: every tick
+  bool series = false;         ///< every look is kept, in a table of its own
 
   /// The values that a parameter takes: a list, an interval cut into steps, or one from which samples are
   /// drawn.

@@ -161,6 +161,10 @@ RecordedScene::Type type_of(const Json& json) {
 RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) {
   RecordedScene scene;
   scene.title = text_of(json.at("title"));
+  if (const auto bounds = json.find("bounds_m");
+      bounds != json.end() && bounds->is_array() && bounds->size() == 4)
+    scene.limits = Box{{number_of((*bounds)[0]), number_of((*bounds)[1])},
+                       {number_of((*bounds)[2]), number_of((*bounds)[3])}};
   std::vector<std::string> words;
   for (const Json& word : json.at("words")) words.push_back(text_of(word));
   for (const Json& type : json.at("types")) scene.types.push_back(type_of(type));

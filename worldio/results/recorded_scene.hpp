@@ -51,6 +51,7 @@ struct RecordedScene {
     Color color;
   };
   std::string title;
+  std::optional<Box> limits;  ///< where robots may go
   std::vector<Type> types;
   std::vector<Body> bodies;  ///< by BodyId
 };

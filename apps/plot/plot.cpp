@@ -1,0 +1,81 @@
+#include "apps/plot/plot.hpp"
+
+#include "apps/options.hpp"
+#include "apps/plot/plot_script.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+namespace troupe::apps {
+namespace {
+
+constexpr const char* k_plot_footer = R"(
+DIR is the folder of a sweep whose study says "series": true. The lines are means over the runs that have a value at that
+time, and the bands around them one standard deviation of those runs. Without --by there is a line for each combination
+of the parameters that differ.
+
+python3 and matplotlib draw it: that of TROUPE_PYTHON, else the first on the path.
+
+Exit codes: 0 drawn; 1 failed, or there is no python3 or matplotlib; 2 bad input or usage.
+
+Examples:
+  troupe sweep apps/examples/study/coverage.json -o results
+  troupe plot results --measure coverage --by robots -o coverage.pdf)";
+
+void add_text(CLI::App& command, const char* name, const char* value, const char* help, std::string& to) {
+  add_value(command, name, value, help, [name, &to](const std::string& text) {
+    if (text.empty()) refuse(name, text, "a name");
+    to = text;
+  });
+}
+
+}  // namespace
+
+void add_plot_options(CLI::App& command, PlotOptions& options) {
+  command.footer(k_plot_footer);
+  command
+      .add_option_function<std::string>(
+          "DIR", [&options](const std::string& text) { options.folder = text; }, "Folder of a sweep")
+      ->option_text(" ")
+      ->required();
+  add_text(command, "--measure", "NAME", "What is drawn (default: the first measure)", options.measure);
+  add_text(command, "--by", "NAME,...", "Parameters that tell lines apart (default: those that differ)",
+           options.by);
+  add_text(command, "--title", "TEXT", "Above the picture", options.title);
+  add_value(command, "-o,--out", "FILE", "The picture, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
+            [&options](const std::string& text) { options.out = file_name("--out", text); });
+}
+
+ExitCode plot(const PlotOptions& options) {
+  const char* const chosen = std::getenv("TROUPE_PYTHON");
+  const std::string python = chosen && *chosen ? chosen : "python3";
+  // "=" keeps a value that begins with a minus from being taken for an option.
+  std::vector<std::string> words = {python, "-c", std::string(k_plot_script)};
+  const auto add = [&words](const char* name, const std::string& value) {
+    if (!value.empty()) words.push_back(fmt::format("{}={}", name, value));
+  };
+  add("--measure", options.measure);
+  add("--by", options.by);
+  add("--title", options.title);
+  add("--out", options.out.string());
+  words.insert(words.end(), {"--", options.folder.string()});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(python.c_str(), arguments.data());
+  fmt::print(
+      stderr,
+      "troupe plot: error: {} cannot be started: {} (Debian, Ubuntu: apt install python3-matplotlib)\n",
+      python, std::strerror(errno));
+  return k_failed;
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace troupe::apps {
+
+/// python/troupe/plot.py.
+extern const std::string_view k_plot_script;
+
+}  // namespace troupe::apps

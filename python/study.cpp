@@ -1,0 +1,51 @@
+// What a study asks for, as `troupe sweep` reads it.
+
+#include "worldio/json/study.hpp"
+#include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
+#include "troupe/registry.hpp"
+#include "python/bindings.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace troupe::python {
+namespace {
+
+py::dict read_study(const std::filesystem::path& file, const std::optional<std::string>& text) {
+  using namespace py::literals;
+  const engine::Registry registry = make_registry();
+  Diagnostics diagnostics;
+  const worldio::Study study = text ? worldio::load_study_text(file, *text, registry, diagnostics)
+                                    : worldio::load_study(file, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  py::list parameters;
+  for (const worldio::Study::Parameter& parameter : study.parameters)
+    parameters.append(py::make_tuple(parameter.name, parameter.pointer));
+  py::list statistics;
+  for (const worldio::Statistic statistic : study.statistics)
+    statistics.append(std::string(worldio::statistic_name(statistic)));
+  py::list runs;
+  for (std::size_t r = 0; r < study.run_count(); ++r) {
+    const worldio::Study::Run run = study.run(r);
+    runs.append(py::make_tuple(run.values, run.seed));
+  }
+  return py::dict("world"_a = study.world.string(), "for_s"_a = study.for_s, "parameters"_a = parameters,
+                  "measures"_a = study.measures, "statistics"_a = statistics,
+                  "measure_every_s"_a = study.measure_every_s, "series"_a = study.series, "runs"_a = runs);
+}
+
+}  // namespace
+
+void bind_study(py::module_& module) {
+  module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
+             "What a study of troupe sweep asks for: its runs as (JSON texts of parameters, seed).");
+  module.def("_ticks_until", &engine::ticks_until, py::arg("end_s"), py::arg("tick_s"));
+  module.def("_period_ticks", &engine::period_ticks, py::arg("period_s"), py::arg("tick_s"));
+}
+
+}  // namespace troupe::python

@@ -1,0 +1,129 @@
+"""All runs of a study, in this process: troupe.sweep()."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import json
+import math
+import os
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+from . import _core
+
+if TYPE_CHECKING:
+    import pandas
+
+Rows = Tuple[Dict[str, Any], List[Dict[str, Any]]]
+
+
+def _statistic(name: str, values: List[float]) -> float:
+    if name == "last":
+        return values[-1] if values else math.nan
+    known = [value for value in values if not math.isnan(value)]
+    if not known:
+        return math.nan
+    if name == "mean":
+        total = 0.0
+        for value in known:  # one after another, as troupe sweep adds them: sum() rounds otherwise
+            total += value
+        return total / len(known)
+    return min(known) if name == "min" else max(known)
+
+
+def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
+    return [json.loads(measure) if measure.startswith("{") else measure for measure in measures]
+
+
+def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> Rows:
+    texts, seed = study["runs"][index]
+    values = [json.loads(text) for text in texts]
+    settings = {pointer: value for (_, pointer), value in zip(study["parameters"], values)}
+    if isinstance(world, Mapping):
+        options = {**options, "name": name}
+    simulation = _core.Simulation(world, threads=1, seed=seed, set=settings, **options)
+    measures = _core.Measures(simulation, _wanted(study["measures"]))
+    end_s = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
+    if end_s is None:
+        raise _core.InputError(
+            f'{name}: error: nothing says when a run ends: give "for_s" in the study, or the world\'s quit time')
+    end = _core._ticks_until(end_s, simulation.tick_s)
+    every = _core._period_ticks(study["measure_every_s"], simulation.tick_s)
+    looks: List[List[float]] = []
+    series: List[Dict[str, Any]] = []
+    head = {"run": index, **dict(zip((parameter for parameter, _ in study["parameters"]), values))}
+
+    def look() -> None:
+        looks.append(list(measures.values()))
+        if study["series"]:
+            series.append({**head, "seed": seed, "time_s": simulation.time_s, **dict(zip(measures.columns, looks[-1]))})
+
+    look()
+    while simulation.tick < end and not simulation.stopped:
+        simulation.step()
+        measures.see()
+        if simulation.tick % every == 0 or simulation.tick == end or simulation.stopped:
+            look()
+    row = {**head, "seed": seed, "ticks": simulation.tick, "time_s": simulation.time_s}
+    for k, column in enumerate(measures.columns):
+        for statistic in study["statistics"]:
+            key = column if statistic == "last" else f"{column}_{statistic}"
+            row[key] = _statistic(statistic, [values[k] for values in looks])
+    row["stopped_by"] = simulation.stopped or ""
+    row["state_hash"] = f"{simulation.state_hash():016x}"
+    return row, series
+
+
+def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
+          threads: Optional[int] = None, name: str = "study.json", **options: Any) -> "pandas.DataFrame":
+    """Makes all runs of a study, each on one thread and several at once, and returns a pandas data frame.
+
+    study    a file as docs/sweeps.md has it, or the same as a dict; its "world" may be a file or a world as a dict
+    returns  a row a run: run, the parameters, seed, ticks, time_s, the measures, stopped_by, state_hash, error. With
+             `series`, or "series": true in the study, a row a look: run, the parameters, seed, time_s, the measures
+    name     what stands for the study in errors where it is a dict; files are looked for beside it
+    options  search_path and plugin_path, as of Simulation
+    errors   InputError for a study or a world that cannot be used. A run that fails is a row whose `error` says why;
+             in a series it has no rows
+    """
+    try:
+        import pandas
+    except ImportError as missing:
+        raise ImportError("troupe.sweep() needs pandas (Debian, Ubuntu: apt install python3-pandas; pip install pandas)") from missing
+    world: Any = None
+    if isinstance(study, Mapping):
+        document = dict(study)
+        if isinstance(document.get("world"), Mapping):
+            world = document["world"]
+            document["world"] = name
+        read = _core._read_study(name, json.dumps(document))
+    else:
+        name = os.fspath(study)
+        read = _core._read_study(name)
+    if series is not None:
+        read["series"] = series
+    if world is None:
+        world = read["world"]
+
+    # What is wrong with the study or its world ends all; what is wrong with one run does not.
+    first = _core.Simulation(world, threads=1, **({**options, "name": name} if isinstance(world, Mapping) else options))
+    _core.Measures(first, _wanted(read["measures"]))
+    del first
+    rows: List[Dict[str, Any]] = []
+    looks: List[Dict[str, Any]] = []
+    with concurrent.futures.ThreadPoolExecutor(threads or _core.processors_allowed()) as pool:
+        futures = [pool.submit(_make, world, name, read, index, options) for index in range(len(read["runs"]))]
+        try:
+            for index, future in enumerate(futures):
+                try:
+                    row, made = future.result()
+                    rows.append({**row, "error": ""})
+                    looks += made
+                except Exception as error:  # a plug-in may raise anything
+                    texts, seed = read["runs"][index]
+                    values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
+                    rows.append({"run": index, **values, "seed": seed, "error": str(error)})
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise
+    return pandas.DataFrame(looks if read["series"] else rows)

@@ -1,0 +1,173 @@
+"""Draws a measure of a sweep over time, its mean and deviation over runs, a line for each value of a parameter.
+
+`troupe plot` runs this file; from Python: troupe.plot.draw("results", "coverage", by="robots", out="coverage.png").
+It needs matplotlib, and nothing else that is not Python's own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import os
+import sys
+from typing import Dict, List, Optional, Sequence, Tuple, Union
+
+_File = Union[str, "os.PathLike[str]"]
+_Key = Tuple[str, ...]
+_Points = List[Tuple[float, float, float, int]]
+
+# Okabe and Ito's colours, which the colour-blind can tell apart, and black.
+COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
+MOST_LINES = 12
+OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
+
+
+class PlotError(ValueError):
+    """What is asked for is not there, or cannot be drawn."""
+
+
+def _read(file: str) -> Tuple[List[str], List[List[str]]]:
+    try:
+        with open(file, newline="", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))
+    except FileNotFoundError:
+        raise PlotError(f"{file}: error: there is no such file: is this the folder of a sweep that is done?") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise PlotError(f"{file}: error: cannot be read: {error}") from None
+    if not rows or any(len(row) != len(rows[0]) for row in rows):
+        raise PlotError(f"{file}: error: this is no table of a sweep: its lines differ in length")
+    return rows[0], rows[1:]
+
+
+def _known(what: str, name: str, known: Sequence[str]) -> str:
+    if name not in known:
+        raise PlotError(f'error: unknown {what} "{name}"; known: {", ".join(known) if known else "none"}')
+    return name
+
+
+def _number(text: str) -> Optional[float]:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _order(value: _Key) -> List[Tuple[int, float, str]]:
+    """Numbers before texts, each in their order."""
+    numbers = [_number(part) for part in value]
+    return [(0, number, "") if number is not None else (1, 0.0, part) for number, part in zip(numbers, value)]
+
+
+def series_by(folder: _File, measure: Optional[str] = None,
+              by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
+    """The measure, the parameters that tell lines apart, and for each of their values [(time_s, mean, deviation, runs)].
+
+    The deviation is that of a sample (n - 1), 0 of one run. Raises PlotError.
+    """
+    table_head, table = _read(os.path.join(folder, "table.csv"))
+    series_file = os.path.join(folder, "series.csv")
+    if not os.path.exists(series_file):
+        raise PlotError(f'{series_file}: error: there is no such file: give "series": true in the study, and sweep again')
+    head, series = _read(series_file)
+    if head[:2] != ["run", "time_s"] or len(head) < 3:
+        raise PlotError(f"{series_file}: error: this is no series of a sweep: it must begin with run,time_s")
+    if "run" not in table_head or "seed" not in table_head:
+        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is no table of a sweep: it has no runs or seeds")
+    measure = _known("measure", measure, head[2:]) if measure else head[2]
+    parameters = table_head[1:table_head.index("seed")]
+    values = {row[0]: dict(zip(table_head, row)) for row in table}
+    if by is None:
+        names = [name for name in parameters if len({row[name] for row in values.values()}) > 1]
+    else:
+        names = [_known("parameter", name, parameters) for name in by.split(",")]
+
+    column = head.index(measure)
+    lines: Dict[_Key, Dict[float, List[float]]] = {}
+    for row in series:
+        number = _number(row[column])
+        time_s = _number(row[1])
+        if number is None or time_s is None or row[0] not in values:
+            raise PlotError(f"{series_file}: error: this is no series of the sweep in table.csv")
+        if not math.isnan(number):
+            key = tuple(values[row[0]][name] for name in names)
+            lines.setdefault(key, {}).setdefault(time_s, []).append(number)
+    if len(lines) > MOST_LINES:
+        raise PlotError(f"error: {' and '.join(names)} make {len(lines)} lines, and more than {MOST_LINES} cannot be told "
+                        f"apart: choose with --by, of: {', '.join(parameters)}")
+    if not lines:
+        raise PlotError(f'error: no run has a value of "{measure}"')
+    result: Dict[_Key, _Points] = {}
+    for key in sorted(lines, key=_order):
+        result[key] = []
+        for time_s, numbers in sorted(lines[key].items()):
+            mean = math.fsum(numbers) / len(numbers)
+            spread = math.fsum((number - mean) ** 2 for number in numbers)
+            result[key].append((time_s, mean, math.sqrt(spread / max(len(numbers) - 1, 1)), len(numbers)))
+    return measure, names, result
+
+
+def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
+         title: Optional[str] = None) -> str:
+    """Writes the picture (.png, .svg or .pdf) and returns its name. Raises PlotError, ImportError without matplotlib."""
+    measure, names, lines = series_by(folder, measure, by)
+    file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
+    if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
+        raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(6.4, 4.0), constrained_layout=True)
+    for i, (key, points) in enumerate(lines.items()):
+        times, means, deviations, _ = zip(*points)
+        color = COLORS[i % len(COLORS)]
+        style = "-" if i < len(COLORS) else "--"
+        label = ", ".join(f"{name} = {value}" for name, value in zip(names, key))
+        axes.plot(times, means, style, color=color, label=label or None, linewidth=1.6)
+        axes.fill_between(times, [m - d for m, d in zip(means, deviations)], [m + d for m, d in zip(means, deviations)],
+                          color=color, alpha=0.18, linewidth=0)
+    most = max(runs for points in lines.values() for *_, runs in points)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(f"{measure}, mean and standard deviation" if most > 1 else measure)
+    axes.grid(color="0.9")
+    axes.set_axisbelow(True)
+    if names:
+        axes.legend(frameon=False, title=None if most == 1 else f"of {most} runs each")
+    if title:
+        axes.set_title(title)
+    try:
+        figure.savefig(file, dpi=150)
+    except OSError as error:
+        raise PlotError(f"{file}: error: cannot be written: {error.strerror}") from None
+    finally:
+        pyplot.close(figure)
+    return file
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    parser = argparse.ArgumentParser(prog="troupe plot", description=__doc__.splitlines()[0])
+    parser.add_argument("folder")
+    parser.add_argument("--measure")
+    parser.add_argument("--by")
+    parser.add_argument("--out")
+    parser.add_argument("--title")
+    given = parser.parse_args(arguments)
+    try:
+        print(draw(given.folder, given.measure, given.by, given.out, given.title))
+    except PlotError as error:
+        text = str(error)
+        print(text if not text.startswith("error:") else f"troupe plot: {text}", file=sys.stderr)
+        return 2
+    except ImportError as error:
+        print(f"troupe plot: error: matplotlib cannot be used by {sys.executable}: {error} (Debian, Ubuntu: apt install "
+              "python3-matplotlib; elsewhere: pip install matplotlib; TROUPE_PYTHON names another python3)", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    if sys.path and sys.path[0] == "":
+        del sys.path[0]  # of python3 -c: no module of the folder that troupe was called in
+    sys.exit(main())

@@ -1,0 +1,123 @@
+"""troupe.sweep() makes the runs of `troupe sweep`, and troupe.plot draws what that leaves."""
+
+import importlib.util
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import troupe
+import troupe.plot
+
+try:
+    import pandas
+except ImportError:
+    print("skipped: there is no pandas")
+    sys.exit(77)
+
+WORLD = {
+    "troupe": 1,
+    "bounds_m": [[-5, -5], [5, 5]],
+    "types": {"bot": {
+        "size_m": [0.3, 0.3, 0.3], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+        "sensors": [{"name": "s", "kind": "ranger",
+                     "transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]}]}},
+    "populations": [{"name": "r", "type": "bot", "count": 3, "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}],
+}
+STUDY = {
+    "troupe_study": 1, "world": WORLD, "for_s": 2, "measure_every_s": 0.5,
+    "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 4]}],
+    "seeds": {"from": 1, "count": 3}, "measures": ["path_length", {"kind": "coverage", "cell_m": 0.5}],
+    "statistics": ["last", "mean"],
+}
+TABLE = """run,robots,seed,ticks,time_s,order,stopped_by,state_hash,error
+0,2,1,10,1,1,,0,
+1,2,2,10,1,3,,0,
+2,10,1,10,1,5,,0,
+3,10,2,10,1,nan,,0,
+"""
+SERIES = "run,time_s,order\n0,0,0\n0,1,1\n1,0,2\n1,1,3\n2,0,4\n2,1,5\n3,0,nan\n3,1,nan\n"
+
+
+class Sweep(unittest.TestCase):
+    def test_a_row_is_a_run(self):
+        table = troupe.sweep(STUDY, threads=2)
+        self.assertEqual(list(table.columns), ["run", "robots", "seed", "ticks", "time_s", "path_length_m",
+                                               "path_length_m_mean", "coverage", "coverage_mean", "stopped_by",
+                                               "state_hash", "error"])
+        self.assertEqual(list(table["robots"]), [2, 2, 2, 4, 4, 4])
+        self.assertEqual(list(table["seed"]), [1, 2, 3] * 2)
+        alone = troupe.Simulation(WORLD, seed=3, set={"/populations/0/count": 4}, threads=1)
+        alone.run_for(2)
+        self.assertEqual(table["state_hash"][5], f"{alone.state_hash():016x}")
+        pandas.testing.assert_frame_equal(table, troupe.sweep(STUDY, threads=1))
+
+    def test_a_series_has_every_look(self):
+        series = troupe.sweep(STUDY, series=True)
+        self.assertEqual(list(series.columns), ["run", "robots", "seed", "time_s", "path_length_m", "coverage"])
+        self.assertEqual(len(series), 6 * 5)
+        means = series.groupby(["robots", "time_s"])["coverage"].agg(["mean", "std"])
+        self.assertEqual(len(means), 2 * 5)
+        last = series.groupby("run")["coverage"].last()
+        self.assertEqual(list(last), list(troupe.sweep(STUDY)["coverage"]))
+
+    def test_what_is_wrong_is_an_error_and_a_run_that_fails_a_row(self):
+        with self.assertRaisesRegex(troupe.InputError, "study.json"):
+            troupe.sweep({"troupe_study": 1})
+        with self.assertRaisesRegex(troupe.InputError, "there is no such file"):
+            troupe.sweep("no-such-study.json")
+        crowded = {**STUDY, "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 100000]}],
+                   "seeds": [1]}
+        table = troupe.sweep(crowded)
+        self.assertEqual(table["error"][0], "")
+        self.assertNotEqual(table["error"][1], "")
+        self.assertTrue(math.isnan(table["coverage"][1]))
+
+
+class Plot(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        (self.folder / "table.csv").write_text(TABLE)
+        (self.folder / "series.csv").write_text(SERIES)
+
+    def test_lines_are_means_and_bands_deviations(self):
+        measure, names, lines = troupe.plot.series_by(self.folder)
+        self.assertEqual((measure, names), ("order", ["robots"]))
+        self.assertEqual(list(lines), [("2",), ("10",)])  # by number, not by letter
+        self.assertEqual(lines[("2",)], [(0.0, 1.0, math.sqrt(2), 2), (1.0, 2.0, math.sqrt(2), 2)])
+        self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # a run without values counts in none
+        self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
+
+    def test_what_is_wrong_is_one_message(self):
+        def message(*arguments, **named):
+            with self.assertRaises(troupe.plot.PlotError) as raised:
+                troupe.plot.draw(self.folder, *arguments, **named)
+            return str(raised.exception)
+
+        self.assertIn('unknown measure "odor"; known: order', message("odor"))
+        self.assertIn('unknown parameter "size"; known: robots', message(by="size"))
+        self.assertIn("must end in .png, .svg or .pdf", message(out="x.gif"))
+        (self.folder / "series.csv").unlink()
+        self.assertIn('give "series": true in the study', message())
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,1\n")
+        self.assertIn("its lines differ in length", message())
+        (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")
+        self.assertIn("this is no series of the sweep", message())
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_picture_is_drawn(self):
+        out = troupe.plot.draw(self.folder, by="robots", title="Order")
+        self.assertEqual(pathlib.Path(out).read_bytes()[:4], b"\x89PNG")
+        svg = troupe.plot.draw(self.folder, out=self.folder / "o.svg")
+        self.assertIn("<svg", pathlib.Path(svg).read_text())
+        done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
+                               str(self.folder)], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
+
+
+if __name__ == "__main__":
+    unittest.main()
