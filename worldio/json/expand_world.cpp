@@ -96,7 +96,9 @@ class WorldExpander {
 
   /// The type of this key; type 0 is the ground, for when there is none. object: what says it, at this path
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
-  Color color_of(TypeId type) const { return type_colors_[type.index()].value_or(default_colors_[type.index()]); }
+  Color color_of(TypeId type) const {
+    return type_colors_[type.index()].value_or(default_colors_[type.index()]);
+  }
 
   const WorldDocument& document_;
   const std::filesystem::path& file_;
