@@ -106,6 +106,27 @@ struct Population {
   std::string pointer;
 };
 
+std::string too_few_places(const Population& population, std::size_t placed) {
+  const PlacementRule& rule = population.rule;
+  const std::string why =
+      rule.kind == PlacementRule::Kind::grid
+          ? fmt::format("the region has no more free cells (of {:.0f})", engine::grid_cells(rule))
+          : fmt::format("{} draws found no free place for the next{}", rule.trials,
+                        rule.kind == PlacementRule::Kind::free_floor ? " on the floor that is reached" : "");
+  return fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, placed, population.count,
+                     why);
+}
+
+/// Of body i of a population whose colours are random.
+void set_color(const Population& population, std::uint64_t seed, std::size_t i, BodySpec& body) {
+  if (!population.random_color) return;
+  Random random(seed, stream_id("color", population.name), static_cast<std::uint32_t>(i), 0);
+  body.color.r = static_cast<float>(random.uniform());
+  body.color.g = static_cast<float>(random.uniform());
+  body.color.b = static_cast<float>(random.uniform());
+  body.color.a = 1;
+}
+
 class WorldReader {
  public:
   WorldReader(const std::filesystem::path& file, const engine::Registry& registry, const LoadOptions& options,
@@ -482,7 +503,7 @@ void WorldReader::place_bodies() {
         if (part.returns.obstacle)  // whether rangers see it, nobody asks here
           walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
   }
-  const partition::StaticScene scene(std::move(walls), k_scene_cell_m);
+  partition::StaticScene scene(std::move(walls), k_scene_cell_m);
   shapes_.resize(spec_.types.size());
   for (const auto& [name, type] : type_ids_) try {
       shapes_[type.index()] = engine::obstacle_shape(spec_.types[type.index()]);
@@ -500,8 +521,34 @@ void WorldReader::place_bodies() {
     if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
     spec_.bodies.push_back(model.body);
   }
+  const engine::Crowd of_models = options_.place_again ? crowd : engine::Crowd();
+  const std::size_t first = spec_.bodies.size();
   partition::Parallel parallel(options_.threads);
   for (const Population& population : populations_) place_population(population, scene, crowd, parallel);
+  if (!options_.place_again || populations_.empty() || diagnostics_.has_errors()) return;
+  // Crowds refer to shapes, which stay where they are while the list of them moves.
+  auto shapes = std::make_shared<const std::vector<partition::ObstacleShape>>(std::move(shapes_));
+  auto kept = std::make_shared<const partition::StaticScene>(std::move(scene));
+  *options_.place_again = [shapes, kept, of_models, first, populations = populations_, bounds = spec_.bounds,
+                           files = spec_.files](std::vector<BodySpec>& bodies, std::uint64_t seed) {
+    engine::Crowd placed = of_models;
+    partition::Parallel one_thread(1);
+    std::size_t body = first;
+    for (const Population& population : populations) {
+      const std::vector<Pose> poses =
+          engine::place(population.rule, (*shapes)[population.type.index()], population.count, seed,
+                        population.name, bounds, *kept, placed, one_thread);
+      if (poses.size() < population.count) {
+        Diagnostics found(files);
+        found.error(population.where_place, too_few_places(population, poses.size()));
+        found.throw_if_errors();
+      }
+      for (std::size_t i = 0; i < poses.size(); ++i) bodies[body + i].pose_world_body = poses[i];
+      for (std::size_t i = 0; i < population.count + population.reserve; ++i)
+        set_color(population, seed, i, bodies[body + i]);
+      body += population.count + population.reserve;
+    }
+  };
 }
 
 /// Bodies of one reserve follow one another.
@@ -553,21 +600,11 @@ void WorldReader::place_population(const Population& population, const partition
   const std::vector<Pose> poses =
       engine::place(population.rule, shapes_[population.type.index()], population.count, spec_.seed,
                     population.name, spec_.bounds, scene, crowd, parallel);
-  if (poses.size() < population.count) {
-    const bool grid = population.rule.kind == PlacementRule::Kind::grid;
-    diagnostics_.error(
-        population.where_place,
-        fmt::format("{}/place: placed {} of {} bodies: {}", population.pointer, poses.size(),
-                    population.count,
-                    grid ? fmt::format("the region has no more free cells (of {:.0f})",
-                                       engine::grid_cells(population.rule))
-                         : fmt::format("{} draws found no free place for the next{}", population.rule.trials,
-                                       on_floor ? " on the floor that is reached" : "")));
-  }
+  if (poses.size() < population.count)
+    diagnostics_.error(population.where_place, too_few_places(population, poses.size()));
   if (population.reserve > 0)
     spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
                               static_cast<std::uint32_t>(population.reserve)});
-  const std::uint32_t colors = stream_id("color", population.name);
   for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
@@ -575,12 +612,7 @@ void WorldReader::place_population(const Population& population, const partition
     if (i < poses.size()) body.pose_world_body = poses[i];
     body.color = population.color;
     body.where = population.where;
-    if (!population.random_color) continue;
-    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
-    body.color.r = static_cast<float>(random.uniform());
-    body.color.g = static_cast<float>(random.uniform());
-    body.color.b = static_cast<float>(random.uniform());
-    body.color.a = 1;
+    set_color(population, spec_.seed, i, body);
   }
 }
 
