@@ -19,6 +19,7 @@ except ModuleNotFoundError as missing:
 
 from . import math
 from ._core import (
+    BatchEnv,
     Event,
     Events,
     Field,
@@ -39,6 +40,7 @@ from ._core import (
 )
 
 __all__ = [
+    "BatchEnv",
     "Event",
     "Events",
     "Field",
