@@ -141,13 +141,21 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     build_intervention(intervention, registry, types, diagnostics);
     most = std::max(most, intervention.whom.size());
   }
-  for (std::size_t i = 0; i < spec.faults.size(); ++i) build_fault(i, registry, diagnostics);
-  diagnostics.throw_if_errors();
+  build_faults(registry, diagnostics);
   e.candidates.reserve(most);
-  std::ranges::make_heap(e.first_strikes, is_later);
-  e.strikes.reserve(e.first_strikes.size());
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
     placed_at_.resize(rows());
+}
+
+/// Which bodies fail, and when, is drawn from the seed.
+void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
+  Experiment& e = experiment_;
+  e.faults.clear();
+  e.first_strikes.clear();
+  for (std::size_t i = 0; i < spec_.experiment.faults.size(); ++i) build_fault(i, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  std::ranges::make_heap(e.first_strikes, is_later);
+  e.strikes.reserve(e.first_strikes.size());
 }
 
 void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,

@@ -36,6 +36,31 @@ partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
   return {std::move(walls), k_scene_cell_m};
 }
 
+std::string path_of(const PopulationSpec& population, std::size_t index) {
+  if (!population.path.empty()) return population.path;
+  return fmt::format("populations[{}].rule", index);
+}
+
+std::string too_few_places(const PopulationSpec& population, std::size_t placed) {
+  const PlacementRule& rule = population.rule;
+  const std::string why =
+      rule.kind == PlacementRule::Kind::grid
+          ? fmt::format("the region has no more free cells (of {:.0f})", grid_cells(rule))
+          : fmt::format("{} draws found no free place for the next{}", rule.trials,
+                        rule.kind == PlacementRule::Kind::free_floor ? " on the floor that is reached" : "");
+  return fmt::format("placed {} of {} bodies: {}", placed, population.count, why);
+}
+
+/// Of body i of a population whose colours are random.
+void set_color(const PopulationSpec& population, std::uint64_t seed, std::size_t i, BodySpec& body) {
+  if (!population.random_color) return;
+  Random random(seed, stream_id("color", population.name), static_cast<std::uint32_t>(i), 0);
+  body.color.r = static_cast<float>(random.uniform());
+  body.color.g = static_cast<float>(random.uniform());
+  body.color.b = static_cast<float>(random.uniform());
+  body.color.a = 1;
+}
+
 class Placer {
  public:
   Placer(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
@@ -58,8 +83,7 @@ class Placer {
  private:
   std::size_t errors() const { return diagnostics_.findings().size(); }
   std::string path(const PopulationSpec& population) const {
-    if (!population.path.empty()) return population.path;
-    return fmt::format("populations[{}].rule", &population - populations_.data());
+    return path_of(population, static_cast<std::size_t>(&population - populations_.data()));
   }
   void error(const PopulationSpec& population, const std::string& message) {
     diagnostics_.error(population.where_place, fmt::format("{}: {}", path(population), message));
@@ -127,14 +151,7 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
                                          cells, k_max_floor_cells));
   const std::vector<Pose> poses = place(rule, *shape, population.count, spec_.seed, population.name,
                                         spec_.bounds, occupancy_.scene(), occupancy_.crowd(), parallel);
-  if (poses.size() < population.count) {
-    const std::string why =
-        rule.kind == PlacementRule::Kind::grid
-            ? fmt::format("the region has no more free cells (of {:.0f})", grid_cells(rule))
-            : fmt::format("{} draws found no free place for the next{}", rule.trials,
-                          on_floor ? " on the floor that is reached" : "");
-    error(population, fmt::format("placed {} of {} bodies: {}", poses.size(), population.count, why));
-  }
+  if (poses.size() < population.count) error(population, too_few_places(population, poses.size()));
   add_bodies(population, poses);
 }
 
@@ -142,7 +159,6 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
   if (population.reserve > 0)
     spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
                               static_cast<std::uint32_t>(population.reserve)});
-  const std::uint32_t colors = stream_id("color", population.name);
   for (std::size_t i = 0; i < poses.size() + population.reserve; ++i) {
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
@@ -150,12 +166,7 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
     if (i < poses.size()) body.pose_world_body = poses[i];
     body.color = population.color;
     body.where = population.where;
-    if (!population.random_color) continue;
-    Random random(spec_.seed, colors, static_cast<std::uint32_t>(i), 0);
-    body.color.r = static_cast<float>(random.uniform());
-    body.color.g = static_cast<float>(random.uniform());
-    body.color.b = static_cast<float>(random.uniform());
-    body.color.a = 1;
+    set_color(population, spec_.seed, i, body);
   }
 }
 
@@ -200,6 +211,25 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
     return;
   }
   place(populations, spec, *occupancy, options, diagnostics);
+}
+
+void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
+                 const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
+                 Diagnostics& diagnostics) {
+  partition::Parallel one_thread(1);
+  for (std::size_t p = 0; p < populations.size(); ++p) {
+    const PopulationSpec& population = populations[p];
+    const std::vector<Pose> poses =
+        place(population.rule, occupancy.shape(population.type), population.count, seed, population.name,
+              bounds, occupancy.scene(), crowd, one_thread);
+    if (poses.size() < population.count)
+      return diagnostics.error(population.where_place, fmt::format("{}: {}", path_of(population, p),
+                                                                   too_few_places(population, poses.size())));
+    for (std::size_t i = 0; i < poses.size(); ++i) bodies[i].pose_world_body = poses[i];
+    for (std::size_t i = 0; i < population.count + population.reserve; ++i)
+      set_color(population, seed, i, bodies[i]);
+    bodies = bodies.subspan(population.count + population.reserve);
+  }
 }
 
 }  // namespace troupe::engine

@@ -7,6 +7,7 @@
 #include "engine/world_spec.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -68,5 +69,16 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupan
 /// The same among all bodies that the spec has at tick 0.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
+
+/// Gives bodies that place() has appended the poses and the random colours that they have with another seed.
+/// Nothing else of them changes, nor anything of their reserves but colours.
+/// bodies      of these populations and their reserves, in the order in which place() appended them
+/// occupancy   that place() was given, whose shapes it has made; only its scene and shapes are read
+/// crowd       as it was before place()
+/// errors      reported at PopulationSpec::where_place: a population that found too little room
+/// May be called from several threads at once.
+void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
+                 const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
+                 Diagnostics& diagnostics);
 
 }  // namespace troupe::engine

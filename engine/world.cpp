@@ -301,9 +301,6 @@ void World::build_tables() {
                                   {"y", Element::f64, 1, "m", ""},
                                   {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
           bodies[t]);
-      row_odometry_errors_.resize(rows());
-      for (const BodyId body : bodies[t])
-        row_odometry_errors_[row(body).index()] = drive->localization.error_of(spec_.seed, body);
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
@@ -326,7 +323,17 @@ void World::build_tables() {
     }
   }
   effects_.reserve(effects);
+  draw_odometry_errors();
   start();
+}
+
+void World::draw_odometry_errors() {
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const auto& drive = type(Row(r)).drive;
+    if (!drive || !drive->odometry_table) continue;
+    row_odometry_errors_.resize(rows());
+    row_odometry_errors_[r] = drive->localization.error_of(spec_.seed, row_bodies_[r]);
+  }
 }
 
 void World::start() {
@@ -660,6 +667,22 @@ void World::throw_half_made() const {
 void World::reset() {
   restore_fp_environment();  // as before a step
   start();
+}
+
+void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
+  restore_fp_environment();  // as before a step
+  bool has_scene_changed = false;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    has_scene_changed = has_scene_changed || (!body_rows_[b].valid() &&
+                                              bodies[b].pose_world_body != spec_.bodies[b].pose_world_body);
+  spec_.seed = seed;
+  std::ranges::copy(bodies, spec_.bodies.begin());
+  Diagnostics diagnostics(spec_.files);  // of what the constructor has found right already
+  if (has_scene_changed) build_scene();
+  draw_odometry_errors();
+  build_faults(registry, diagnostics);
+  start();
+  if (has_scene_changed && ray_grid_) build_ray_grid(diagnostics);
 }
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,

@@ -89,6 +89,12 @@ class World {
   /// left them. What the program itself set, callbacks and subscriptions, stays. Allocates nothing. Also
   /// after a step that threw.
   void reset();
+  /// To S(0) of the same world with another seed: what the constructor makes of a spec with this seed and
+  /// these bodies, but for the order in which rows are stored, which changes no result. What the program set
+  /// stays, as in reset(). Runs and draws as a new world does, also after a step that threw.
+  /// bodies: one for each body of the spec, of the same names and types; poses and colours may differ. Where
+  /// a body that never moves stands elsewhere the static scene is built again.
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// What a run has counted up to a tick, beside its state.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
@@ -363,6 +369,8 @@ class World {
   void build_lives();
   /// Fills the tables with the state that the spec describes, and derives the rest.
   void start();
+  /// How wrong the odometry of each robot is.
+  void draw_odometry_errors();
   /// Begins a life, in rows that are all 0.
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
@@ -418,6 +426,7 @@ class World {
   /// Or says what is wrong with it.
   Result<> build_setting(const SettingSpec& setting, const Registry& registry,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
+  void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
   /// By id; none, and reported, where nobody is called so.

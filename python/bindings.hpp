@@ -114,6 +114,7 @@ SimulationClass bind_simulation(py::module_& module);
 void bind_swarm(py::module_& module, SimulationClass& simulation);
 void bind_tables(py::module_& module, SimulationClass& simulation);
 void bind_observers(py::module_& module);
+void bind_batch(py::module_& module);
 void bind_math(py::module_& module);
 void bind_study(py::module_& module);
 

@@ -1,5 +1,4 @@
 #include "engine/world.hpp"
-#include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"
@@ -187,14 +186,13 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = troupe::k_version;
   module.def("version_line", &troupe::version_line,
              "Version, compiler, flags, instruction set and assertion state, on one line.");
-  module.def("processors_allowed", &troupe::partition::processors_allowed,
-             "Processors that this thread may use: its affinity mask, and the quota of its control groups.");
   bind_exit();
   bind_errors(module);
   SimulationClass simulation = bind_simulation(module);
   bind_swarm(module, simulation);
   bind_tables(module, simulation);
   bind_observers(module);
+  bind_batch(module);
   bind_math(module);
   bind_study(module);
 }

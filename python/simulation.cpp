@@ -369,8 +369,16 @@ SimulationClass bind_simulation(py::module_& module) {
            "forgets all that were added. They may do what is done between two steps, but not step or reset.\n"
            "Gives the callback back, so that it may stand above a function: @simulation.on_tick.")
       .def(
-          "reset", [](const Holder& held) { held->use_outside("reset()").reset(); },
-          "Back to tick 0, bit for bit.")
+          "reset",
+          [](const Holder& held, const Seed& seed) {
+            Simulation& simulation = held->use_outside("reset()");
+            if (seed)
+              simulation.reset(*seed);
+            else
+              simulation.reset();
+          },
+          py::arg("seed") = py::none(),
+          "Back to tick 0, bit for bit; with a seed to what loading with that seed gives.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"))

@@ -414,7 +414,7 @@ class Page:
 
     def python(self, block):
         self.wanted += 1
-        modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|troupe)\b", block.text, re.M))
+        modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|gymnasium|troupe)\b", block.text, re.M))
         lacking = sorted(modules - self.test.modules)
         if lacking:
             self.skipped.append(block)
@@ -563,7 +563,7 @@ def python_with_modules(build):
     best = (sys.executable, set())
     for python in dict.fromkeys((sys.executable, "/usr/bin/python3")):
         script = ("import importlib.util as u\n"
-                  "print(*[m for m in ('h5py', 'pandas', 'matplotlib', 'numpy', 'troupe') if u.find_spec(m)])")
+                  "print(*[m for m in ('h5py', 'pandas', 'matplotlib', 'numpy', 'gymnasium', 'troupe') if u.find_spec(m)])")
         result = subprocess.run([python, "-c", script], capture_output=True, text=True,
                                 env={**os.environ, "PYTHONPATH": str(build / "lib/python3/dist-packages")})
         modules = set(result.stdout.split())

@@ -120,11 +120,13 @@ thread_local const Model* visited_robot = nullptr;
 }  // namespace
 
 struct Simulation::Impl {
-  engine::Registry registry;
-  std::shared_ptr<Plugins> plugins;  ///< the registry's
+  std::shared_ptr<engine::Registry> registry;  ///< of all simulations that another() made of one
+  std::shared_ptr<Plugins> plugins;            ///< the registry's
   std::unique_ptr<engine::World> world;
   std::vector<std::string> warnings;
-  std::filesystem::path file;  ///< that the world was loaded from
+  std::filesystem::path file;       ///< that the world was loaded from
+  double tile_size_m = 0;           ///< as SimulationOptions said
+  worldio::PlaceAgain place_again;  ///< empty where no place depends on the seed
   /// What --set changed, pointer and value; with the tick where a run was resumed with it.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Where the run was taken up from a checkpoint.
@@ -160,7 +162,7 @@ struct Simulation::Impl {
   void watch_for_the_end(Diagnostics& diagnostics) {
     const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
     if (conditions.empty()) return;
-    stop = std::make_unique<engine::StopConditions>(*world, registry, conditions, diagnostics);
+    stop = std::make_unique<engine::StopConditions>(*world, *registry, conditions, diagnostics);
     diagnostics.throw_if_errors();
   }
 };
@@ -510,15 +512,16 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   auto impl = std::make_unique<Impl>();
   for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
   impl->file = file;
-  impl->registry = std::move(registry);
-  impl->plugins = add_plugins(impl->registry, options.plugin_path);
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
+  impl->tile_size_m = options.tile_size_m;
   Diagnostics diagnostics(std::move(files));
-  const worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path,
-                                 options.threads};
-  engine::WorldSpec spec = read(impl->registry, how, diagnostics);
+  worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path, options.threads};
+  how.place_again = &impl->place_again;
+  engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
   spec.ranging = options.ranging.value_or(spec.ranging);
-  impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,
+  impl->world = std::make_unique<engine::World>(std::move(spec), *impl->registry,
                                                 engine::WorldOptions{options.threads, options.tile_size_m},
                                                 diagnostics);
   impl->watch_for_the_end(diagnostics);
@@ -540,16 +543,16 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   auto impl = std::make_unique<Impl>();
   if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
     impl->warnings.push_back(warning);
-  impl->registry = std::move(registry);
-  impl->plugins = add_plugins(impl->registry, options.plugin_path);
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
   append(impl->warnings, load_plugins(checkpoint, *impl->plugins, options.across_plugins));
   append(impl->warnings, impl->plugins->warnings());
   impl->file = checkpoint.header("world");
   Diagnostics diagnostics;
-  engine::WorldSpec spec = checkpoint.spec(impl->registry, options.set, diagnostics);
+  engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics);
   diagnostics.throw_if_errors();
   // What the world's maker was warned of when it was loaded is not said again.
-  impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,
+  impl->world = std::make_unique<engine::World>(std::move(spec), *impl->registry,
                                                 engine::WorldOptions{options.threads, options.tile_size_m},
                                                 diagnostics);
   checkpoint.restore(*impl->world);
@@ -579,7 +582,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
   if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
-  worldio::write_checkpoint(checkpoint, *impl_->world, impl_->registry, header, memories);
+  worldio::write_checkpoint(checkpoint, *impl_->world, *impl_->registry, header, memories);
 }
 
 void Simulation::on_save(const std::string& name, std::function<std::vector<std::byte>()> memory) {
@@ -686,6 +689,44 @@ void Simulation::reset() {
   stop_recording();
   impl_->world->reset();
   if (impl_->stop) impl_->stop->begin();
+}
+
+/// call: who asks.
+std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
+  if (impl_->resumed_at)
+    throw std::logic_error(fmt::format(
+        "{}: the run was resumed from a checkpoint, which does not keep how its bodies were placed", call));
+  std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
+  if (impl_->place_again) impl_->place_again(bodies, seed);
+  return bodies;
+}
+
+void Simulation::reset(std::uint64_t seed) {
+  impl_->refuse_in_callbacks("reset()");
+  Model::refuse_in_for_each(*impl_->world, "reset()");
+  const std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
+  stop_recording();
+  impl_->world->restart(seed, bodies, *impl_->registry);
+  if (impl_->stop) impl_->stop->begin();
+}
+
+Simulation Simulation::another(std::uint64_t seed, unsigned threads) const {
+  std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "another()");
+  auto impl = std::make_unique<Impl>();
+  impl->registry = impl_->registry;
+  impl->plugins = impl_->plugins;
+  impl->file = impl_->file;
+  impl->tile_size_m = impl_->tile_size_m;
+  impl->place_again = impl_->place_again;
+  impl->changes = impl_->changes;
+  engine::WorldSpec spec = impl_->world->spec();
+  spec.bodies = std::move(bodies);
+  spec.seed = seed;
+  Diagnostics diagnostics(spec.files);
+  impl->world = std::make_unique<engine::World>(
+      std::move(spec), *impl->registry, engine::WorldOptions{threads, impl->tile_size_m}, diagnostics);
+  impl->watch_for_the_end(diagnostics);
+  return Simulation(std::move(impl));
 }
 
 double Simulation::time_s() const { return impl_->world->time_s(); }
@@ -892,7 +933,7 @@ void Simulation::on_loop(std::function<void(bool)> callback) {
 
 engine::World& Simulation::world() { return *impl_->world; }
 const engine::World& Simulation::world() const { return *impl_->world; }
-const engine::Registry& Simulation::registry() const { return impl_->registry; }
+const engine::Registry& Simulation::registry() const { return *impl_->registry; }
 
 void Simulation::snapshot(const std::filesystem::path& png, int width, int height) const {
   snapshot(png, {.width = width, .height = height});

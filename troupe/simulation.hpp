@@ -27,6 +27,7 @@ class SourceFiles;
 }  // namespace troupe
 namespace troupe::engine {
 class World;
+struct BodySpec;
 struct Registry;
 struct WorldSpec;
 enum class ControlMode : std::uint8_t;
@@ -334,6 +335,16 @@ class Simulation {
   /// with which a run is over restart, which takes memory. A step that threw is forgotten: only this leads
   /// on from it. What record() began is closed.
   void reset();
+  /// To the state that the world has after loading with another seed: populations are placed again, and every
+  /// draw follows the new seed. The run is that of a simulation loaded with it, bit for bit. All else as
+  /// reset(); it allocates. Throws InputError, and changes nothing, where the populations of the world find
+  /// no place with this seed; std::logic_error for a run that was resumed from a checkpoint, which does not
+  /// know how its bodies were placed.
+  void reset(std::uint64_t seed);
+  /// Another simulation of the same world with this seed, at tick 0, as if it had been loaded with it. Reads
+  /// no file, and shares kinds and plug-ins with this one, which it may outlive. Callbacks and subscriptions
+  /// are not copied. threads: as in SimulationOptions. Errors as of reset(seed).
+  Simulation another(std::uint64_t seed, unsigned threads) const;
 
   /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it
   /// needs neither the world's file nor its bitmaps. Written beside the name and renamed when it is whole and
@@ -465,6 +476,7 @@ class Simulation {
   friend class Model;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
+  std::vector<engine::BodySpec> bodies_placed_by(std::uint64_t seed, std::string_view call) const;
   using ReadWorld = std::function<engine::WorldSpec(const engine::Registry& registry,
                                                     const worldio::LoadOptions& options, Diagnostics& found)>;
   static Simulation load(const std::filesystem::path& file, const SimulationOptions& options,

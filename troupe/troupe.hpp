@@ -2,6 +2,7 @@
 
 /// The public face of Troupe: one include for programs that use the library.
 #include "base/diagnostics.hpp"
+#include "troupe/batch_env.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/pictures.hpp"
 #include "troupe/recording.hpp"

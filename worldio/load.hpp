@@ -6,12 +6,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace troupe::worldio {
+
+/// Gives the bodies of a world the poses and the random colours that its populations have with another seed.
+/// bodies: WorldSpec::bodies of the world that was read. Throws InputError as the loader does where bodies
+/// find no place. May be called from several threads at once.
+using PlaceAgain = std::function<void(std::vector<engine::BodySpec>& bodies, std::uint64_t seed)>;
 
 /// What the command line changes in a world while it is read.
 struct LoadOptions {
@@ -27,6 +33,8 @@ struct LoadOptions {
   /// How many bodies the populations of a world may have: less than the default for who reads strangers'
   /// files.
   double most_bodies = 10000000;
+  /// Where given, the loader sets it; to an empty one where no body of the world is placed by the seed.
+  PlaceAgain* place_again = nullptr;
 };
 
 /// Reads a world: Stage syntax for `.world`, ours for `.json`; another ending is an error that says so.

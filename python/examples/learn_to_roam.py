@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A robot learns to roam a hospital without stalling, by the cross-entropy method: of policies drawn about the best so
-far, the best few say where to draw next.
+far, the best few say where to draw next. Needs the package gymnasium.
 
     python3 python/examples/learn_to_roam.py [GENERATIONS [WORLD]]
 
@@ -20,8 +20,15 @@ class Roam(troupe.envs.Task):
     ticks = 2
     seconds = 20.0
 
-    def reward(self, swarm):
-        return swarm.speeds()[:, 0] - swarm.stalled()
+    def __init__(self, world):
+        self.world = world
+        self.teams = [
+            troupe.envs.Team(
+                observation=[{"field": "ranges"}],
+                arrays={"speed": [{"of": "speed"}, {"of": "stalled"}]},
+                rewards=[{"array": "speed", "column": 0, "weight": 1.0}, {"array": "speed", "column": 3, "weight": -1.0}],
+            )
+        ]
 
 
 def act(policies, observations):
@@ -40,7 +47,7 @@ def returns_of(policies, envs, seed):
 
 
 def main(generations="8", world="worlds/hospital.json"):
-    envs = troupe.envs.VectorEnv(world, 16, Roam(), robots=1)
+    envs = troupe.envs.VectorEnv(Roam(world), 16, robots=1)
     random = np.random.default_rng(1)
     mean = np.zeros((2, envs.single_observation_space.shape[0] + 1))
     spread = np.ones_like(mean)

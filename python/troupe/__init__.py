@@ -19,6 +19,7 @@ except ModuleNotFoundError as missing:
 
 from . import math
 from ._core import (
+    BatchEnv,
     Event,
     Events,
     Field,
@@ -40,6 +41,7 @@ from ._core import (
 from ._sweep import sweep
 
 __all__ = [
+    "BatchEnv",
     "Event",
     "Events",
     "Field",

@@ -146,7 +146,7 @@ endif()
 if(EXISTS ${SCRATCH}/prefix/lib/python3/dist-packages/troupe)
   run(IN ${SOURCE} OUTPUT printed ${CMAKE_COMMAND} -E env PYTHONPATH=${SCRATCH}/prefix/lib/python3/dist-packages
       PYTHONDONTWRITEBYTECODE=1 ${PYTHON} -c
-      "import troupe, troupe.envs\nprint(troupe.__file__)\nprint(min(troupe.Simulation('worlds/minimal.world').find('r0').pose()))")
+      "import troupe\nprint(troupe.__file__)\nprint(min(troupe.Simulation('worlds/minimal.world').find('r0').pose()))")
   if(NOT printed MATCHES "^${SCRATCH}/prefix/lib/python3/dist-packages/troupe/__init__.py\n-3.5\n$")
     message(FATAL_ERROR "the installed Python package printed:\n${printed}")
   endif()

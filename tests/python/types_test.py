@@ -14,7 +14,7 @@ from support import ROOT
 GOOD = """
 import numpy as np
 import troupe
-from troupe.envs import ParallelEnv, Task
+from troupe.envs import Navigation, VectorEnv
 
 world = troupe.Simulation("worlds/hospital.json", robots=5, seed=1, set={"/title": "t"})
 swarm = world.swarm("minibot")
@@ -39,7 +39,8 @@ world.on_tick(None)
 color = world.find("r0").readings("ranges", "ir").sum()
 hash: int = world.hashes()["pose"]
 picture = world.picture()[:, :, 0]
-env = ParallelEnv("worlds/hospital.json", Task(), robots=5)
+env = VectorEnv(Navigation(robots=2), 8, threads=1)
+copies: int = env.batch.core.copies
 """
 BAD = {
     "world.steps()": "attr-defined",

@@ -28,14 +28,14 @@ class TheWheel(InAFolder):
             about = email.message_from_bytes(wheel.read(f"troupe-{troupe.__version__}.dist-info/METADATA"))
         self.assertEqual({line.split(",")[0] for line in recorded}, names)
         self.assertEqual((about["Name"], about["Version"]), ("troupe", troupe.__version__))
-        for file in ("__init__.py", "math.py", "_core.pyi", "py.typed", "envs/__init__.py", "envs/vector.py"):
+        for file in ("__init__.py", "math.py", "_core.pyi", "py.typed", "envs/__init__.py", "envs/vector.py", "envs/tasks.py"):
             self.assertIn(f"troupe/{file}", names)
         if importlib.util.find_spec("pip") is None:
             zipfile.ZipFile(name).extractall("site")
         else:
             pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--target", "site", name]
             subprocess.run(pip, check=True)
-        code = ("import troupe, troupe.envs; world = troupe.Simulation(%r, robots=10); world.step(3); "
+        code = ("import troupe; world = troupe.Simulation(%r, robots=10); world.step(3); "
                 "print(troupe.__file__); print(world.state_hash())" % str(HOSPITAL))
         done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(self.folder / "site")},
                               stdout=subprocess.PIPE, text=True, check=True)

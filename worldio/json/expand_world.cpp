@@ -18,6 +18,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -276,7 +278,8 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  engine::Occupancy occupancy(spec_, spec_.bodies.size());  // of the floor plans
+  const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());  // of the floor plans
+  engine::Occupancy& occupancy = *kept;
   make_shapes(occupancy);
   if (diagnostics_.has_errors()) return;
   for (const Model& model : models_) check_model(model, occupancy);
@@ -286,8 +289,17 @@ void WorldExpander::place_bodies() {
     if (model.reserve_of) add_to_reserve(*model.reserve_of, body, model.body.type);
     spec_.bodies.push_back(model.body);
   }
+  const std::size_t first = spec_.bodies.size();
+  const engine::Crowd of_models = options_.place_again != nullptr ? occupancy.crowd() : engine::Crowd();
   engine::place(populations_, spec_, occupancy,
                 {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
+  if (options_.place_again == nullptr || populations_.empty() || diagnostics_.has_errors()) return;
+  *options_.place_again = [kept, of_models, first, populations = populations_, bounds = spec_.bounds,
+                           files = spec_.files](std::vector<BodySpec>& bodies, std::uint64_t seed) {
+    Diagnostics found(files);
+    engine::place_again(populations, std::span(bodies).subspan(first), seed, bounds, *kept, of_models, found);
+    found.throw_if_errors();
+  };
 }
 
 /// Reports every type that bodies cannot be placed of, also one without bodies.

@@ -1,17 +1,69 @@
-"""Environments for reinforcement learning, of any world.
+"""Environments for reinforcement learning, of any world, by the conventions of Gymnasium and PettingZoo.
 
+    import gymnasium
     import troupe.envs
 
-    env = troupe.envs.ParallelEnv("worlds/hospital.json", robots=50)   # an agent a robot, as in PettingZoo
-    envs = troupe.envs.VectorEnv("worlds/hospital.json", 8, robots=1)  # so many worlds side by side, as in Gymnasium
+    env = gymnasium.make("troupe/Navigation-v0")                              # one robot learns
+    envs = troupe.envs.VectorEnv(troupe.envs.Navigation(), num_envs=8 * 64)   # 64 copies of a world of 8 robots
+    env = troupe.envs.ParallelEnv(troupe.envs.Navigation())                   # an agent a robot
 
-What robots observe, do and are rewarded for says a Task (docs/python.md). Neither package is needed; where they are
-installed, the classes derive from theirs.
+They need the package gymnasium, and ParallelEnv needs pettingzoo. docs/learning.md.
 """
 
-from .parallel import ParallelEnv
-from .spaces import Box
-from .task import Task
-from .vector import AutoresetMode, VectorEnv
+from __future__ import annotations
 
-__all__ = ["AutoresetMode", "Box", "ParallelEnv", "Task", "VectorEnv"]
+from typing import TYPE_CHECKING, Any, Optional
+
+try:
+    import gymnasium as _gymnasium
+except ImportError as _error:
+    raise ImportError("troupe.envs needs the package gymnasium: pip install gymnasium pettingzoo") from _error
+
+from .batch import Batch
+from .single import Env
+from .task import Task, Team
+from .tasks import TASKS, Aggregation, Dispersion, Flocking, Foraging, Navigation, Pursuit
+from .vector import VectorEnv
+
+if TYPE_CHECKING:
+    from .parallel import ParallelEnv
+
+__all__ = [
+    "Aggregation", "Batch", "Dispersion", "Env", "Flocking", "Foraging", "Navigation", "ParallelEnv", "Pursuit", "TASKS",
+    "Task", "Team", "VectorEnv",
+]
+
+_OF_TASK = ("robots", "size")
+
+
+def make_env(task: str, **options: Any) -> Env:
+    """What gymnasium.make() calls: robots and size are those of the task, the rest is for Env."""
+    own = {key: options.pop(key) for key in _OF_TASK if key in options}
+    return Env(TASKS[task](**own), **options)
+
+
+def make_vector_env(task: str, num_envs: int, robot: Optional[str] = "r0", **options: Any) -> VectorEnv:
+    """What gymnasium.make_vec() calls: one robot learns in each copy, as in make_env(), unless robot is None."""
+    own = {key: options.pop(key) for key in _OF_TASK if key in options}
+    return VectorEnv(TASKS[task](**own), num_envs, robot=robot, **options)
+
+
+for _task in TASKS:
+    _id = f"troupe/{_task}-v0"
+    if _id not in _gymnasium.registry:
+        _gymnasium.register(
+            id=_id,
+            entry_point="troupe.envs:make_env",
+            vector_entry_point="troupe.envs:make_vector_env",
+            kwargs={"task": _task},
+        )
+
+
+def __getattr__(name: str) -> Any:
+    if name != "ParallelEnv":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        from .parallel import ParallelEnv
+    except ImportError as error:
+        raise ImportError("troupe.envs.ParallelEnv needs the package pettingzoo: pip install pettingzoo") from error
+    return ParallelEnv

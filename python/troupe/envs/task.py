@@ -1,51 +1,119 @@
-"""What is learnt."""
+"""What is learnt: which robots observe and do what, and what they are rewarded for."""
 
 from __future__ import annotations
 
-from typing import Any
+import dataclasses
+import os
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium import spaces
 
-from .. import math
-from .._core import Swarm
-from .spaces import Box
+if TYPE_CHECKING:
+    from .batch import Batch
+
+World = Union[str, "os.PathLike[str]", Dict[str, Any]]
+Part = Dict[str, Any]
+Parts = List[Part]
+
+#: Forward speed and turn rate of a drive.
+DRIVE: List[Part] = [
+    {"command": "forward", "low": 0.0, "high": 0.5},
+    {"command": "turn", "low": -1.5, "high": 1.5},
+]
+
+
+def _no_parts() -> Parts:
+    return []
+
+
+@dataclasses.dataclass
+class Team:
+    """Robots that learn one policy. docs/learning.md lists the members of parts, actions, rewards and ends."""
+
+    #: A type, a population or a robot, as of Simulation.swarm; empty: all.
+    robots: str = ""
+    #: A list of parts for a Box, or name -> list of parts for a Dict of boxes. A list of one part with "shape" keeps
+    #: the element type of its reading: a picture.
+    observation: Union[Parts, Dict[str, Parts]] = dataclasses.field(default_factory=_no_parts)
+    #: What one action commands: a number from -1 to 1 each.
+    actions: List[Part] = dataclasses.field(default_factory=lambda: list(DRIVE))
+    #: Rows of such numbers: the action space is then Discrete, and an action is the number of a row.
+    choices: Optional[Sequence[Sequence[float]]] = None
+    #: For each number of an action the values that it may have: the action space is then MultiDiscrete.
+    levels: Optional[Sequence[Sequence[float]]] = None
+    #: More arrays, not observed, of which rewards and ends are made: name -> list of parts.
+    arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
+    rewards: List[Part] = dataclasses.field(default_factory=list)
+    ends: List[Part] = dataclasses.field(default_factory=list)
+    name: str = ""
 
 
 class Task:
-    """How robots observe and act, and what they are rewarded for. Derive from it to change any of it.
+    """A world, the robots that learn in it, and how long an episode lasts.
 
-    Arrays hold a row for each robot of the swarm, in its order. This task: disperse. Robots observe their ranges and
-    command their speeds; what is free about them is the reward.
+    A task of one's own sets these members, or derives from this class to change the functions below. They get the
+    whole batch: arrays are copies x robots x columns, and one call is for all copies.
     """
 
-    robots = ""  #: which: a type, a population, a robot, as of Simulation.swarm; all
-    ticks = 1  #: of the world in a step of the environment
+    world: World = {}
+    teams: List[Team] = []
+    ticks = 1  #: of the world in a step
     seconds = 60.0  #: of the world in an episode, which is then truncated
-    max_speed = 0.5  #: m/s, of an action of 1
-    max_turn = 1.0  #: rad/s
+    measures: List[str] = []  #: of each copy, for rewards and ends
+    max_return: Optional[float] = None  #: where there is one
 
-    def observation_space(self, swarm: Swarm) -> Box:
-        """Of one robot."""
-        return Box(low=0.0, high=swarm.range_bound(), shape=(swarm.bearings().size,), dtype=np.float32)
+    def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
+        """Called after these copies have begun an episode."""
 
-    def action_space(self, swarm: Swarm) -> Box:
-        """Of one robot."""
-        return Box(low=-1.0, high=1.0, shape=(2,), dtype=np.float32)
+    def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """What is commanded, from -1 to 1, for what a policy asked."""
+        return actions
 
-    def observe(self, swarm: Swarm) -> npt.NDArray[Any]:
-        return swarm.ranges()
+    def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
+        """Copies x robots: what is added to the rewards of the team's list; None for nothing. Called once a step."""
+        return None
 
-    def act(self, swarm: Swarm, actions: npt.NDArray[np.float64], where: npt.NDArray[np.bool_]) -> None:
-        """actions: finite, also of robots that are not to act: `where` is False there."""
-        forward, turn = np.clip(actions, -1, 1).T
-        swarm.set_speeds(self.max_speed * forward, self.max_turn * turn, where=where)
+    def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
+        """Copies x robots: robots that are finished, beside those of the team's list; None for none."""
+        return None
 
-    def reward(self, swarm: Swarm) -> npt.NDArray[np.float64]:
-        """Of the step that was taken."""
-        ranges = swarm.ranges()
-        return math.ordered_sum(ranges) / (ranges.shape[1] * swarm.range_bound()) - swarm.stalled()
+    def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
+        """Copies x robots x columns: what follows the columns of an observed array; None for nothing. The space has as
+        many more columns, from -1 to 1."""
+        return None
 
-    def terminated(self, swarm: Swarm) -> npt.NDArray[np.bool_]:
-        """Who has come to the end of what is to be done. Who dies has, whatever this says."""
-        return np.zeros(len(swarm), np.bool_)
+    def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
+        """Actions, a row for each row of the observations, of a simple rule that needs no learning."""
+        raise NotImplementedError(f"{type(self).__name__} has no baseline")
+
+
+def action_space(team: Team) -> "spaces.Space[Any]":
+    """Of one robot."""
+    if team.choices is not None:
+        return spaces.Discrete(len(team.choices))
+    if team.levels is not None:
+        return spaces.MultiDiscrete([len(values) for values in team.levels])
+    return spaces.Box(-1.0, 1.0, (len(team.actions),), np.float32)
+
+
+def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
+    """Numbers from -1 to 1 for actions of the team's space, whatever their leading axes."""
+    if team.choices is not None:
+        index = np.asarray(actions)
+        table = np.asarray(team.choices, np.float64)
+        if index.dtype.kind not in "iu" or (index < 0).any() or (index >= len(table)).any():
+            raise ValueError(f"actions: give whole numbers from 0 to {len(table) - 1}, not {actions!r}")
+        chosen: npt.NDArray[np.float64] = table[index]
+        return chosen
+    if team.levels is not None:
+        index = np.asarray(actions)
+        columns = []
+        for column, values in enumerate(team.levels):
+            at = index[..., column]
+            if index.dtype.kind not in "iu" or (at < 0).any() or (at >= len(values)).any():
+                raise ValueError(f"actions, column {column}: give whole numbers from 0 to {len(values) - 1}")
+            columns.append(np.asarray(values, np.float64)[at])
+        return np.stack(columns, axis=-1)
+    return np.asarray(actions, np.float64)

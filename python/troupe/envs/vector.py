@@ -1,220 +1,176 @@
-"""Environments with the vector interface of Gymnasium: many worlds side by side."""
+"""The interface of gymnasium.vector.VectorEnv: many copies of a world side by side."""
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-from enum import Enum
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector import VectorEnv as _VectorEnv
+from gymnasium.vector.utils import batch_space
 
-from .. import math
-from .._core import Simulation, processors_allowed
-from .episodes import Episodes, World
-from .spaces import stacked
+from .batch import Batch, Flags
+from .single import RENDER_SIZE, check_render_mode
 from .task import Task
 
 
-class _AutoresetMode(Enum):
-    NEXT_STEP = "NextStep"
-    SAME_STEP = "SameStep"
-    DISABLED = "Disabled"
+class VectorEnv(_VectorEnv[Any, Any, Any]):
+    """So many copies of a task's world, each robot of which is an environment: num_envs is copies times robots, and
+    environment c * robots + i is robot i of copy c.
 
-
-class _VectorEnv:
-    """What gymnasium.vector.VectorEnv gives to those who derive from it."""
-
-    metadata: Dict[str, Any] = {}
-    spec: Any = None
-    render_mode: Optional[str] = None
-    closed = False
-    num_envs: int
-
-    _np_random: Optional[np.random.Generator] = None
-    _np_random_seed: Optional[int] = None
-
-    def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Any:
-        if seed is not None:
-            self._np_random, self._np_random_seed = np.random.default_rng(seed), seed
-
-    def close(self, **kwargs: Any) -> None:
-        if not self.closed:
-            self.close_extras(**kwargs)
-            self.closed = True
-
-    def close_extras(self, **kwargs: Any) -> None:
-        pass
-
-    @property
-    def np_random(self) -> np.random.Generator:
-        if self._np_random is None:
-            self._np_random, self._np_random_seed = np.random.default_rng(0), 0
-        return self._np_random
-
-    @np_random.setter
-    def np_random(self, value: np.random.Generator) -> None:
-        self._np_random, self._np_random_seed = value, -1
-
-    @property
-    def np_random_seed(self) -> Optional[int]:
-        if self._np_random_seed is None:
-            self._np_random, self._np_random_seed = np.random.default_rng(0), 0
-        return self._np_random_seed
-
-    @property
-    def unwrapped(self) -> Any:
-        return self
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}(num_envs={self.num_envs})"
-
-
-if TYPE_CHECKING:
-    _Base = _VectorEnv
-    AutoresetMode = _AutoresetMode
-else:
-    try:
-        from gymnasium.vector import VectorEnv as _Base
-    except ImportError:
-        _Base = _VectorEnv
-    try:
-        from gymnasium.vector import AutoresetMode  # from 1.1 on
-    except ImportError:
-        AutoresetMode = _AutoresetMode
-
-_Flags = npt.NDArray[np.bool_]
-
-
-class VectorEnv(_Base):
-    """So many copies of a world, each with a seed of its own; one policy drives all robots of the task in each.
-
-    world         a file or a dict, as of troupe.Simulation, whose options follow
-    task          what is learnt; by default Task(), which is to disperse
-    spaces        a row a robot; of a task of one robot its numbers alone, without an axis for robots
-    rewards       the mean of those of the robots that are there
-    episodes      of one copy end after task.seconds, or when the task is done for all its robots; the step after begins
-                  the next (autoreset NEXT_STEP: that step's action is not looked at, its reward is 0)
-    seeds         copy i has seed + i, or the i-th of a list, in its first episode, and numbers drawn from that in
-                  those that follow. Without any seed the world's own counts: nothing is drawn from the clock
-    workers       copies that are stepped at once; 0: one for each processor that it may use. It changes no result
+    robot           one robot learns in each copy, and the others run their controllers: then num_envs is copies
+    autoreset_mode  as Gymnasium has it. Episodes of the robots of a copy end together: when all are finished, or when
+                    the time is over. A robot that is finished before gets a reward of 0 from then on, and
+                    infos["finished"] marks it
+    threads         0: one for each processor that it may use. It changes no result
+    render_size     width and height of pictures, pixels
+    options         of troupe.Simulation
+    seeds           of reset(seed=s): copy c has s + c in its first episode, or item c of a list, and numbers drawn
+                    from it in those that follow
     """
-
-    _pool: Optional[ThreadPoolExecutor] = None
-    metadata = {"name": "troupe_v0", "render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self,
-        world: World,
+        task: Task,
         num_envs: int,
-        task: Optional[Task] = None,
         *,
+        robot: Optional[str] = None,
+        autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
+        threads: int = 0,
         render_mode: Optional[str] = None,
-        workers: int = 0,
+        render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        check_render_mode(render_mode)
+        if len(task.teams) != 1:
+            raise ValueError(f"a VectorEnv has one team, and {type(task).__name__} has {len(task.teams)}: use a ParallelEnv")
         if num_envs < 1:
             raise ValueError(f"num_envs={num_envs}: give 1 or more")
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f'unknown render_mode "{render_mode}"; known: rgb_array')
+        robots = 1
+        if robot is None:
+            robots = len(Batch(task, 1, threads=1, **options).names[0])
+        if num_envs % robots:
+            raise ValueError(f"num_envs={num_envs}: each copy has {robots} robots that learn: give a multiple of {robots}")
+        self._batch: Optional[Batch] = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
+        self.task = task
         self.num_envs = num_envs
+        self.copies = num_envs // robots
+        self.robots = robots
         self.render_mode = render_mode
-        self.task = Task() if task is None else task
-        options.setdefault("threads", 1)
-        first = Episodes(world, self.task, options)
-        seed = int(first.simulation.options["seed"])
-        others = [Episodes(world, self.task, {**options, "seed": seed + i}) for i in range(1, num_envs)]
-        self._copies = [first, *others]
-        self._pool = ThreadPoolExecutor(min(num_envs, workers or processors_allowed()), "troupe-env")
-
-        self._robots = len(first.swarm)
-        self._is_single = self._robots == 1
-        observation_space = self.task.observation_space(first.swarm)
-        action_space = self.task.action_space(first.swarm)
-        self._action_shape = action_space.shape
-        if not self._is_single:
-            observation_space = stacked(observation_space, self._robots)
-            action_space = stacked(action_space, self._robots)
-        self.single_observation_space = observation_space
-        self.single_action_space = action_space
-        self.observation_space = stacked(observation_space, num_envs)
-        self.action_space = stacked(action_space, num_envs)
-        self._is_over = np.ones(num_envs, np.bool_)  # until the first reset
-        self._was_reset = False
+        self._render_size = render_size
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {
+            "render_modes": ["rgb_array"],
+            "render_fps": 10,
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self.single_observation_space = self._batch.observation_spaces[0]
+        self.single_action_space = self._batch.action_spaces[0]
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._is_over = np.zeros(self.copies, np.bool_)
 
     @property
-    def simulations(self) -> List[Simulation]:
-        """The troupe.Simulation of each copy."""
-        return [copy.simulation for copy in self._copies]
+    def batch(self) -> Batch:
+        """The copies that it runs."""
+        if self._batch is None:
+            raise RuntimeError("this environment was closed")
+        return self._batch
 
     def reset(
-        self, *, seed: Union[None, int, Sequence[Optional[int]]] = None, options: Optional[Dict[str, Any]] = None
-    ) -> Tuple[npt.NDArray[Any], Dict[str, Any]]:
-        """Observations and infos. There are no options: they are not looked at."""
-        super().reset(seed=seed if isinstance(seed, (int, np.integer)) else None)
-        seeds: Sequence[Optional[int]]
+        self,
+        *,
+        seed: Union[None, int, Sequence[Optional[int]]] = None,
+        options: Optional[Dict[str, Any]] = None,
+    ) -> Tuple[Any, Dict[str, Any]]:
+        """options: reset_mask, a bool for each environment: the copies that begin an episode. Throws ValueError for a
+        mask that cuts a copy in two."""
+        if seed is None or isinstance(seed, (int, np.integer)):
+            super().reset(seed=None if seed is None else int(seed))
+        which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
+        self.batch.reset(which, self._seeds_of(seed))
+        self._is_over[slice(None) if which is None else which] = False
+        return self._rows(self.batch.observations()), {}
+
+    def step(self, actions: Any) -> Tuple[Any, npt.NDArray[np.float64], Flags, Flags, Dict[str, Any]]:
+        batch = self.batch
+        begins = self._is_over
+        if self.autoreset_mode == AutoresetMode.DISABLED and begins.any():
+            raise RuntimeError(
+                f"copies {np.flatnonzero(begins).tolist()} are over: reset(options={{'reset_mask': ...}}) comes first"
+            )
+        table = np.asarray(actions)
+        if table.shape != self.action_space.shape:
+            raise ValueError(f"actions: give an array of shape {self.action_space.shape}, not {table.shape}")
+        table = table.reshape(self.copies, self.robots, *table.shape[1:])
+        batch.step([table], begins if begins.any() else None)
+        over = batch.core.over().copy()
+        terminated = batch.core.terminated().copy()
+        rewards = batch.core.rewards().reshape(-1).copy()
+        terminations = (terminated & over[:, np.newaxis]).reshape(-1)
+        truncations = np.repeat(batch.core.truncated, self.robots)
+        infos: Dict[str, Any] = {}
+        if self.robots > 1:
+            infos["finished"] = terminated.reshape(-1)
+            infos["_finished"] = np.ones(self.num_envs, np.bool_)
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            if over.any():
+                self._add_final(infos, np.repeat(over, self.robots))
+                batch.reset(over)
+            over = np.zeros_like(over)
+        self._is_over = over
+        return self._rows(batch.observations()), rewards, terminations, truncations, infos
+
+    def _add_final(self, infos: Dict[str, Any], done: Flags) -> None:
+        """As gymnasium.vector.SyncVectorEnv has it: an object for each environment."""
+        observations = self._rows(self.batch.observations())
+        final = np.full(self.num_envs, None, dtype=object)
+        for env in np.flatnonzero(done):
+            if isinstance(observations, dict):
+                final[env] = {name: array[env] for name, array in observations.items()}
+            else:
+                final[env] = observations[env]
+        infos["final_obs"], infos["_final_obs"] = final, done.copy()
+        infos["final_info"], infos["_final_info"] = {}, done.copy()
+
+    def _rows(self, observations: Any) -> Any:
+        """An environment a row."""
+        if isinstance(observations, dict):
+            return {name: self._rows(array) for name, array in observations.items()}
+        return observations.reshape(self.num_envs, *observations.shape[2:])
+
+    def _copies_of(self, mask: Any) -> Flags:
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"options['reset_mask'] must be a NumPy array of bool, not {mask!r}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"options['reset_mask'] must have shape ({self.num_envs},), not {mask.shape}")
+        rows = mask.reshape(self.copies, self.robots)
+        cut = np.flatnonzero(rows.any(axis=1) & ~rows.all(axis=1))
+        if cut.size:
+            first = int(cut[0]) * self.robots
+            raise ValueError(
+                f"options['reset_mask'] cuts copy {cut[0]} in two: environments {first} to {first + self.robots - 1} are "
+                "robots of one world, and begin together"
+            )
+        if not rows.any():
+            raise ValueError("options['reset_mask'] must mark at least one environment")
+        return rows[:, 0].copy()
+
+    def _seeds_of(self, seed: Union[None, int, Sequence[Optional[int]]]) -> List[Optional[int]]:
         if seed is None:
-            seeds = [None] * self.num_envs
-        elif isinstance(seed, (int, np.integer)):
-            seeds = [int(seed) + i for i in range(self.num_envs)]
-        else:
-            seeds = list(seed)
-            if len(seeds) != self.num_envs:
-                raise ValueError(f"{len(seeds)} seeds for {self.num_envs} environments")
-        self._for_all(lambda i: self._copies[i].begin(seeds[i]))
-        self._is_over[:] = False
-        self._was_reset = True
-        return self._observations(), {}
-
-    def step(self, actions: npt.ArrayLike) -> Tuple[npt.NDArray[Any], npt.NDArray[np.float64], _Flags, _Flags, Dict[str, Any]]:
-        """Observations, rewards, terminations, truncations, infos. Throws ValueError for actions of another shape than
-        the action space's, and for such that are no finite numbers."""
-        if not self._was_reset:
-            raise RuntimeError("reset() comes before the first step()")
-        table = np.asarray(actions, np.float64)
-        if table.shape != self.action_space.shape or not np.isfinite(table).all():
-            raise ValueError(f"actions: give finite numbers of shape {self.action_space.shape}, not {actions!r}")
-        rows = table.reshape(self.num_envs, self._robots, *self._action_shape)
-        begins = self._is_over.copy()
-        rewards = np.zeros(self.num_envs)
-        terminations = np.zeros(self.num_envs, np.bool_)
-        truncations = np.zeros(self.num_envs, np.bool_)
-        everybody = np.ones(self._robots, np.bool_)
-
-        def step_one(i: int) -> None:
-            copy = self._copies[i]
-            if begins[i]:
-                copy.begin(None)
-                return
-            copy.step(rows[i], everybody)
-            alive = copy.swarm.alive()
-            there = max(int(alive.sum()), 1)
-            rewards[i] = math.ordered_sum(np.where(alive, self.task.reward(copy.swarm), 0.0)) / there
-            terminations[i] = bool((self.task.terminated(copy.swarm) | ~alive).all())
-            truncations[i] = copy.truncated()
-
-        self._for_all(step_one)
-        self._is_over = terminations | truncations
-        return self._observations(), rewards, terminations, truncations, {}
-
-    def _for_all(self, work: Callable[[int], None]) -> None:
-        if self._pool is None:
-            raise RuntimeError("this environment was closed")
-        list(self._pool.map(work, range(self.num_envs)))
-
-    def _observations(self) -> npt.NDArray[Any]:
-        observations: npt.NDArray[Any] = np.stack([copy.observe() for copy in self._copies])
-        return observations[:, 0] if self._is_single else observations
+            return []
+        if isinstance(seed, (int, np.integer)):
+            return [int(seed) + copy for copy in range(self.copies)]
+        if len(seed) != self.copies:
+            raise ValueError(f"{len(seed)} seeds for {self.copies} copies: give one for each copy")
+        return [None if each is None else int(each) for each in seed]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
         """The copies from above, height x width x 3 each, where the render mode is rgb_array."""
         if self.render_mode is None:
             return None
-        return tuple(copy.simulation.picture() for copy in self._copies)
+        return tuple(self.batch.core.picture(copy, *self._render_size) for copy in range(self.copies))
 
     def close_extras(self, **kwargs: Any) -> None:
-        if self._pool is not None:
-            self._pool.shutdown()
-        self._pool = None
-        self._copies = []
-        self._was_reset = False
+        self._batch = None

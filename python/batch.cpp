@@ -1,0 +1,330 @@
+#include "python/bindings.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace troupe::python {
+namespace {
+
+/// A batch as Python holds it: arrays of it keep it alive. It steps without the interpreter's lock, and
+/// refuses every call of another thread meanwhile.
+class HeldBatch {
+ public:
+  explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
+
+  BatchEnv& use() {
+    if (is_busy_)
+      throw std::logic_error(
+          "this batch is being stepped by another thread: one thread at a time may use it");
+    return batch_;
+  }
+  template <class Work>
+  void work(Work&& what) {
+    BatchEnv& batch = use();
+    struct Busy {
+      explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
+      ~Busy() { flag_ = false; }
+      Busy(const Busy&) = delete;
+      Busy& operator=(const Busy&) = delete;
+      bool& flag_;
+    } const busy(is_busy_);
+    const Unlocked unlocked;
+    what(batch);
+  }
+
+ private:
+  BatchEnv batch_;
+  bool is_busy_ = false;  // under the interpreter's lock
+};
+using BatchHolder = std::shared_ptr<HeldBatch>;
+
+/// Members of a dict, each read once; what is not read is an error.
+class Members {
+ public:
+  Members(std::string what, const py::handle& given) : what_(std::move(what)) {
+    if (!py::isinstance<py::dict>(given))
+      throw py::type_error(fmt::format("{}: give a dict, not {}", what_, std::string(py::repr(given))));
+    members_ = py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
+  }
+  template <class T>
+  void read(const char* name, T& into) {
+    known_.emplace_back(name);
+    if (!members_.contains(name)) return;
+    const py::object value = members_.attr("pop")(name);
+    try {
+      into = value.cast<T>();
+    } catch (const py::cast_error&) {
+      throw py::type_error(fmt::format("{}: \"{}\" cannot be {}", what_, name, std::string(py::repr(value))));
+    }
+  }
+  template <class Visit>
+  void each(const char* name, Visit&& visit) {
+    py::list list;
+    read(name, list);
+    for (std::size_t i = 0; i < list.size(); ++i) visit(fmt::format("{}/{}/{}", what_, name, i), list[i]);
+  }
+  void finish() const {
+    for (const auto& [name, value] : members_)
+      throw py::value_error(
+          fmt::format("{}: {}", what_,
+                      unknown_name("member", std::string(py::str(name)), {known_.begin(), known_.end()})));
+  }
+
+ private:
+  std::string what_;
+  py::dict members_;
+  std::vector<std::string> known_;
+};
+
+BatchPart part_of(const std::string& what, const py::handle& given) {
+  constexpr std::array<std::string_view, 8> k_names{"reading", "pose",    "estimate", "speed",
+                                                    "stalled", "nearest", "target",   "time_left"};
+  BatchPart part;
+  std::string of = "reading";
+  Members members(what, given);
+  members.read("of", of);
+  members.read("device", part.device);
+  members.read("field", part.field);
+  members.read("name", part.name);
+  members.read("count", part.count);
+  members.read("range_m", part.range_m);
+  members.read("scale", part.scale);
+  members.finish();
+  const auto found = std::ranges::find(k_names, of);
+  if (found == k_names.end())
+    throw py::value_error(
+        fmt::format("{}: {}", what, unknown_name("part", of, {k_names.begin(), k_names.end()})));
+  part.of = static_cast<BatchPart::Of>(found - k_names.begin());
+  return part;
+}
+
+BatchTeam team_of(const std::string& what, const py::handle& given) {
+  BatchTeam team;
+  Members members(what, given);
+  members.read("name", team.name);
+  members.read("robots", team.robots);
+  members.each("arrays", [&](const std::string& at, const py::handle& each) {
+    BatchArraySpec& array = team.arrays.emplace_back();
+    Members of(at, each);
+    of.read("name", array.name);
+    of.read("raw", array.raw);
+    of.each("parts", [&](const std::string& where, const py::handle& part) {
+      array.parts.push_back(part_of(where, part));
+    });
+    of.finish();
+  });
+  members.each("actions", [&](const std::string& at, const py::handle& each) {
+    BatchAction& action = team.actions.emplace_back();
+    Members of(at, each);
+    of.read("device", action.device);
+    of.read("command", action.command);
+    of.read("low", action.low);
+    of.read("high", action.high);
+    of.finish();
+  });
+  const auto read_column = [](Members& of, BatchColumn& column) {
+    of.read("array", column.array);
+    of.read("column", column.column);
+    of.read("measure", column.measure);
+  };
+  members.each("rewards", [&](const std::string& at, const py::handle& each) {
+    BatchReward& reward = team.rewards.emplace_back();
+    Members of(at, each);
+    read_column(of, reward.of);
+    of.read("weight", reward.weight);
+    of.read("change", reward.change);
+    of.finish();
+  });
+  members.each("ends", [&](const std::string& at, const py::handle& each) {
+    BatchEnd& end = team.ends.emplace_back();
+    std::optional<double> below;
+    std::optional<double> above;
+    Members of(at, each);
+    read_column(of, end.of);
+    of.read("below", below);
+    of.read("above", above);
+    of.read("reward", end.reward);
+    of.finish();
+    if (below.has_value() == above.has_value())
+      throw py::value_error(fmt::format("{}: give \"below\" or \"above\"", at));
+    end.is_above = above.has_value();
+    end.below = end.is_above ? *above : *below;
+  });
+  members.finish();
+  return team;
+}
+
+BatchHolder make_batch(const Holder& world, const py::dict& given) {
+  BatchSpec spec;
+  Members members("batch", given);
+  members.read("copies", spec.copies);
+  members.read("threads", spec.threads);
+  members.read("ticks", spec.ticks);
+  members.read("seconds", spec.seconds);
+  members.read("measures", spec.measures);
+  members.each("teams", [&](const std::string& at, const py::handle& each) {
+    spec.teams.push_back(team_of(at, each));
+  });
+  members.finish();
+  Simulation& simulation = world->use();
+  return std::make_shared<HeldBatch>(BatchEnv(simulation, spec));
+}
+
+template <class T>
+py::array shown(const py::dtype& type, std::vector<py::ssize_t> shape, std::span<T> values,
+                const BatchHolder& owner, bool writable) {
+  py::array array(type, std::move(shape), values.data(), py::cast(owner));
+  if (!writable) py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+py::ssize_t extent(std::size_t size) { return static_cast<py::ssize_t>(size); }
+
+std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const BatchEnv& batch,
+                                   std::string_view name) {
+  if (!given) return {};
+  if (given->dtype().kind() != 'b' || given->ndim() != 1 ||
+      static_cast<std::size_t>(given->size()) != batch.copies())
+    throw py::value_error(fmt::format("{}: give one bool for each of {} copies, not {} of shape {}", name,
+                                      batch.copies(), std::string(py::str(given->dtype())),
+                                      std::string(py::str(given->attr("shape")))));
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*given);
+  return {marks.data(), marks.data() + marks.size()};
+}
+
+}  // namespace
+
+void bind_batch(py::module_& module) {
+  using Marks = std::optional<py::array>;
+  using Seeds = std::vector<std::optional<std::uint64_t>>;
+  py::class_<HeldBatch, BatchHolder>(
+      module, "BatchEnv",
+      "Many copies of one world that step side by side, each with a seed of its own (troupe/batch_env.hpp).\n"
+      "Its arrays show memory of the batch: they hold new numbers after each step and reset.")
+      .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
+           "world is a Simulation, of which copies are made; spec a dict: docs/learning.md.")
+      .def_property_readonly("copies", [](const BatchHolder& b) { return b->use().copies(); })
+      .def_property_readonly("threads", [](const BatchHolder& b) { return b->use().threads(); })
+      .def(
+          "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
+          py::arg("team") = 0, "How many a copy has.")
+      .def(
+          "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
+          py::arg("team") = 0)
+      .def(
+          "array",
+          [](const BatchHolder& b, const std::string& name, std::size_t team) {
+            BatchEnv& batch = b->use();
+            const BatchEnv::Array found = batch.array(team, name);
+            return shown(dtype_of(found.element),
+                         {extent(batch.copies()), extent(batch.robots(team)), extent(found.columns)},
+                         found.bytes, b, false);
+          },
+          py::arg("name"), py::arg("team") = 0, "copies x robots x columns.")
+      .def(
+          "actions",
+          [](const BatchHolder& b, std::size_t team) {
+            BatchEnv& batch = b->use();
+            const std::span<double> actions = batch.actions(team);
+            const std::size_t robots = batch.copies() * batch.robots(team);
+            return shown(
+                py::dtype::of<double>(),
+                {extent(batch.copies()), extent(batch.robots(team)), extent(actions.size() / robots)},
+                actions, b, true);
+          },
+          py::arg("team") = 0, "copies x robots x actions, from -1 to 1, to be filled.")
+      .def(
+          "rewards",
+          [](const BatchHolder& b, std::size_t team) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<double>(), {extent(batch.copies()), extent(batch.robots(team))},
+                         batch.rewards(team), b, true);
+          },
+          py::arg("team") = 0, "copies x robots.")
+      .def(
+          "terminated",
+          [](const BatchHolder& b, std::size_t team) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
+                         batch.terminated(team), b, true);
+          },
+          py::arg("team") = 0, "copies x robots: who is finished; more may be marked between two steps.")
+      .def(
+          "alive",
+          [](const BatchHolder& b, std::size_t team) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
+                         batch.alive(team), b, false);
+          },
+          py::arg("team") = 0, "copies x robots: who is in the world.")
+      .def_property_readonly("truncated",
+                             [](const BatchHolder& b) {
+                               BatchEnv& batch = b->use();
+                               return shown(py::dtype::of<bool>(), {extent(batch.copies())},
+                                            batch.truncated(), b, false);
+                             })
+      .def("over",
+           [](const BatchHolder& b) {
+             BatchEnv& batch = b->use();
+             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
+           })
+      .def_property_readonly("measure_columns",
+                             [](const BatchHolder& b) { return b->use().measure_columns(); })
+      .def_property_readonly("measures",
+                             [](const BatchHolder& b) {
+                               BatchEnv& batch = b->use();
+                               return shown(py::dtype::of<double>(),
+                                            {extent(batch.copies()), extent(batch.measure_columns().size())},
+                                            batch.measures(), b, false);
+                             })
+      .def_property_readonly("seeds",
+                             [](const BatchHolder& b) {
+                               BatchEnv& batch = b->use();
+                               return shown(py::dtype::of<std::uint64_t>(), {extent(batch.copies())},
+                                            batch.seeds(), b, false);
+                             })
+      .def(
+          "reset",
+          [](const BatchHolder& b, const Marks& which, const Seeds& seeds) {
+            const std::vector<std::uint8_t> marks = marks_of(which, b->use(), "which");
+            b->work([&](BatchEnv& batch) { batch.reset(marks, seeds); });
+          },
+          py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
+          "Begins an episode in these copies, with these seeds, None for the next of the copy.")
+      .def(
+          "step",
+          [](const BatchHolder& b, const Marks& begins) {
+            const std::vector<std::uint8_t> marks = marks_of(begins, b->use(), "begins");
+            b->work([&](BatchEnv& batch) { batch.step(marks); });
+          },
+          py::arg("begins") = py::none(),
+          "One step; the copies that are marked begin their next episode instead.")
+      .def(
+          "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
+          py::arg("copy") = 0)
+      .def(
+          "state_hash",
+          [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
+          py::arg("copy") = 0)
+      .def(
+          "picture",
+          [](const BatchHolder& b, std::size_t copy, int width, int height) {
+            const std::vector<std::uint8_t> rgb = b->use().simulation(copy).picture(width, height);
+            py::array_t<std::uint8_t> out({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
+            std::ranges::copy(rgb, out.mutable_data());
+            return out;
+          },
+          py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
+          "A copy from above: height x width x 3, uint8.")
+      .def("__repr__",
+           [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
+}
+
+}  // namespace troupe::python

@@ -1,0 +1,181 @@
+"""Copies of a task's world: what all environments of this package are made of."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from typing import Any, Dict, List, Optional, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+
+from .._core import BatchEnv, Simulation
+from .task import Task, Team, action_space, commands_of
+
+Flags = npt.NDArray[np.bool_]
+_ONLY = "observation"  # the name of the array of a team whose observation is one box
+_OF_SPACE = ("low", "high", "shape")  # members of a part that the spaces are made of
+
+
+class Batch:
+    """A troupe.BatchEnv with the functions of a task.
+
+    robot    the name of one robot: it alone learns, and the others of its team run the controllers of the world
+    options  of troupe.Simulation
+    """
+
+    def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
+        if not isinstance(task, Task):
+            raise TypeError(f"task: give a troupe.envs.Task, not {task!r}")
+        self.task = task
+        self.teams = [dataclasses.replace(team) for team in task.teams]
+        if not self.teams:
+            raise ValueError(f"{type(task).__name__} has no teams")
+        if robot is not None:
+            if len(self.teams) != 1:
+                raise ValueError(f"robot={robot!r}: one robot learns in a task of one team, and this has {len(self.teams)}")
+            self.teams[0].robots = robot
+        for index, team in enumerate(self.teams):
+            team.name = team.name or f"team{index}"
+        simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
+        spec = {
+            "copies": copies,
+            "threads": threads,
+            "ticks": task.ticks,
+            "seconds": float(task.seconds),
+            "measures": list(task.measures),
+            "teams": [_team_spec(team) for team in self.teams],
+        }
+        self.core = BatchEnv(simulation, spec)
+        self.copies = copies
+        #: What a task remembers of its copies, beside their worlds.
+        self.memory: Dict[str, Any] = {}
+        self.names = [self.core.names(index) for index in range(len(self.teams))]
+        self.observation_spaces: List[spaces.Space[Any]] = [
+            self._observation_space(index, simulation) for index in range(len(self.teams))
+        ]
+        self.action_spaces = [action_space(team) for team in self.teams]
+        self.world_seed = int(simulation.options["seed"])
+
+    def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
+        """Of the team's observation or its other arrays: copies x robots x columns, read-only, of the last step."""
+        return self.core.array(name, team)
+
+    def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
+        self.core.reset(which, list(seeds))
+        self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
+
+    def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
+        """actions: for each team, with copies x robots in front."""
+        finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
+        for index, team in enumerate(self.teams):
+            commands = self.task.act(self, index, commands_of(team, actions[index]))
+            self.core.actions(index)[...] = commands
+        self.core.step(begins)
+        for index in range(len(self.teams)):
+            counts = ~finished[index]
+            if begins is not None:
+                counts &= ~begins[:, np.newaxis]
+            more = self.task.reward(self, index)
+            if more is not None:
+                self.core.rewards(index)[...] += np.where(counts, more, 0.0)
+            ends = self.task.terminated(self, index)
+            if ends is not None:
+                self.core.terminated(index)[...] |= ends & counts
+        if begins is not None and begins.any():
+            self.task.begin(self, begins)
+
+    def observations(self, team: int = 0) -> Any:
+        """Copies of their own: an array, or a dict of arrays, copies x robots x columns."""
+        observation = self.teams[team].observation
+        if isinstance(observation, dict):
+            return {name: self._observed(name, parts, team) for name, parts in observation.items()}
+        return self._observed(_ONLY, observation, team)
+
+    def _observed(self, name: str, parts: List[Dict[str, Any]], team: int) -> npt.NDArray[Any]:
+        own = self.core.array(name, team)
+        more = self.task.observe(self, team, name)
+        if more is not None:
+            return np.concatenate([own, more.astype(np.float32)], axis=-1)
+        shape = _shape_of(parts)
+        return own.copy() if shape is None else own.reshape(own.shape[:2] + shape).copy()
+
+    def _observation_space(self, team: int, simulation: Simulation) -> "spaces.Space[Any]":
+        observation = self.teams[team].observation
+        if isinstance(observation, dict):
+            return spaces.Dict({name: self._box(name, parts, team, simulation) for name, parts in observation.items()})
+        return self._box(_ONLY, observation, team, simulation)
+
+    def _box(self, name: str, parts: List[Dict[str, Any]], team: int, simulation: Simulation) -> spaces.Box:
+        array = self.core.array(name, team)
+        shape = _shape_of(parts)
+        if shape is not None:
+            info: Any = np.iinfo(array.dtype) if array.dtype.kind in "iu" else np.finfo(array.dtype)
+            low, high = parts[0].get("low", info.min), parts[0].get("high", info.max)
+            return spaces.Box(low, high, shape, array.dtype.type)
+        lows: List[float] = []
+        highs: List[float] = []
+        for index, part in enumerate(parts):
+            left = array.shape[-1] - len(lows)
+            low, high = _bounds(part, left if index == len(parts) - 1 else None, simulation, self.names[team][0])
+            lows += low
+            highs += high
+        more = self.task.observe(self, team, name)
+        columns = 0 if more is None else more.shape[-1]
+        return spaces.Box(
+            np.array(lows + [-1.0] * columns, np.float32), np.array(highs + [1.0] * columns, np.float32), dtype=np.float32
+        )
+
+
+def _shape_of(parts: List[Dict[str, Any]]) -> Any:
+    return tuple(parts[0]["shape"]) if len(parts) == 1 and "shape" in parts[0] else None
+
+
+def _team_spec(team: Team) -> Dict[str, Any]:
+    observation = team.observation if isinstance(team.observation, dict) else {_ONLY: team.observation}
+    return {
+        "name": team.name,
+        "robots": team.robots,
+        "arrays": [
+            {
+                "name": name,
+                "raw": _shape_of(parts) is not None,
+                "parts": [{key: part[key] for key in part if key not in _OF_SPACE} for part in parts],
+            }
+            for name, parts in {**observation, **team.arrays}.items()
+        ],
+        "actions": team.actions,
+        "rewards": team.rewards,
+        "ends": team.ends,
+    }
+
+
+def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, robot: str) -> Any:
+    """Least and greatest of each column of a part: what it says, else what is known of such a part."""
+    of = part.get("of", "reading")
+    scale = abs(part.get("scale", 1.0))
+    infinity = float("inf")
+    reach = part.get("range_m", infinity) * scale
+    if of == "nearest":
+        low, high = [-reach, -reach, -1.0, -1.0, 0.0], [reach, reach, 1.0, 1.0, 1.0]
+        low, high = low * part.get("count", 1), high * part.get("count", 1)
+    elif of in ("pose", "estimate"):
+        low, high = [-infinity, -infinity, -1.0, -1.0], [infinity, infinity, 1.0, 1.0]
+    elif of in ("stalled", "time_left"):
+        low, high = [0.0], [1.0]
+    elif of in ("speed", "target"):
+        low, high = [-infinity] * 3, [infinity] * 3
+    else:
+        device, field = part.get("device", ""), part["field"]
+        columns = simulation.swarm(robot)
+        columns.subscribe()
+        count = len(np.atleast_1d(simulation.find(robot).readings(field, *([device] if device else []))))
+        is_range = field == "ranges"
+        bound = columns.range_bound(device) * scale if is_range else infinity
+        low, high = [0.0 if is_range else -infinity] * count, [bound] * count
+    if "low" in part:
+        low = [float(part["low"])] * len(low)
+    if "high" in part:
+        high = [float(part["high"])] * len(high)
+    return low, high

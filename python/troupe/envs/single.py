@@ -1,0 +1,91 @@
+"""The interface of gymnasium.Env: one robot learns."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Optional, Tuple
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from .batch import Batch
+from .task import Task
+
+RENDER_SIZE = (480, 480)
+
+
+def check_render_mode(render_mode: Optional[str]) -> None:
+    if render_mode not in (None, "rgb_array"):
+        raise ValueError(f'unknown render_mode "{render_mode}"; known: rgb_array')
+
+
+def first_of(observations: Any, *index: int) -> Any:
+    """The observation of one robot, from arrays of many."""
+    if isinstance(observations, dict):
+        return {name: array[index] for name, array in observations.items()}
+    return observations[index]
+
+
+class Env(gymnasium.Env[Any, Any]):
+    """A task for one robot. The others of its team run the controllers that the world gives them.
+
+    robot        its name; by default the first robot of the team
+    render_size  width and height of pictures, pixels
+    options      of troupe.Simulation
+    seeds        reset(seed=s) begins the episode of seed s, reset() after it one that is drawn from s; without any
+                 seed the world's own counts
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(
+        self,
+        task: Task,
+        *,
+        robot: Optional[str] = None,
+        render_mode: Optional[str] = None,
+        render_size: Tuple[int, int] = RENDER_SIZE,
+        **options: Any,
+    ) -> None:
+        check_render_mode(render_mode)
+        self.task = task
+        self.render_mode = render_mode
+        self._render_size = render_size
+        if robot is None:
+            robot = Batch(task, 1, threads=1, **options).names[0][0]
+        self._batch: Optional[Batch] = Batch(task, 1, threads=1, robot=robot, **options)
+        self.robot = robot
+        self.observation_space = self._batch.observation_spaces[0]
+        self.action_space = self._batch.action_spaces[0]
+        if len(self._batch.names[0]) != 1:
+            raise ValueError(f"robot={robot!r} names {len(self._batch.names[0])} robots: give the name of one")
+
+    @property
+    def batch(self) -> Batch:
+        """The copy of the world that it runs."""
+        if self._batch is None:
+            raise RuntimeError("this environment was closed")
+        return self._batch
+
+    def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
+        super().reset(seed=seed)
+        self.batch.reset(seeds=[] if seed is None else [seed])
+        return first_of(self.batch.observations(), 0, 0), {}
+
+    def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
+        batch = self.batch
+        batch.step([np.asarray(action)[np.newaxis, np.newaxis]])
+        return (
+            first_of(batch.observations(), 0, 0),
+            float(batch.core.rewards()[0, 0]),
+            bool(batch.core.terminated()[0, 0]),
+            bool(batch.core.truncated[0]),
+            {},
+        )
+
+    def render(self) -> Optional[npt.NDArray[np.uint8]]:
+        """The world from above, height x width x 3, where the render mode is rgb_array."""
+        return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
+
+    def close(self) -> None:
+        self._batch = None

@@ -1,0 +1,346 @@
+"""Six tasks of swarm robotics, in worlds that are made here. Each is documented, with the return of its baseline, in
+docs/learning.md."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import math
+from .task import Task, Team
+
+if TYPE_CHECKING:
+    from .batch import Batch
+
+Floats = npt.NDArray[np.float64]
+
+LIDAR_RANGE = 3.0  #: m
+LIDAR_BEAMS = 12
+
+
+def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], seed: int = 1) -> Dict[str, Any]:
+    """A square room of so many metres with walls, as a JSON world."""
+    half = size / 2
+    wall = {"size_m": [0.1, size - 0.2, 0.5], "color": "gray50"}
+
+    def model(name: str, x: float, y: float, turn: float) -> Dict[str, Any]:
+        return {"name": name, "type": "wall", "pose": {"x_m": x, "y_m": y, "heading_deg": turn}}
+
+    return {
+        "troupe": 1,
+        "seed": seed,
+        "tick_s": 0.1,
+        "types": {"wall": wall, **types},
+        "models": [
+            model("west", -half, 0, 0), model("east", half, 0, 0), model("south", 0, -half, 90), model("north", 0, half, 90)
+        ],
+        "populations": populations,
+    }
+
+
+def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
+    """A robot with two wheels and a lidar all around, that wanders where it does not learn."""
+    return {
+        "size_m": [0.3, 0.3, 0.2],
+        "color": color,
+        "drive": {"kind": "diff", "velocity_max_x_mps": 0.5},
+        "sensors": [
+            {
+                "name": "lidar",
+                "kind": "ranger",
+                "pose": {"z_m": 0.1},
+                "transducers": [{"range_max_m": LIDAR_RANGE, "fov_deg": 360 - 360 / beams, "samples": beams}],
+            }
+        ],
+        "controller": {"kind": "wander", "cruise_speed_mps": 0.3, "min_front_m": 0.6},
+    }
+
+
+def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
+    """A mark on the floor, which nothing meets and no lidar sees."""
+    return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
+
+
+def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
+    """A population anywhere in a room."""
+    half = size / 2 - 0.5
+    return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
+
+
+def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
+    return {"field": "ranges", "device": "lidar", "scale": scale}
+
+
+def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
+    """Actions that turn towards a direction, and drive as far as it lies ahead."""
+    length = np.sqrt(x * x + y * y)
+    safe = np.where(length > 0, length, 1.0)
+    ahead, side = x / safe, y / safe
+    turn = np.clip(np.where(ahead < 0, np.where(side < 0, -1.0, 1.0), 2 * side), -1, 1)
+    forward = np.clip(speed * np.maximum(ahead, 0.0), 0, 1)
+    return np.stack([2 * forward - 1, turn], axis=-1)
+
+
+def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) -> Tuple[Floats, Floats]:
+    """A direction, bent away from what the lidar sees within `near` of its range."""
+    beams = ranges.shape[-1]
+    first = -np.pi * (beams - 1) / beams
+    sin, cos = math.sincos(first + 2 * np.pi / beams * np.arange(beams))
+    push = np.maximum(near - ranges, 0.0) / near
+    return x - math.ordered_sum(push * cos), y - math.ordered_sum(push * sin)
+
+
+class Navigation(Task):
+    """Each robot drives to a goal of its own, by lidar, among the others.
+
+    observed  12 ranges (of 3 m); the goal in the robot's frame: x, y, distance (of the room's size); speeds
+    reward    metres by which the goal came nearer, -0.05 while stalled, and 5 on arrival (0.3 m), which finishes
+    """
+
+    seconds = 60.0
+
+    def __init__(self, robots: int = 8, size: float = 8.0) -> None:
+        self.world = room(
+            size,
+            [spread("r", "robot", robots, size), spread("goal", "goal", robots, size)],
+            {"robot": robot_type(), "goal": marker_type("LimeGreen")},
+        )
+        goal = {"of": "target", "name": "goal"}
+        self.teams = [
+            Team(
+                robots="r",
+                observation=[lidar(), {**goal, "scale": 1 / size}, {"of": "speed"}],
+                arrays={"goal": [goal], "stalled": [{"of": "stalled"}]},
+                rewards=[
+                    {"array": "goal", "column": 2, "weight": -1.0, "change": True},
+                    {"array": "stalled", "weight": -0.05},
+                ],
+                ends=[{"array": "goal", "column": 2, "below": 0.3, "reward": 5.0}],
+            )
+        ]
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """Straight to the goal, bent away from what is near."""
+        rows = np.asarray(observations, np.float64)
+        n = LIDAR_BEAMS
+        x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
+        safe = np.where(distance > 0, distance, 1.0)
+        x, y = away_from_walls(rows[..., :n], x / safe, y / safe)
+        return steer(x, y, np.ones_like(x))
+
+
+class Aggregation(Task):
+    """Robots come together anywhere.
+
+    observed  12 ranges; the 4 nearest robots within 6 m: x, y (of 6 m), cosine and sine of their headings, and 1
+    reward    minus the distance to the 4 nearest robots on average, of 6 m (6 m where there are fewer), a second
+    """
+
+    seconds = 60.0
+    reach = 6.0
+    nearest = 4
+
+    def __init__(self, robots: int = 12, size: float = 8.0) -> None:
+        self.world = room(size, [spread("r", "robot", robots, size)], {"robot": robot_type()})
+        near = {"of": "nearest", "name": "r", "count": self.nearest, "range_m": self.reach, "scale": 1 / self.reach}
+        self.teams = [Team(robots="r", observation=[lidar(), near], arrays={"near": [near]})]
+
+    def reward(self, batch: "Batch", team: int) -> Optional[Floats]:
+        near = batch.array("near", team).astype(np.float64)
+        near = near.reshape(*near.shape[:2], self.nearest, 5)
+        distance = np.sqrt(near[..., 0] * near[..., 0] + near[..., 1] * near[..., 1])
+        distance = np.where(near[..., 4] > 0, distance, 1.0)
+        mean: Floats = math.ordered_sum(distance) / self.nearest
+        return -0.1 * mean
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """To the middle of the nearest robots; it stops when they are within 0.5 m."""
+        rows = np.asarray(observations, np.float64)
+        near = rows[..., LIDAR_BEAMS:].reshape(*rows.shape[:-1], self.nearest, 5)
+        x, y = near[..., 0].sum(axis=-1), near[..., 1].sum(axis=-1)
+        close = (np.sqrt(near[..., 0] ** 2 + near[..., 1] ** 2)[..., 0] * self.reach < 0.5) & (near[..., 0, 4] > 0)
+        return steer(x, y, np.where(close, 0.0, 1.0))
+
+
+class Dispersion(Task):
+    """Robots spread out until as much as possible about each is free.
+
+    observed  12 ranges (of 3 m)
+    reward    the mean range, of 3 m, minus 1 while stalled, a second
+    """
+
+    seconds = 60.0
+
+    def __init__(self, robots: int = 12, size: float = 10.0) -> None:
+        middle = {"name": "r", "type": "robot", "count": robots, "place": {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [1, 1]}}
+        self.world = room(size, [middle], {"robot": robot_type()})
+        self.teams = [
+            Team(
+                robots="r",
+                observation=[lidar()],
+                arrays={"stalled": [{"of": "stalled"}], "lidar": [lidar()]},
+                rewards=[
+                    *({"array": "lidar", "column": beam, "weight": 0.1 / LIDAR_BEAMS} for beam in range(LIDAR_BEAMS)),
+                    {"array": "stalled", "weight": -0.1},
+                ],
+            )
+        ]
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """Away from all that is seen, as the controller `expand` does."""
+        rows = np.asarray(observations, np.float64)
+        zero = np.zeros(rows.shape[:-1])
+        x, y = away_from_walls(rows, zero, zero, near=1.0)
+        return steer(x, y, np.minimum(2 * np.sqrt(x * x + y * y), 1.0))
+
+
+class Flocking(Task):
+    """Robots drive together into one direction.
+
+    observed  12 ranges; the 4 nearest robots within 3 m, as in Aggregation but of 3 m; speeds
+    reward    a quarter of the cosine between the own heading and that of each of those neighbours, times 0.05, and
+              0.1 times the forward speed, minus 0.1 while stalled, each step
+    """
+
+    seconds = 60.0
+    reach = 3.0
+    nearest = 4
+
+    def __init__(self, robots: int = 12, size: float = 12.0) -> None:
+        middle = {"name": "r", "type": "robot", "count": robots, "place": {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [1.5, 1.5]}}
+        self.world = room(size, [middle], {"robot": robot_type()})
+        near = {"of": "nearest", "name": "r", "count": self.nearest, "range_m": self.reach, "scale": 1 / self.reach}
+        self.teams = [
+            Team(
+                robots="r",
+                observation=[lidar(), near, {"of": "speed"}],
+                arrays={"near": [near], "speed": [{"of": "speed"}], "stalled": [{"of": "stalled"}]},
+                rewards=[
+                    *({"array": "near", "column": 5 * k + 2, "weight": 0.05 / self.nearest} for k in range(self.nearest)),
+                    {"array": "speed", "column": 0, "weight": 0.1},
+                    {"array": "stalled", "weight": -0.1},
+                ],
+            )
+        ]
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """The mean heading of the neighbours, a little towards them, and away from what is near."""
+        rows = np.asarray(observations, np.float64)
+        near = rows[..., LIDAR_BEAMS : LIDAR_BEAMS + 5 * self.nearest]
+        near = near.reshape(*rows.shape[:-1], self.nearest, 5)
+        x = 1 + near[..., 2].sum(axis=-1) + 0.5 * near[..., 0].sum(axis=-1)
+        y = near[..., 3].sum(axis=-1) + 0.5 * near[..., 1].sum(axis=-1)
+        length = np.maximum(np.sqrt(x * x + y * y), 1e-9)
+        x, y = away_from_walls(rows[..., :LIDAR_BEAMS], x / length, y / length, near=0.3)
+        return steer(x, y, np.ones_like(x))
+
+
+class Foraging(Task):
+    """Robots fetch from a source, and bring to a nest, again and again.
+
+    observed  12 ranges; the source and the nest in the robot's frame: x, y, distance (of the room's size); 1 with a
+              load, -1 without
+    reward    1 for each load that reaches the nest, 0.5 for each that is taken, and 0.1 for each metre that the place
+              to go to came nearer. Places reach 0.6 m
+    """
+
+    seconds = 90.0
+    near = 0.6
+
+    def __init__(self, robots: int = 8, size: float = 8.0) -> None:
+        places = {"source": "LimeGreen", "nest": "OrangeRed"}
+        types = {"robot": robot_type(), **{name: marker_type(color, 0.8) for name, color in places.items()}}
+        world = room(size, [spread("r", "robot", robots, size)], types)
+        for x, name in ((-0.3 * size, "source"), (0.3 * size, "nest")):
+            world["models"].append({"name": name, "type": name, "pose": {"x_m": x}})
+        self.world = world
+        source, nest = {"of": "target", "name": "source"}, {"of": "target", "name": "nest"}
+        self.teams = [
+            Team(
+                robots="r",
+                observation=[lidar(), {**source, "scale": 1 / size}, {**nest, "scale": 1 / size}],
+                arrays={"source": [source], "nest": [nest]},
+            )
+        ]
+
+    def _loaded(self, batch: "Batch") -> npt.NDArray[np.bool_]:
+        none = np.zeros((batch.copies, len(batch.names[0])), np.bool_)
+        loaded: npt.NDArray[np.bool_] = batch.memory.setdefault("loaded", none)
+        return loaded
+
+    def _way(self, batch: "Batch") -> Floats:
+        """To the place where each is to go."""
+        way = np.where(self._loaded(batch), batch.array("nest")[..., 2], batch.array("source")[..., 2])
+        return way.astype(np.float64)
+
+    def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
+        loaded = self._loaded(batch)
+        loaded[copies] = False
+        batch.memory.setdefault("way", np.zeros(loaded.shape))[copies] = self._way(batch)[copies]
+
+    def reward(self, batch: "Batch", team: int) -> Optional[Floats]:
+        loaded = self._loaded(batch)
+        way = self._way(batch)
+        arrived = way < self.near
+        reward: Floats = 0.1 * (batch.memory["way"] - way) + np.where(arrived, np.where(loaded, 1.0, 0.5), 0.0)
+        loaded ^= arrived
+        batch.memory["way"] = self._way(batch)
+        return reward
+
+    def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
+        return np.where(self._loaded(batch), 1.0, -1.0).astype(np.float32)[..., np.newaxis]
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """Straight to the place, bent away from what is near."""
+        rows = np.asarray(observations, np.float64)
+        n = LIDAR_BEAMS
+        at = np.where(rows[..., -1:] > 0, rows[..., n + 3 : n + 6], rows[..., n : n + 3])
+        safe = np.where(at[..., 2] > 0, at[..., 2], 1.0)
+        x, y = away_from_walls(rows[..., :n], at[..., 0] / safe, at[..., 1] / safe, near=0.2)
+        return steer(x, y, np.ones_like(x))
+
+
+class Pursuit(Task):
+    """Robots catch one that is slower than they and wanders.
+
+    observed  12 ranges; the prey in the robot's frame: x, y, distance (of the room's size); the 3 nearest hunters
+              within 6 m
+    reward    metres by which the prey came nearer, and 5 to each that comes within 0.6 m of it, which finishes that
+              robot
+    """
+
+    seconds = 60.0
+
+    def __init__(self, robots: int = 4, size: float = 8.0) -> None:
+        prey = {**robot_type("OrangeRed")}
+        self.world = room(
+            size,
+            [spread("r", "robot", robots, size), spread("prey", "prey", 1, size)],
+            {"robot": robot_type(), "prey": prey},
+        )
+        target = {"of": "target", "name": "prey0"}
+        near = {"of": "nearest", "name": "r", "count": 3, "range_m": 6.0, "scale": 1 / 6.0}
+        self.teams = [
+            Team(
+                robots="r",
+                observation=[lidar(), {**target, "scale": 1 / size}, near],
+                arrays={"prey": [target]},
+                rewards=[{"array": "prey", "column": 2, "weight": -1.0, "change": True}],
+                ends=[{"array": "prey", "column": 2, "below": 0.6, "reward": 5.0}],
+            )
+        ]
+
+    def baseline(self, observations: Any, team: int = 0) -> Floats:
+        """Straight to the prey, bent away from walls that are near."""
+        rows = np.asarray(observations, np.float64)
+        n = LIDAR_BEAMS
+        x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
+        safe = np.where(distance > 0, distance, 1.0)
+        x, y = away_from_walls(rows[..., :n], x / safe, y / safe, near=0.15)
+        return steer(x, y, np.ones_like(x))
+
+
+#: By the names under which Gymnasium knows them: troupe/Navigation-v0 and so on.
+TASKS = {task.__name__: task for task in (Aggregation, Dispersion, Flocking, Foraging, Navigation, Pursuit)}

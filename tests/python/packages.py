@@ -1,0 +1,33 @@
+"""Packages of the Python Package Index, for tests that run against them: a virtual environment in the build folder, made
+at the first use, on top of what the interpreter has."""
+
+import os
+import pathlib
+import subprocess
+import sys
+
+import troupe
+
+#: As the documentation names them.
+PACKAGES = ("gymnasium==1.4.0", "pettingzoo==1.27.0")
+
+
+def run_with_packages():
+    """Runs this program again with the packages, and ends with its status; returns there at once. Where they cannot be
+    had it says so, and ends with 77: skipped."""
+    folder = pathlib.Path(troupe.__file__).parents[4] / f"python_packages-{sys.version_info[0]}.{sys.version_info[1]}"
+    python = folder / "bin" / "python3"
+    if pathlib.Path(sys.prefix) == folder:
+        return
+    made = folder / "made"
+    if not (made.exists() and made.read_text() == " ".join(PACKAGES)):
+        try:
+            subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder], check=True, capture_output=True)
+            pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1", *PACKAGES]
+            subprocess.run(pip, check=True, capture_output=True, text=True, timeout=600)
+        except (subprocess.CalledProcessError, subprocess.TimeoutExpired, OSError) as error:
+            last = (getattr(error, "stderr", None) or str(error)).strip().splitlines()[-1:]
+            print(f"SKIPPED: {' and '.join(PACKAGES)} could not be installed: {' '.join(map(str, last))}")
+            sys.exit(77)
+        made.write_text(" ".join(PACKAGES))
+    os.execv(python, [str(python), *sys.argv])

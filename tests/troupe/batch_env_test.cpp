@@ -1,0 +1,386 @@
+#include "troupe/batch_env.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "models/devices/led.hpp"
+#include "troupe/measures.hpp"
+#include "troupe/swarm.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+using Of = BatchPart::Of;
+
+/// Robots that learn, and one that wanders; each of the former has a goal, and pillars stand anywhere.
+constexpr std::string_view k_learning_room = R"({
+  "troupe": 1, "seed": 3,
+  "types": {
+    "wall": {"size_m": [0.1, 7.8, 0.5]},
+    "pillar": {"size_m": [0.3, 0.3, 0.5]},
+    "goal": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1},
+    "bot": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff", "localization": "odom"},
+            "sensors": [{"name": "lidar", "kind": "ranger", "pose": {"z_m": 0.1},
+                         "transducers": [{"range_max_m": 3, "fov_deg": 330, "samples": 12, "noise_stddev_m": 0.01}]}],
+            "devices": [{"name": "lamp", "kind": "led"}],
+            "controller": {"kind": "wander"}}
+  },
+  "models": [
+    {"name": "w", "type": "wall", "pose": {"x_m": -4}}, {"name": "e", "type": "wall", "pose": {"x_m": 4}},
+    {"name": "s", "type": "wall", "pose": {"y_m": -4, "heading_deg": 90}},
+    {"name": "n", "type": "wall", "pose": {"y_m": 4, "heading_deg": 90}}
+  ],
+  "populations": [
+    {"name": "pillar", "type": "pillar", "count": 3, "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}},
+    {"name": "r", "type": "bot", "count": 4, "color": "random", "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}},
+    {"name": "other", "type": "bot", "count": 2, "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}},
+    {"name": "goal", "type": "goal", "count": 4, "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}
+  ]
+})";
+
+Simulation learning_room(std::uint64_t seed = 3, std::string text = std::string(k_learning_room)) {
+  return Simulation::from_text(std::move(text), "room.json", {.threads = 1, .seed = seed});
+}
+
+BatchSpec spec_of(std::size_t copies, unsigned threads = 1) {
+  BatchTeam team{.name = "bots", .robots = "r"};
+  team.arrays = {{"see",
+                  {{.of = Of::reading, .device = "lidar", .field = "ranges", .scale = 0.5},
+                   {.of = Of::nearest, .name = "bot", .count = 2, .range_m = 4}}},
+                 {"state", {{.of = Of::pose}, {.of = Of::estimate}, {.of = Of::speed}, {.of = Of::stalled}}},
+                 {"goal", {{.of = Of::target, .name = "goal"}, {.of = Of::time_left}}},
+                 {"raw", {{.of = Of::reading, .field = "shown_color"}}, true}};
+  team.actions = {{.command = "forward", .low = 0, .high = 0.5},
+                  {.command = "turn", .low = -1, .high = 1},
+                  {.device = "lamp", .command = "red", .low = 0, .high = 1},
+                  {.device = "lamp", .command = "shows", .low = 0, .high = 1}};
+  team.rewards = {{.of = {.array = "goal", .column = 2}, .weight = -1, .change = true},
+                  {.of = {.measure = "mean_nearest_distance"}, .weight = 0.25}};
+  team.ends = {{.of = {.array = "goal", .column = 2}, .below = 0.5, .reward = 5}};
+  return {.copies = copies,
+          .threads = threads,
+          .ticks = 2,
+          .seconds = 4,
+          .teams = {team},
+          .measures = {"mean_nearest_distance"}};
+}
+
+/// From -1 to 1, of a copy's robot in a step.
+double action_of(std::size_t step, std::size_t robot, std::size_t column) {
+  return std::sin(static_cast<double>(7 * step + 3 * robot + column));
+}
+
+void act(BatchEnv& batch, std::size_t step) {
+  const std::size_t columns = batch.spec().teams[0].actions.size();
+  for (std::size_t k = 0; k < batch.actions(0).size(); ++k)
+    batch.actions(0)[k] = action_of(step, k / columns % batch.robots(0), k % columns);
+}
+
+/// Everything that a batch gives in a step, byte for byte.
+std::vector<std::byte> given(BatchEnv& batch) {
+  std::vector<std::byte> all;
+  const auto add = [&](auto values) {
+    const auto bytes = std::as_bytes(values);
+    all.insert(all.end(), bytes.begin(), bytes.end());
+  };
+  for (const char* name : {"see", "state", "goal", "raw"}) add(std::span(batch.array(0, name).bytes));
+  add(batch.rewards(0));
+  add(batch.terminated(0));
+  add(batch.truncated());
+  add(batch.measures());
+  add(batch.seeds());
+  return all;
+}
+
+TEST(AnotherSeed, IsTheWorldLoadedWithIt) {
+  Simulation one = learning_room(3);
+  one.swarm("r").set_speeds(std::vector<Model::Speed>(4, {0.3, 0, 0.1}));
+  for (int i = 0; i < 30; ++i) one.step();
+  for (const std::uint64_t seed : {11u, 12u, 3u}) {
+    Simulation loaded = learning_room(seed);
+    Simulation copy = one.another(seed, 1);
+    one.reset(seed);
+    for (int tick = 0; tick < 40; ++tick) {
+      ASSERT_EQ(one.state_hash(), loaded.state_hash()) << "seed " << seed << ", tick " << tick;
+      ASSERT_EQ(copy.state_hash(), loaded.state_hash()) << "seed " << seed << ", tick " << tick;
+      for (Simulation* each : {&one, &copy, &loaded}) each->step();
+    }
+    EXPECT_EQ(one.seed(), seed);
+    const BodyId pillar = loaded.find("pillar0").id();
+    EXPECT_EQ(one.world().pose(pillar), loaded.world().pose(pillar));
+    EXPECT_EQ(one.world().spec().bodies[one.find("r0").id().index()].color.r,
+              loaded.world().spec().bodies[loaded.find("r0").id().index()].color.r);
+  }
+}
+
+TEST(AnotherSeed, IsRefusedAsTheLoaderDoes) {
+  std::string text(k_learning_room);
+  const std::string wide = R"("rule": "uniform", "region_m": [[-3, -3], [3, 3]])";
+  for (std::size_t at; (at = text.find(wide)) != text.npos;)
+    text.replace(at, wide.size(), R"("rule": "uniform", "region_m": [[-0.54, -0.54], [0.54, 0.54]])");
+  std::optional<Simulation> one;
+  for (std::uint64_t seed = 1; !one && seed < 40; ++seed) try {
+      one.emplace(learning_room(seed, text));
+    } catch (const InputError&) {
+    }
+  ASSERT_TRUE(one);
+  int refused = 0;
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    const std::uint64_t before = one->state_hash();
+    std::string expected;
+    try {
+      expected = std::to_string(learning_room(seed, text).state_hash());
+    } catch (const InputError& error) {
+      expected = error.what();
+    }
+    try {
+      one->reset(seed);
+      EXPECT_EQ(std::to_string(one->state_hash()), expected);
+    } catch (const InputError& error) {
+      ++refused;
+      // Of several populations without room the loader reports each.
+      EXPECT_TRUE(expected.starts_with(error.what())) << expected << "\n" << error.what();
+      EXPECT_EQ(one->state_hash(), before);
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, 39);
+}
+
+TEST(BatchEnv, CopiesAreTheWorldAlone) {
+  const Simulation world = learning_room();
+  for (std::size_t copy = 0; copy < 3; ++copy) {
+    // The same world alone: its learning robots have no controller, and are told the same.
+    std::string text(k_learning_room);
+    Simulation alone = learning_room(3 + copy, text);
+    Swarm swarm = alone.swarm("r");
+    swarm.subscribe();
+    std::vector<std::uint8_t> learns(alone.world().rows());
+    for (const BodyId id : swarm.ids()) learns[alone.world().row(id).index()] = 1;
+    alone.world().on_decide([&](const auto&, const auto& controller, const engine::DecideBatch& decide) {
+      std::vector<Row> others;
+      for (const Row row : decide.rows)
+        if (learns[row.index()] == 0) others.push_back(row);
+      engine::DecideBatch some = decide;
+      some.rows = others;
+      if (!others.empty()) controller.kind->decide(controller.data, some);
+    });
+    BatchEnv own(world, spec_of(3));  // all copies of it are driven, and one is looked at
+    own.reset();
+    alone.step();
+    for (std::size_t step = 0; step < 15; ++step) {
+      EXPECT_EQ(own.simulation(copy).state_hash(), alone.state_hash())
+          << "copy " << copy << ", step " << step;
+      std::vector<float> ranges(4 * 12);
+      swarm.ranges(ranges);
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t k = 0; k < 12; ++k)
+          EXPECT_EQ(own.floats(0, "see")[(copy * 4 + i) * 22 + k], ranges[i * 12 + k] * 0.5F);
+      act(own, step);
+      std::vector<Model::Speed> speeds;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const bool is_finished = own.terminated(0)[copy * 4 + i] != 0;
+        const auto asked = [&](std::size_t column, double low, double high) {
+          return low + (action_of(step, i, column) + 1) * 0.5 * (high - low);
+        };
+        speeds.push_back(is_finished ? Model::Speed() : Model::Speed{asked(0, 0, 0.5), 0, asked(1, -1, 1)});
+        if (is_finished) continue;
+        Model robot = alone.model(swarm.ids()[i]);
+        models::LedCommand& lamp = robot.command<models::LedCommand>("lamp");
+        lamp.red = static_cast<float>(asked(2, 0, 1));
+        lamp.shows = asked(3, 0, 1) >= 0.5;
+      }
+      swarm.set_speeds(speeds);
+      own.step();
+      alone.step();
+      alone.step();
+    }
+  }
+}
+
+TEST(BatchEnv, ThreadsAndOtherCopiesDoNotShow) {
+  const Simulation world = learning_room();
+  std::vector<std::vector<std::byte>> runs;
+  for (const unsigned threads : {1u, 2u, 5u}) {
+    BatchEnv batch(world, spec_of(40, threads));
+    batch.reset();
+    std::vector<std::byte> all;
+    for (std::size_t step = 0; step < 45; ++step) {  // episodes have 20 steps: each copy begins a third one
+      act(batch, step);
+      const std::vector<std::uint8_t> over(batch.over().begin(), batch.over().end());
+      batch.step(over);
+      const std::vector<std::byte> now = given(batch);
+      all.insert(all.end(), now.begin(), now.end());
+    }
+    runs.push_back(std::move(all));
+  }
+  EXPECT_TRUE(runs[0] == runs[1]);
+  EXPECT_TRUE(runs[0] == runs[2]);
+}
+
+TEST(BatchEnv, TellsWhatIsThere) {
+  BatchEnv batch(learning_room(), spec_of(2));
+  batch.reset();
+  act(batch, 0);
+  const double before = batch.floats(0, "goal")[2];
+  batch.step();
+  const engine::World& world = batch.simulation(0).world();
+  const auto state = batch.floats(0, "state");
+  const Row row = world.row(world.find("r0"));
+  const Pose pose = world.poses()[row.index()];
+  EXPECT_EQ(state[0], static_cast<float>(pose.x));
+  EXPECT_EQ(state[1], static_cast<float>(pose.y));
+  EXPECT_FLOAT_EQ(state[2], static_cast<float>(std::cos(pose.heading)));
+  EXPECT_EQ(state[4], static_cast<float>(world.estimate(row).x));
+  EXPECT_EQ(state[8], static_cast<float>(world.velocities()[row.index()].x));
+
+  const auto goal = batch.floats(0, "goal");
+  const Pose there = world.pose(world.find("goal0"));
+  const double distance = std::hypot(there.x - pose.x, there.y - pose.y);
+  EXPECT_FLOAT_EQ(goal[2], static_cast<float>(distance));
+  const double bearing = std::atan2(there.y - pose.y, there.x - pose.x) - pose.heading;
+  EXPECT_NEAR(goal[0], distance * std::cos(bearing), 1e-5);
+  EXPECT_NEAR(goal[1], distance * std::sin(bearing), 1e-5);
+  EXPECT_FLOAT_EQ(goal[3], 38.0F / 40);
+
+  // Brute force, over all robots of the type, the others too.
+  std::vector<std::pair<double, Row>> all;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    if (world.type(Row(r)).drive && Row(r) != row)
+      all.emplace_back((world.poses()[r].position() - pose.position()).norm(), Row(r));
+  std::ranges::sort(all, {}, [](const auto& each) { return each.first; });
+  const auto see = batch.floats(0, "see");
+  ASSERT_EQ(all.size(), 5u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const float* near = &see[12 + 5 * k];
+    const bool is_near = all[k].first <= 4;
+    EXPECT_EQ(near[4], is_near ? 1 : 0);
+    if (!is_near) continue;
+    EXPECT_NEAR(std::hypot(near[0], near[1]), all[k].first, 1e-5);
+    EXPECT_NEAR(std::atan2(near[3], near[2]),
+                std::remainder(world.poses()[all[k].second.index()].heading - pose.heading, 2 * M_PI), 1e-5);
+  }
+  EXPECT_FLOAT_EQ(static_cast<float>(batch.rewards(0)[0]),
+                  static_cast<float>(before - goal[2] + 0.25 * batch.measures()[0]));
+}
+
+TEST(BatchEnv, ARobotThatArrivesIsFinishedAndStandsStill) {
+  BatchSpec spec = spec_of(1);
+  spec.seconds = 1000;
+  spec.teams[0].ends[0].below = 1e3;  // at once
+  BatchEnv batch(learning_room(), spec);
+  batch.reset();
+  EXPECT_EQ(batch.over()[0], 0);
+  act(batch, 0);
+  batch.step();
+  EXPECT_EQ(batch.terminated(0)[2], 1);
+  EXPECT_GT(batch.rewards(0)[2], 4);
+  EXPECT_EQ(batch.over()[0], 1);
+  EXPECT_EQ(batch.truncated()[0], 0);
+  for (int i = 0; i < 10; ++i) batch.step();
+  EXPECT_EQ(batch.rewards(0)[2], 0);
+  EXPECT_EQ(batch.floats(0, "state")[2 * 12 + 8], 0) << "its speed";
+  const std::uint64_t seed = batch.seeds()[0];
+  batch.step(batch.over());
+  EXPECT_NE(batch.seeds()[0], seed);
+  EXPECT_EQ(batch.terminated(0)[2], 0);
+  EXPECT_EQ(batch.rewards(0)[2], 0);
+  EXPECT_EQ(batch.simulation(0).tick(), 1);
+}
+
+TEST(BatchEnv, CopiesAreResetAlone) {
+  BatchEnv batch(learning_room(), spec_of(3));
+  batch.reset();
+  act(batch, 0);
+  batch.step();
+  const std::vector<std::uint64_t> before{batch.simulation(0).state_hash(), batch.simulation(2).state_hash()};
+  const std::vector<std::uint8_t> which{0, 1, 0};
+  const std::vector<std::optional<std::uint64_t>> seeds{{}, 77, {}};
+  batch.reset(which, seeds);
+  EXPECT_EQ(batch.simulation(0).state_hash(), before[0]);
+  EXPECT_EQ(batch.simulation(2).state_hash(), before[1]);
+  EXPECT_EQ(batch.simulation(1).seed(), 77u);
+  Simulation alone = learning_room(77);
+  alone.step();
+  EXPECT_EQ(batch.simulation(1).hashes().pose, alone.hashes().pose);
+}
+
+TEST(BatchEnv, SaysWhatIsWrong) {
+  const Simulation world = learning_room();
+  const auto make = [&](auto&& change) {
+    return [&world, change] {
+      BatchSpec spec = spec_of(2);
+      change(spec, spec.teams[0]);
+      const BatchEnv batch(world, spec);
+    };
+  };
+  const auto is_wrong = [&]<class Error>(Error*, auto&& change, const std::string& text) {
+    EXPECT_THAT(make(change), ThrowsMessage<Error>(HasSubstr(text)));
+  };
+  constexpr std::invalid_argument* k_argument = nullptr;
+  constexpr std::out_of_range* k_name = nullptr;
+  is_wrong(
+      k_argument, [](auto& s, auto&) { s.copies = 0; }, "0 copies: give 1 to 1000000");
+  is_wrong(
+      k_argument, [](auto& s, auto&) { s.ticks = 0; }, "0 ticks a step");
+  is_wrong(
+      k_argument, [](auto& s, auto&) { s.seconds = NAN; }, "episodes of nan s");
+  is_wrong(
+      k_argument, [](auto& s, auto&) { s.teams.clear(); }, "without a team");
+  is_wrong(
+      k_argument, [](auto& s, auto& t) { s.teams.push_back(t); }, "two teams are called \"bots\"");
+  is_wrong(
+      k_argument,
+      [](auto& s, auto& t) {
+        s.teams.push_back(t);
+        s.teams[1].name = "more";
+      },
+      "\"r0\" is in two teams");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.robots = "q"; }, "unknown type or population of robots \"q\"");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.arrays[0].parts[0].field = "rangs"; }, "did you mean \"ranges\"?");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
+      "there is no model \"gaol\", and no \"gaol0\" for \"r0\"");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; }, "unknown command of \"lamp\" \"reed\"");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.rewards[0].of.array = "gold"; },
+      "unknown array of team \"bots\" \"gold\"");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
+      "column 4 of array \"goal\", which has 4");
+  is_wrong(
+      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; }, "must have one part");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; }, "the 0 nearest robots");
+
+  BatchEnv batch(world, spec_of(2));
+  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("reset() comes before")));
+  batch.reset();
+  const std::uint64_t before = batch.simulation(0).state_hash();
+  batch.actions(0)[4 * 4 + 5] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT([&] { batch.step(); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("action 1 of \"r1\" in copy 1 is nan")));
+  EXPECT_EQ(batch.simulation(0).state_hash(), before);
+  const std::vector<std::uint8_t> three(3);
+  EXPECT_THAT([&] { batch.reset(three); }, ThrowsMessage<std::invalid_argument>(HasSubstr("3 of 2 copies")));
+}
+
+}  // namespace
+}  // namespace troupe
