@@ -201,7 +201,6 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
        "f.mp4: error: cannot be written: a film has no transparency: --background paper, white or dark"},
-      {{"--background", "dark"}, "--background requires --snapshot or --film"},
       {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg cannot hold solids"},
   };
   for (const auto& [options, message] : cases) {

@@ -235,8 +235,9 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render"}, "troupe render: error: "},
       {{"render", "room.world"}, "troupe render: error: "},
       {{"render", "room.world", "-o", "q.jpg"},
-       "troupe render: error: --output: \"q.jpg\" is not the name of a picture, as in --output crowd.png; "
-       "see"},
+       "troupe render: error: --output: \"q.jpg\" is not the name of a picture, as in --output crowd.png, "
+       "crowd.svg or "
+       "crowd.pdf; see"},
       {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
        "troupe render: error: --at: several pictures need names of their own: write {time} in the name, as "
        "in "

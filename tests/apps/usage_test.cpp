@@ -181,9 +181,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--raytracer", "Grid"}), in_run("--raytracer: \"Grid\" is not exact or grid")},
         WrongUsage{room({"--tile-size", "0"}), in_run("--tile-size: \"0\" is not a length in metres, above 0 "
                                                       "(tiles are never smaller than the cells they hold)")},
-        WrongUsage{
-            room({"--snapshot", "room.jpg"}),
-            in_run("--snapshot: \"room.jpg\" is not the name of a picture, as in --snapshot crowd.png")},
+        WrongUsage{room({"--snapshot", "room.jpg"}),
+                   in_run("--snapshot: \"room.jpg\" is not the name of a picture, as in --snapshot "
+                          "crowd.png, crowd.svg or "
+                          "crowd.pdf")},
         WrongUsage{
             room({"--snapshot", "room.png", "--size", "640"}),
             in_run("--size: \"640\" is not a width and a height in pixels, 1 to 16384 each, as in --size "
@@ -200,7 +201,8 @@ INSTANTIATE_TEST_SUITE_P(
                    in_run("--snapshot-at: \"1,x\" is not a list of simulated times in seconds, as in "
                           "--snapshot-at 0,60,600")},
         WrongUsage{room({"--snapshot", "p.png", "--camera", "side"}),
-                   in_run("--camera: unknown camera \"side\"; known: follow:NAME, perspective, top, window")},
+                   in_run("--camera: unknown camera \"side\"; known: fit, follow:NAME, follow:all, "
+                          "perspective, top, window")},
         WrongUsage{room({"--snapshot", "p.png", "--angle", "91"}),
                    in_run("--angle: \"91\" is not a pitch in degrees, 0 (straight down) to 90 (level), and a "
                           "yaw, -360 to 360, as in --angle 50,30")},

@@ -47,17 +47,18 @@ TEST(PictureLayers, AreCheckedByName) {
   EXPECT_TRUE(check_layers(""));
   EXPECT_TRUE(check_layers("scans,-grid,+names"));
   EXPECT_THAT(check_layers("scan").error().text,
-              AllOf(HasSubstr("unknown layer \"scan\"; known: beams, blobs, cells, "),
+              AllOf(HasSubstr("unknown layer \"scan\"; known: beams, blobs, bounds, cells, "),
                     HasSubstr("(did you mean \"scans\"?)")));
   EXPECT_THAT(check_layers("scans,,grid").error().text, HasSubstr("unknown layer \"\""));
   for (const PictureLayer& layer : picture_layers()) EXPECT_TRUE(check_layers(std::string(layer.name)));
 }
 
 TEST(Cameras, AreCheckedByName) {
-  for (const char* camera : {"top", "perspective", "window", "follow:r0"})
+  for (const char* camera : {"top", "perspective", "window", "follow:r0", "follow:all", "fit"})
     EXPECT_TRUE(check_camera(camera)) << camera;
   EXPECT_EQ(check_camera("perspectiv").error().text,
-            "unknown camera \"perspectiv\"; known: follow:NAME, perspective, top, window (did you mean "
+            "unknown camera \"perspectiv\"; known: fit, follow:NAME, follow:all, perspective, top, window "
+            "(did you mean "
             "\"perspective\"?)");
   EXPECT_THAT(check_camera("follow:").error().text, HasSubstr("unknown camera"));
   EXPECT_TRUE(check_camera("follow:NAME"));  // a model may be called so
@@ -143,7 +144,8 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
   world_ = write("no_window.json", R"({"troupe": 1})");
   EXPECT_EQ(
       refusal({.camera = "window"}),
-      world_.string() + ": error: the world has no window; other cameras: follow:NAME, perspective, top");
+      world_.string() +
+          ": error: the world has no window; other cameras: fit, follow:all, follow:NAME, perspective, top");
 }
 
 TEST_F(PicturesTest, APictureIsAFile) {
