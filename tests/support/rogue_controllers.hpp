@@ -110,7 +110,7 @@ struct ReadsASlowClock : Parameterless {
 struct LeavesAMemberUnset : Parameterless {
   std::uint64_t gain;
   double bias;
-  static LeavesAMemberUnset make(const engine::Record&) {
+  static LeavesAMemberUnset make() {
     const auto controller = std::make_unique_for_overwrite<LeavesAMemberUnset>();
     controller->bias = 0.25;
     return *controller;
