@@ -296,7 +296,6 @@ struct Counter {
     double last = 0.1;
     TROUPE_FIELDS(small, count, thirds, last)
   };
-  static Counter make() { return {}; }
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {}; }
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {

@@ -117,7 +117,6 @@ TEST_F(SimulationTest, AFileThatIsNotThereIsAnInputError) {
 
 /// Turns on the spot.
 struct Spinner {
-  static Spinner make() { return {}; }
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     return {};
   }
