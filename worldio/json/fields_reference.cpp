@@ -63,9 +63,9 @@ std::string value_text(const Value& value, const Field& field) {
   }
   if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
   // A block that is left out has the defaults of its fields, unless one of them has none.
-  const bool optional =
-      field.type == FieldType::record &&
-      std::ranges::all_of(field.record->fields, [](const Field& f) { return f.fallback.given() || f.optional; });
+  const bool optional = field.type == FieldType::record &&
+                        std::ranges::all_of(field.record->fields,
+                                            [](const Field& f) { return f.fallback.given() || f.optional; });
   return optional ? "its defaults" : "required";
 }
 
