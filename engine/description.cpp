@@ -57,7 +57,7 @@ bool is_default(const Record& record, const Record& defaults) {
 /// What stands in for a member that is not given, by what it is in T{}.
 Value fallback_of(const Field& field, const void* example) {
   Value value = get(field, example);
-  if (field.type == FieldType::record && value.given() &&
+  if (field.type == FieldType::record && field.record != nullptr && value.given() &&
       is_default(value.records().front(), field.record->defaults()))
     return {};
   return value;
@@ -140,6 +140,21 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
   if (field.optional && fallback.given()) contradicts(name, "is of an optional that has a default");
   if (!required) field.fallback = std::move(fallback);
   table.fields.push_back(std::move(field));
+}
+
+void add_apart(FieldTable& table, std::string_view name) {
+  if (table.find(name) >= 0) contradicts(name, "gives two members this name");
+  table.fields.push_back({.name = name});
+}
+
+Value all_numbers(const MemberType& lists, const void* member) {
+  std::vector<double> numbers;
+  const std::size_t size = lists.size(member);
+  for (std::size_t i = 0; i < size; ++i) {
+    const Value list = lists.each->get(lists.block(const_cast<void*>(member), i));
+    numbers.insert(numbers.end(), list.numbers().begin(), list.numbers().end());
+  }
+  return numbers;
 }
 
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member) {

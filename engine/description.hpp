@@ -52,7 +52,9 @@
 /// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
 ///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
 ///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
-///           std::vector of such (records); std::optional of any of these but lists
+///           std::vector of such (records); std::optional of any of these but lists; std::vector of Eigen
+///           vectors, and of such lists (numbers in lists of lists); Record (a record whose table the reader
+///           of the struct knows)
 /// defaults  those of T{}; a `required` member has none. A std::optional has none either, and may be missing
 /// limits    as described, and no wider than the member's type: what it cannot hold is refused
 ///
@@ -130,8 +132,9 @@ inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field:
 inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
 /// It says where the others come from: stored, and not compared.
 inline constexpr Fact provenance{Fact::Kind::provenance};
-inline constexpr Fact is_sparse{Fact::Kind::sparse};  ///< of state: StateField::sparse
-inline constexpr Fact is_look{Fact::Kind::look};      ///< of state: StateField::look
+/// Of state: StateField::sparse. Of others: where it is stored it may be missing, and then has its default.
+inline constexpr Fact is_sparse{Fact::Kind::sparse};
+inline constexpr Fact is_look{Fact::Kind::look};  ///< of state: StateField::look
 }  // namespace facts
 
 /// How members of one C++ type are read and written by code that does not know the type.
@@ -141,8 +144,9 @@ struct MemberType {
   double min = -std::numeric_limits<double>::infinity();  ///< the least that it holds
   double max = std::numeric_limits<double>::infinity();   ///< the most
   bool optional = false;                                  ///< it may be missing
-  std::span<const std::string_view> choices = {};         ///< of an enum
-  const FieldTable& (*table)() = nullptr;                 ///< of records: described<T>()
+  bool is_unsigned = false;                        ///< 64 bits without a sign: a Value has the same bits
+  std::span<const std::string_view> choices = {};  ///< of an enum
+  const FieldTable& (*table)() = nullptr;          ///< of records: described<T>()
   /// The value of a member. Null for records.
   Value (*get)(const void* member) = nullptr;
   /// Throws std::bad_variant_access for a value of another type, std::invalid_argument for one that the
@@ -154,6 +158,9 @@ struct MemberType {
   void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: it always has one
   void* (*block)(void* member, std::size_t i) = nullptr;  ///< the i-th
   ///@}
+  /// Of lists of lists of numbers, whose lists are blocks: what each of them is. Their get() puts all numbers
+  /// in one list, and they have no set().
+  const MemberType* each = nullptr;
   bool is_state = false;           ///< it can be state, of
   Element element = Element::f64;  ///< these
 };
@@ -266,6 +273,7 @@ constexpr MemberType plain_type() {
     constexpr auto k_most = k_wide ? std::numeric_limits<std::int64_t>::max()
                                    : static_cast<std::int64_t>(std::numeric_limits<M>::max());
     type.type = FieldType::integer;
+    type.is_unsigned = k_wide && std::is_unsigned_v<M>;
     if (!k_wide) {
       type.min = static_cast<double>(k_least);
       type.max = static_cast<double>(k_most);
@@ -314,6 +322,10 @@ constexpr MemberType plain_type() {
     type.set = [](void* m, const Value& value) {
       *static_cast<std::vector<std::string>*>(m) = value.texts();
     };
+  } else if constexpr (std::is_same_v<M, Record>) {
+    type.type = FieldType::record;
+    type.get = [](const void* m) { return Value(std::vector<Record>{*static_cast<const Record*>(m)}); };
+    type.set = [](void* m, const Value& value) { *static_cast<Record*>(m) = value.records().at(0); };
   } else if constexpr (std::is_same_v<M, Color>) {
     type.type = FieldType::color;
     type.get = [](const void* m) { return color_value(*static_cast<const Color*>(m)); };
@@ -360,6 +372,26 @@ template <class M>
 struct TROUPE_OF_TYPE TypeOf {
   static constexpr MemberType value = plain_type<M>();
 };
+
+/// Whether a std::vector of these is a list of lists of numbers.
+template <class M>
+inline constexpr bool k_is_listed = Fixed<M>::size > 0;
+template <class M>
+inline constexpr bool k_is_listed<std::vector<M>> = k_is_listed<M>;
+
+Value all_numbers(const MemberType& lists, const void* member);
+
+template <class M>
+requires k_is_listed<M>
+struct TypeOf<std::vector<M>> {
+  static constexpr MemberType value{
+      .type = FieldType::numbers,
+      .get = [](const void* m) { return all_numbers(TypeOf<std::vector<M>>::value, m); },
+      .size = [](const void* m) { return static_cast<const std::vector<M>*>(m)->size(); },
+      .resize = [](void* m, std::size_t n) { static_cast<std::vector<M>*>(m)->resize(n); },
+      .block = [](void* m, std::size_t i) -> void* { return &(*static_cast<std::vector<M>*>(m))[i]; },
+      .each = &TypeOf<M>::value};
+};
 template <class M>
 requires Described<M>
 struct TROUPE_OF_TYPE TypeOf<std::vector<M>> {
@@ -376,7 +408,7 @@ constexpr MemberType optional_type() {
   static_assert(TypeOf<M>::value.type != FieldType::records, "a list may be empty: it need not be optional");
   type.optional = true;
   type.is_state = false;
-  if constexpr (TypeOf<M>::value.type == FieldType::record) {
+  if constexpr (TypeOf<M>::value.table != nullptr) {
     type.size = [](const void* m) {
       return std::size_t{static_cast<const std::optional<M>*>(m)->has_value()};
     };
@@ -411,6 +443,8 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
 /// or the type.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
+/// Appends the field of a member that each visitor has code of its own for.
+void add_apart(FieldTable& table, std::string_view name);
 /// Appends all fields of a part of a struct.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
@@ -449,6 +483,16 @@ class Description {
   template <auto k_member>
   constexpr void derived() {
     if (table_ == nullptr) count(&detail::k_tag<k_member>, false);
+  }
+
+  /// A member for which visitors have code of their own: a field without a Field::member, which keeps its
+  /// place among the others.
+  template <auto k_member>
+  [[gnu::cold]] constexpr void apart(std::string_view name) {
+    if (table_ == nullptr)
+      count(&detail::k_tag<k_member>, false);
+    else
+      detail::add_apart(*table_, name);
   }
 
   /// Members described so far, each counted once.

@@ -1,6 +1,154 @@
 #include "engine/world_spec.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
 namespace troupe::engine {
+namespace {
+
+using Report = std::function<void(Where, const std::string&)>;
+
+/// Reports at a value of a type, whose place is that of its root.
+class TypeRules {
+ public:
+  TypeRules(const TypeSpec& type, std::size_t index, const Report& report)
+      : type_(type), path_(fmt::format("types[{}]", index)), report_(report) {}
+
+  void check() {
+    if (type_.parts.empty()) return report_({}, path_ + ": a type has at least one part");
+    for (std::size_t p = 0; p < type_.parts.size(); ++p) {
+      const PartSpec& part = type_.parts[p];
+      if (part.parent >= std::max<std::size_t>(p, 1))
+        fault(part.where, fmt::format("parts[{}].parent", p), part.parent, "a part stands on one before it");
+      check_joint(part.where, fmt::format("parts[{}].joint", p), part.joint);
+    }
+    for (std::size_t j = 0; j < type_.joints.size(); ++j)
+      if (type_.joints[j].parent >= static_cast<std::int32_t>(j))
+        fault(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
+              "a joint stands on one before it");
+    for (std::size_t d = 0; d < type_.devices.size(); ++d) {
+      const DeviceSpec& device = type_.devices[d];
+      check_part(device.where, fmt::format("sensors[{}].part", d), device.part);
+      check_joint(device.where, fmt::format("sensors[{}].joint", d), device.joint);
+      check_joint(device.where, fmt::format("sensors[{}].moves", d), device.moves);
+    }
+    for (std::size_t c = 0; c < type_.controllers.size(); ++c)
+      check_part(type_.controllers[c].where, fmt::format("controllers[{}].part", c),
+                 type_.controllers[c].part);
+  }
+
+ private:
+  template <class Index>
+  void fault(Where where, const std::string& member, Index found, std::string_view rule) const {
+    report_(where, fmt::format("{}.{}: {}; here is {}", path_, member, rule, found));
+  }
+  void check_joint(Where where, const std::string& member, std::int32_t joint) const {
+    if (joint >= static_cast<std::int32_t>(type_.joints.size()))
+      fault(where, member, joint, fmt::format("the type has {} joints", type_.joints.size()));
+  }
+  void check_part(Where where, const std::string& member, std::uint32_t part) const {
+    if (part >= type_.parts.size())
+      fault(where, member, part, fmt::format("the type has {} parts", type_.parts.size()));
+  }
+
+  const TypeSpec& type_;
+  std::string path_;
+  const Report& report_;
+};
+
+void check_bodies(const WorldSpec& spec, const Report& report) {
+  if (spec.bodies.empty()) report({}, "bodies: there is none: the first of every world is the ground");
+  const std::size_t words = spec.names.words().size();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const BodySpec& body = spec.bodies[b];
+    if (body.type.index() >= spec.types.size())
+      return report(body.where, fmt::format("bodies[{}].type: the world has {} types; here is {}", b,
+                                            spec.types.size(), body.type.value));
+    if (body.name.word >= words)
+      return report(body.where, fmt::format("bodies[{}].name: the world has {} words; here is {}", b, words,
+                                            body.name.word));
+  }
+  for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
+    if (spec.aliases[a].name.word >= words)
+      return report({}, fmt::format("aliases[{}].name: the world has {} words; here is {}", a, words,
+                                    spec.aliases[a].name.word));
+    if (spec.aliases[a].body.index() >= spec.bodies.size())
+      return report({}, fmt::format("aliases[{}].body: the world has {} bodies; here is {}", a,
+                                    spec.bodies.size(), spec.aliases[a].body.value));
+  }
+}
+
+void check_part_names(const WorldSpec& spec, const Report& report) {
+  for (const auto& [name, place] : spec.part_aliases) {
+    const auto has_part = [&spec, &place = place] {
+      if (place.body.index() >= spec.bodies.size()) return false;
+      const auto& parts = spec.types[spec.bodies[place.body.index()].type.index()].parts;
+      return std::ranges::find(parts, place.part, &PartSpec::name) != parts.end();
+    };
+    if (!has_part())
+      return report({}, fmt::format("part_names: \"{}\" names a part that is not there", name));
+  }
+}
+
+void check_reserves(const WorldSpec& spec, const Report& report) {
+  std::size_t end = 1;  // the ground is always there
+  for (std::size_t r = 0; r < spec.reserves.size(); ++r) {
+    const ReserveSpec& reserve = spec.reserves[r];
+    const std::size_t first = reserve.first.index();
+    const std::size_t last = first + reserve.count;
+    const auto fault = [&](std::string_view what) {
+      report({}, fmt::format("reserves[{}]: reserve \"{}\" {}", r, reserve.population, what));
+    };
+    if (first < end || last > spec.bodies.size() || reserve.count == 0)
+      return fault("refers to bodies outside the body list or to bodies of another reserve");
+    for (std::size_t b = first; b < last; ++b)
+      if (spec.bodies[b].type != spec.bodies[first].type) return fault("has bodies of several types");
+    end = last;
+  }
+}
+
+void check_settings(const WorldSpec& spec, const Report& report) {
+  for (std::size_t i = 0; i < spec.experiment.at.size(); ++i) {
+    const InterventionSpec& at = spec.experiment.at[i];
+    if (!at.setting) continue;
+    const SettingSpec& setting = *at.setting;
+    const auto has_it = [&] {
+      if (setting.type.index() >= spec.types.size()) return false;
+      const TypeSpec& type = spec.types[setting.type.index()];
+      switch (setting.of) {
+        case SettingSpec::Of::drive: return type.drive.has_value();
+        case SettingSpec::Of::device: return setting.index < type.devices.size();
+        case SettingSpec::Of::controller: break;
+      }
+      return setting.index < type.controllers.size();
+    };
+    if (!has_it())
+      report(at.where,
+             fmt::format("experiment.at[{}].setting: names a type, or a drive, device or controller "
+                         "of a type, that is not there",
+                         i));
+  }
+}
+
+}  // namespace
+
+void check_rules(const WorldSpec& spec, const Report& report) {
+  bool is_right = true;
+  const Report note = [&](Where where, const std::string& message) {
+    is_right = false;
+    report(where, message);
+  };
+  for (std::size_t t = 0; t < spec.types.size(); ++t) TypeRules(spec.types[t], t, note).check();
+  if (spec.bounds && spec.bounds->empty())
+    note({}, "bounds_m: the lower corner is beyond the upper: these are [x_min, y_min, x_max, y_max]");
+  check_bodies(spec, note);
+  if (!is_right) return;  // what follows looks bodies and types up
+  check_part_names(spec, note);
+  check_reserves(spec, note);
+  check_settings(spec, note);
+}
 
 void add_ground(WorldSpec& spec) {
   TypeSpec type;

@@ -11,6 +11,7 @@
 #include "engine/ranging_engine.hpp"
 #include "engine/watch_spec.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -201,6 +202,12 @@ struct WorldSpec {
 
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.
 void add_ground(WorldSpec& spec);
+
+/// Reports what the members of a world say of one another and cannot be: a part that stands on a later one, a
+/// body of a type that is not there, a reserve that overlaps another, ... Each message begins with the path
+/// of the value: `types[0].parts[2].parent: ...`. The members themselves are described in
+/// spec_description.cpp.
+void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
 /// What fiducial finders read of a part of a body; 0: they do not find it.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {

@@ -371,11 +371,11 @@ SimulationClass bind_simulation(py::module_& module) {
       .def(
           "reset",
           [](const Holder& held, const Seed& seed) {
-            Simulation& simulation = held->use_outside("reset()");
+            Simulation& used = held->use_outside("reset()");
             if (seed)
-              simulation.reset(*seed);
+              used.reset(*seed);
             else
-              simulation.reset();
+              used.reset();
           },
           py::arg("seed") = py::none(),
           "Back to tick 0, bit for bit; with a seed to what loading with that seed gives.")

@@ -16,6 +16,7 @@
 #include "troupe/registry.hpp"
 #include "troupe/world_builder.hpp"
 #include "worldio/json/json_world.hpp"
+#include "worldio/json/spec_check.hpp"
 #include "worldio/load.hpp"
 #include "worldio/results/checkpoint.hpp"
 
@@ -158,6 +159,16 @@ struct Simulation::Impl {
     if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
   }
 
+  /// Makes the world of a spec in which nothing is wrong.
+  void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
+    tile_size_m = options.tile_size_m;
+    spec.ranging = options.ranging.value_or(spec.ranging);
+    world = std::make_unique<engine::World>(
+        std::move(spec), *registry, engine::WorldOptions{options.threads, options.tile_size_m}, diagnostics);
+    watch_for_the_end(diagnostics);
+    warnings = diagnostics.warnings();
+    append(warnings, plugins->warnings());
+  }
   /// Once the world is made.
   void watch_for_the_end(Diagnostics& diagnostics) {
     const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
@@ -514,19 +525,36 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   impl->file = file;
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
   impl->plugins = add_plugins(*impl->registry, options.plugin_path);
-  impl->tile_size_m = options.tile_size_m;
   Diagnostics diagnostics(std::move(files));
   worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path, options.threads};
   how.place_again = &impl->place_again;
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
-  spec.ranging = options.ranging.value_or(spec.ranging);
-  impl->world = std::make_unique<engine::World>(std::move(spec), *impl->registry,
-                                                engine::WorldOptions{options.threads, options.tile_size_m},
-                                                diagnostics);
-  impl->watch_for_the_end(diagnostics);
-  impl->warnings = diagnostics.warnings();
-  append(impl->warnings, impl->plugins->warnings());
+  impl->start(std::move(spec), options, diagnostics);
+  return Simulation(std::move(impl));
+}
+
+Simulation::Simulation(engine::WorldSpec world, const SimulationOptions& options)
+    : Simulation(std::move(world), options, make_registry()) {}
+
+Simulation::Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry)
+    : Simulation(make(std::move(world), options, std::move(registry))) {}
+
+Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& options,
+                            engine::Registry registry) {
+  if (!options.robots.empty() || !options.set.empty() || !options.search_path.empty())
+    throw std::invalid_argument(
+        "SimulationOptions: robots, set and search_path are for files; change the WorldSpec itself");
+  restore_fp_environment();
+  auto impl = std::make_unique<Impl>();
+  impl->file = spec.title.empty() ? "world" : spec.title;
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
+  Diagnostics diagnostics(spec.files);
+  worldio::check_spec(spec, *impl->registry, diagnostics);
+  diagnostics.throw_if_errors();
+  if (options.seed) spec.seed = *options.seed;
+  impl->start(std::move(spec), options, diagnostics);
   return Simulation(std::move(impl));
 }
 

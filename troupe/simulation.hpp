@@ -287,6 +287,13 @@ class Simulation {
   /// The same with kinds of the caller's own.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
+  /// Makes a world from a spec (engine/world_spec.hpp): one that a program filled by hand, or that a loader
+  /// made. Throws InputError that lists what no world can have, each by the path of the value and, where the
+  /// spec has it, its file and line: `types[0].parts[2].size: must be ..., found nan`. Of the options
+  /// `robots`, `set` and `search_path` are for files: std::invalid_argument.
+  explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
+  /// The same with kinds of the caller's own.
+  Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
   /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
   /// had never stopped, on any number of threads, and without the files that its world was loaded from.
   /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
@@ -482,6 +489,8 @@ class Simulation {
   static Simulation load(const std::filesystem::path& file, const SimulationOptions& options,
                          engine::Registry registry, std::shared_ptr<SourceFiles> files,
                          const ReadWorld& read);
+  static Simulation make(engine::WorldSpec world, const SimulationOptions& options,
+                         engine::Registry registry);
   std::size_t reserve_of(std::string_view population) const;
   std::unique_ptr<Impl> impl_;
 };

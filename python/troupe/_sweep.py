@@ -110,7 +110,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     del first
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []
-    with concurrent.futures.ThreadPoolExecutor(threads or _core.processors_allowed()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
         futures = [pool.submit(_make, world, name, read, index, options) for index in range(len(read["runs"]))]
         try:
             for index, future in enumerate(futures):

@@ -82,18 +82,18 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
 
 // The gripper reaches from 0.2 to 0.4 m before the robot's origin; the puck stands between its paddles.
 TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
-  constexpr std::string_view k_world =
+  constexpr std::string_view k_turning_world =
       "define puck model( size [0.1 0.1 0.1] pose [0.34 0 0 0] gripper_return 1 )\n"
       "position( name \"r\" size [0.4 0.4 0.3] stack_children 0\n"
       "  gripper( pose [0.3 0 0 0] alwayson 1 autosnatch 1 ) )\n"
       "puck( name \"o\" )\n";
-  Simulation simulation = load(k_world);
+  Simulation simulation = load(k_turning_world);
   step(simulation, 30);
   const engine::World& world = simulation.world();
   EXPECT_EQ(world.carrier(world.row(world.find("o"))), world.find("r"));
   EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").held, world.find("o").value + 1);
 
-  std::string smooth(k_world);
+  std::string smooth(k_turning_world);
   smooth.replace(smooth.find("gripper_return 1"), 16, "gripper_return 0");
   Simulation unfelt = load(smooth);
   step(unfelt, 30);

@@ -230,7 +230,7 @@ TEST(ExperimentJson, IsWrittenAsItReadsBack) {
   EXPECT_EQ(spec_difference(loaded.spec, back), "");
   WorldSpec other = back;
   other.experiment.at[2].whom.share = 0.4;
-  EXPECT_EQ(spec_difference(loaded.spec, other), "what is done at 2 s: its bodies");
+  EXPECT_EQ(spec_difference(loaded.spec, other), "experiment.at[2].whom.share");
 }
 
 // ---- places

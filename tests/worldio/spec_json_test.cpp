@@ -5,13 +5,14 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/json/spec_difference.hpp"
 #include "worldio/load.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <bit>
 #include <filesystem>
 #include <limits>
 
@@ -41,233 +42,9 @@ std::string errors_of(const StoredSpec& stored, const Changes& changes = {}) {
   return "no error";
 }
 
-/// Equal bits, and equal texts; of a Where the name of its file, since files are numbered by each load.
-class Comparison {
- public:
-  Comparison(const WorldSpec& a, const WorldSpec& b) : a_(a), b_(b) {}
-
-  void compare() {
-    // Each struct is taken apart, so that a field that is added to one must be compared here to compile.
-    const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-                 bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
-                 measure_every_s, watch, window, experiment] = a_;
-    EXPECT_EQ(title, b_.title);
-    EXPECT_TRUE(files && b_.files);
-    EXPECT_EQ(seed, b_.seed);
-    same(tick_s, b_.tick_s);
-    EXPECT_EQ(quit_time_s, b_.quit_time_s);
-    ASSERT_EQ(record.has_value(), b_.record.has_value());
-    if (record) same(*record, *b_.record);
-    ASSERT_EQ(measures.size(), b_.measures.size());
-    for (std::size_t i = 0; i < measures.size(); ++i) same(measures[i], b_.measures[i]);
-    same(measure_every_s, b_.measure_every_s);
-    EXPECT_EQ(watch, b_.watch);
-    EXPECT_EQ(window, b_.window);
-    same(experiment, b_.experiment);
-    EXPECT_EQ(ranging, b_.ranging);
-    same(resolution_m, b_.resolution_m);
-    same(resolution_where, b_.resolution_where);
-    ASSERT_EQ(bounds.has_value(), b_.bounds.has_value());
-    if (bounds) {
-      EXPECT_EQ(bounds->min, b_.bounds->min);
-      EXPECT_EQ(bounds->max, b_.bounds->max);
-    }
-    EXPECT_TRUE(std::ranges::equal(names.words(), b_.names.words()));
-    ASSERT_EQ(types.size(), b_.types.size());
-    for (std::size_t t = 0; t < types.size(); ++t) same(types[t], b_.types[t]);
-    ASSERT_EQ(bodies.size(), b_.bodies.size());
-    for (std::size_t i = 0; i < bodies.size(); ++i) same(bodies[i], b_.bodies[i]);
-    EXPECT_EQ(mortal, b_.mortal);
-    ASSERT_EQ(reserves.size(), b_.reserves.size());
-    for (std::size_t i = 0; i < reserves.size(); ++i) {
-      const auto& [population, first, count] = reserves[i];
-      EXPECT_EQ(population, b_.reserves[i].population);
-      EXPECT_EQ(first, b_.reserves[i].first);
-      EXPECT_EQ(count, b_.reserves[i].count);
-    }
-    ASSERT_EQ(aliases.size(), b_.aliases.size());
-    for (std::size_t i = 0; i < aliases.size(); ++i) {
-      const auto& [name, body] = aliases[i];
-      EXPECT_EQ(name, b_.aliases[i].name);
-      EXPECT_EQ(body, b_.aliases[i].body);
-    }
-    ASSERT_EQ(part_aliases.size(), b_.part_aliases.size());
-    for (const auto& [name, place] : part_aliases) {
-      const auto& [body, part] = place;
-      EXPECT_EQ(body, b_.part_aliases.at(name).body);
-      EXPECT_EQ(part, b_.part_aliases.at(name).part);
-    }
-  }
-
- private:
-  static void same(double a, double b) {
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << a << " and " << b;
-  }
-  void same(const Where& a, const Where& b) {
-    EXPECT_EQ(a.line, b.line);
-    const auto name = [](const WorldSpec& spec, const Where& where) {
-      return where.file == Where::k_no_file ? "" : spec.files->name(where.file);
-    };
-    EXPECT_EQ(name(a_, a), name(b_, b));
-  }
-  static void same(const Pose& a, const Pose& b) {
-    same(a.x, b.x);
-    same(a.y, b.y);
-    same(a.z, b.z);
-    same(a.heading, b.heading);
-  }
-  void same(const engine::RecordSpec& a, const engine::RecordSpec& b) {
-    const auto& [file, fields, every_s, where, where_fields] = a;
-    EXPECT_EQ(file, b.file);
-    EXPECT_EQ(fields, b.fields);
-    EXPECT_EQ(every_s, b.every_s);
-    same(where, b.where);
-    same(where_fields, b.where_fields);
-  }
-  void same(const engine::MeasureSpec& a, const engine::MeasureSpec& b) {
-    const auto& [kind, name, of, params, where] = a;
-    EXPECT_EQ(kind, b.kind);
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(of, b.of);
-    EXPECT_EQ(params, b.params);
-    same(where, b.where);
-  }
-  // Of an experiment no places are kept: what could be wrong with it was found when the world was made.
-  static void same(const engine::GroupSpec& a, const engine::GroupSpec& b) {
-    const auto& [by, name, count, share] = a;
-    EXPECT_EQ(by, b.by);
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(count, b.count);
-    EXPECT_EQ(share, b.share);
-  }
-  void same(const engine::ExperimentSpec& a, const engine::ExperimentSpec& b) {
-    const auto& [stop_when, at, faults] = a;
-    ASSERT_EQ(stop_when.size(), b.stop_when.size());
-    for (std::size_t i = 0; i < stop_when.size(); ++i) {
-      const auto& [measure, comparison, value] = stop_when[i];
-      EXPECT_EQ(measure.params, b.stop_when[i].measure.params);
-      EXPECT_EQ(engine::text_of(stop_when[i]), engine::text_of(b.stop_when[i]));
-      EXPECT_EQ(comparison, b.stop_when[i].comparison);
-      same(value, b.stop_when[i].value);
-    }
-    ASSERT_EQ(at.size(), b.at.size());
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      const auto& [time_s, action, whom, pose, region, setting, where] = at[i];
-      static_cast<void>(where);
-      const engine::InterventionSpec& other = b.at[i];
-      same(time_s, other.time_s);
-      EXPECT_EQ(action, other.action);
-      same(whom, other.whom);
-      EXPECT_EQ(pose, other.pose);
-      ASSERT_EQ(region.has_value(), other.region.has_value());
-      if (region) {
-        EXPECT_EQ(region->min, other.region->min);
-        EXPECT_EQ(region->max, other.region->max);
-      }
-      ASSERT_EQ(setting.has_value(), other.setting.has_value());
-      if (!setting) continue;
-      const auto& [type, of, index, params] = *setting;
-      EXPECT_EQ(type, other.setting->type);
-      EXPECT_EQ(of, other.setting->of);
-      EXPECT_EQ(index, other.setting->index);
-      EXPECT_EQ(params, other.setting->params);
-    }
-    ASSERT_EQ(faults.size(), b.faults.size());
-    for (std::size_t i = 0; i < faults.size(); ++i) {
-      const auto& [whom, from_s, ailments, where] = faults[i];
-      static_cast<void>(where);
-      same(whom, b.faults[i].whom);
-      same(from_s, b.faults[i].from_s);
-      ASSERT_EQ(ailments.size(), b.faults[i].ailments.size());
-      for (std::size_t k = 0; k < ailments.size(); ++k) {
-        EXPECT_EQ(ailments[k].kind, b.faults[i].ailments[k].kind);
-        EXPECT_EQ(ailments[k].params, b.faults[i].ailments[k].params);
-      }
-    }
-  }
-  void same(const engine::PartSpec& a, const engine::PartSpec& b) {
-    const auto& [name, alias, kind, parent, joint, pose, size, solids, returns, floor_plan, image, fitted,
-                 color, where] = a;
-    static_cast<void>(image);  // are not kept
-    static_cast<void>(fitted);
-    EXPECT_EQ(joint, b.joint);
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(alias, b.alias);
-    EXPECT_EQ(kind, b.kind);
-    EXPECT_EQ(parent, b.parent);
-    same(pose, b.pose_body_part);
-    EXPECT_EQ(size, b.size);
-    EXPECT_EQ(solids, b.solids);
-    EXPECT_EQ(returns, b.returns);
-    EXPECT_EQ(floor_plan, b.floor_plan);
-    EXPECT_EQ(color, b.color);
-    same(where, b.where);
-  }
-  void same(const engine::JointSpec& a, const engine::JointSpec& b) {
-    const auto& [name, parent, pose] = a;
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(parent, b.parent);
-    same(pose, b.pose_body_joint);
-  }
-  void same(const engine::DriveSpec& a, const engine::DriveSpec& b) {
-    const auto& [kind, params, period_s, where] = a;
-    EXPECT_EQ(kind, b.kind);
-    EXPECT_EQ(params, b.params);
-    same(period_s, b.period_s);
-    same(where, b.where);
-  }
-  void same(const engine::DeviceSpec& a, const engine::DeviceSpec& b) {
-    const auto& [name, kind, part, joint, moves, params, pose, period_s, active, where] = a;
-    EXPECT_EQ(joint, b.joint);
-    EXPECT_EQ(moves, b.moves);
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(kind, b.kind);
-    EXPECT_EQ(params, b.params);
-    EXPECT_EQ(part, b.part);
-    same(pose, b.pose_body_sensor);
-    same(period_s, b.period_s);
-    EXPECT_EQ(active, b.active);
-    same(where, b.where);
-  }
-  void same(const engine::ControllerSpec& a, const engine::ControllerSpec& b) {
-    const auto& [kind, part, params, period_s, where] = a;
-    EXPECT_EQ(kind, b.kind);
-    EXPECT_EQ(part, b.part);
-    EXPECT_EQ(params, b.params);
-    same(period_s, b.period_s);
-    same(where, b.where);
-  }
-  void same(const engine::TypeSpec& a, const engine::TypeSpec& b) {
-    const auto& [name, parts, joints, drive, sensors, controllers] = a;
-    ASSERT_EQ(joints.size(), b.joints.size());
-    for (std::size_t i = 0; i < joints.size(); ++i) same(joints[i], b.joints[i]);
-    EXPECT_EQ(name, b.name);
-    ASSERT_EQ(parts.size(), b.parts.size());
-    for (std::size_t i = 0; i < parts.size(); ++i) same(parts[i], b.parts[i]);
-    ASSERT_EQ(drive.has_value(), b.drive.has_value());
-    if (drive) same(*drive, *b.drive);
-    ASSERT_EQ(sensors.size(), b.devices.size());
-    for (std::size_t i = 0; i < sensors.size(); ++i) same(sensors[i], b.devices[i]);
-    ASSERT_EQ(controllers.size(), b.controllers.size());
-    for (std::size_t i = 0; i < controllers.size(); ++i) same(controllers[i], b.controllers[i]);
-  }
-  void same(const engine::BodySpec& a, const engine::BodySpec& b) {
-    const auto& [name, type, pose, color, fiducial, where] = a;
-    EXPECT_EQ(name, b.name);
-    EXPECT_EQ(type, b.type);
-    same(pose, b.pose_world_body);
-    EXPECT_EQ(color, b.color);
-    EXPECT_EQ(fiducial, b.fiducial);
-    same(where, b.where);
-  }
-
-  const WorldSpec& a_;
-  const WorldSpec& b_;
-};
-
 void expect_comes_back(const WorldSpec& spec) {
   const WorldSpec back = restored(store_spec(spec, make_registry()));
-  Comparison(spec, back).compare();
+  EXPECT_EQ(spec_difference(spec, back, Places::compared), "");
 }
 
 WorldSpec loaded(const fs::path& file, std::optional<std::size_t> robots = std::nullopt) {
@@ -285,7 +62,7 @@ WorldSpec full_spec() {
   WorldSpec spec;
   spec.title = "Caf\xe9 \xff, in Latin 1";
   spec.files = std::make_shared<SourceFiles>();
-  spec.files->add("a.world");
+  const std::uint32_t first = spec.files->add("a.world");
   const std::uint32_t file = spec.files->add("ma\xdf.inc");
   spec.seed = std::numeric_limits<std::uint64_t>::max();
   spec.tick_s = 0.1 + 1e-17;
@@ -295,7 +72,9 @@ WorldSpec full_spec() {
   spec.measure_every_s = 0.7;
   spec.ranging = engine::RangingEngine::grid;
   spec.resolution_m = 0.1;
-  spec.resolution_where = {file, 3};
+  spec.resolution_where = {first, 3};
+  spec.watch = {.clock = true, .clock_ticks = 7, .rate = 1.0 / 3, .paused = true};
+  spec.window = window_fields().defaults();
   spec.bounds.emplace();
   spec.bounds->extend(Vec2(-1.0 / 3, -2));
   spec.bounds->extend(Vec2(1e-300, 5e5));
@@ -386,6 +165,65 @@ WorldSpec full_spec() {
 }
 
 TEST(SpecJson, EveryFieldComesBackToTheLastBit) { expect_comes_back(full_spec()); }
+
+/// Another value of the same type.
+nlohmann::ordered_json other_than(const nlohmann::ordered_json& value) {
+  if (value.is_boolean()) return !value.get<bool>();
+  if (value.is_string()) return value.get<std::string>() + "x";
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>() / 2 + 1;
+  if (value.is_number_integer()) return value.get<std::int64_t>() + 1;
+  return value.get<double>() / 2 + 1.0 / 1024;
+}
+
+TEST(SpecJson, AnyOtherValueIsAnotherWorldOrNone) {
+  const WorldSpec spec = full_spec();
+  const StoredSpec good = store_spec(spec, make_registry());
+  const auto document = nlohmann::ordered_json::parse(good.json);
+  const auto leaves = document.flatten();
+  std::size_t others = 0;
+  for (const auto& leaf : leaves.items()) {
+    if (leaf.value().is_null() || leaf.value().is_structured()) continue;  // an empty list or object
+    const auto changed = other_than(leaf.value());
+    if (changed == leaf.value() || leaf.value() == Where::k_no_file) continue;  // another no-file is none too
+    auto damaged = document;
+    damaged[nlohmann::ordered_json::json_pointer(leaf.key())] = changed;
+    StoredSpec bad = good;
+    bad.json = damaged.dump();
+    try {
+      EXPECT_NE(spec_difference(spec, restored(bad), Places::compared), "") << leaf.key();
+      ++others;
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(others, 250u);
+}
+
+TEST(SpecJson, ADifferenceSaysWhereItIs) {
+  const WorldSpec spec = full_spec();
+  const auto difference = [&spec](auto change, Places places = Places::ignored) {
+    WorldSpec other = spec;
+    change(other);
+    return spec_difference(spec, other, places);
+  };
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].parts[2].solids[0].contours[0][1].y() = 0; }),
+            "types[1].parts[2].solids[0].contours[0][1]");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].parts[1].returns.pushable = true; }),
+            "types[1].parts[1].pushable");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].drive.reset(); }), "types[1].drive");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].devices[0].params[0] = 1.0; }),
+            "types[1].sensors[0].params");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[1].pose_world_body.y = 0.0; }), "bodies[1].pose.y");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[2].name = s.names.add("c", 0); }), "bodies[2].name");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.part_aliases.clear(); }), "part_names");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.experiment.at[2].whom.share.reset(); }),
+            "experiment.at[2].whom.share");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.experiment.at[2].where.line = 1; }, Places::compared), "");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.names.add("unused"); }, Places::compared), "");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[1].where.line = 1; }), "");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[1].where.line = 1; }, Places::compared),
+            "bodies[1].where");
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].parts[0].image.emplace(); }, Places::compared), "");
+}
 
 class ShippedWorld : public ::testing::TestWithParam<scenes::Run> {};
 INSTANTIATE_TEST_SUITE_P(SpecJson, ShippedWorld, ::testing::ValuesIn(scenes::runs_of("store")),
@@ -515,12 +353,13 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
   };
   expect([](BodyColumns& c) { c.pose.pop_back(); }, "the columns of the bodies have not all the same length");
   expect([](BodyColumns& c) { c = {}; }, "there is no body: the first of every world is the ground");
-  expect([](BodyColumns& c) { c.type[1] = 2; }, "a body is of a type that is not there");
-  expect([](BodyColumns& c) { c.word[1] = 99; }, "a body has a name that is not there");
-  expect([](BodyColumns& c) { c.alias_body[0] = 9; }, "a name is of a body that is not there");
+  expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types; here is 2");
+  expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words; here is 99");
+  expect([](BodyColumns& c) { c.alias_word[0] = 99; }, "aliases[0].name: the world has 5 words; here is 99");
+  expect([](BodyColumns& c) { c.alias_body[0] = 9; }, "aliases[0].body: the world has 4 bodies; here is 9");
   expect([](BodyColumns& c) { c.pose[5] = std::numeric_limits<double>::quiet_NaN(); },
-         "a body stands nowhere");
-  expect([](BodyColumns& c) { c.type[1] = 0; }, "\"/x\xff\" names a part that is not there");
+         "bodies[1].pose: must be from -1000000 to 1000000, found nan");
+  expect([](BodyColumns& c) { c.type[1] = 0; }, "part_names: \"/x\xff\" names a part that is not there");
 }
 
 }  // namespace

@@ -1,24 +1,25 @@
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/json/spec_fields.hpp"
 #include "worldio/json/spec_json.hpp"
-#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
 
 using engine::Field;
+using engine::FieldTable;
 using engine::FieldType;
 using engine::Value;
-
-constexpr double k_most_s = 1e15;  // more than any world says, and its ticks still count in 64 bits
-constexpr double k_reach = 1e6;    // m: ten times as far as worlds reach, and cells still count in 32 bits
 
 std::vector<std::string_view> tokens_of(std::string_view pointer) {
   std::vector<std::string_view> tokens;
@@ -68,6 +69,73 @@ std::optional<std::string> text_of(const JsonNode& node) {
   return bytes;
 }
 
+/// The texts of a list, each as spec_to_json() writes it.
+std::vector<std::string> texts_of(const JsonCursor& at, std::string_view what) {
+  std::vector<std::string> texts;
+  const JsonNode::List* list = read_list(at);
+  for (std::size_t i = 0; list && i < list->size(); ++i) {
+    const JsonCursor entry(at, i, (*list)[i]);
+    std::optional<std::string> text = text_of(entry.node());
+    if (!text) entry.expected(what);
+    texts.push_back(std::move(text).value_or(""));
+  }
+  return texts;
+}
+
+/// So many numbers, within the limits of a field.
+Field numbers_like(const Field& field, std::size_t columns) {
+  return {
+      .name = field.name, .type = FieldType::numbers, .min = field.min, .max = field.max, .columns = columns};
+}
+
+/// The value of a member that is no block and no list of points; not given, and reported, where it is wrong.
+Value scalar(const JsonCursor& at, const Field& field) {
+  if (field.type == FieldType::texts) return texts_of(at, "a text");
+  if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // never by a name
+  if (field.type == FieldType::text && field.choices.empty()) {
+    if (std::optional<std::string> text = text_of(at.node())) return *std::move(text);
+    at.expected("a text");
+    return {};
+  }
+  if (!field.member->is_unsigned || std::isfinite(field.max)) return read_value(at, field);
+  const auto* small = std::get_if<std::int64_t>(&at.node().value);
+  const auto* big = std::get_if<std::uint64_t>(&at.node().value);
+  if (big) return static_cast<std::int64_t>(*big);  // the same bits
+  if (small && *small >= 0) return *small;
+  at.expected("a whole number from 0 to 2^64 - 1");
+  return {};
+}
+
+/// Sets the numbers of a struct that consists of numbers alone; the rest of the list is left.
+void set_numbers(const FieldTable& table, void* object, std::span<const double>& numbers) {
+  for (const Field& field : table.fields) {
+    if (field.type == FieldType::record) {
+      set_numbers(*field.record, member_of(field, object), numbers);
+      continue;
+    }
+    const std::size_t count = std::max<std::size_t>(field.columns, 1);
+    const std::span<const double> own = numbers.first(count);
+    if (field.type == FieldType::numbers)
+      engine::set(field, object, std::vector<double>(own.begin(), own.end()));
+    else
+      engine::set(field, object, own.front());
+    numbers = numbers.subspan(count);
+  }
+}
+
+/// An entry of WorldSpec::part_aliases.
+struct NamedPart {
+  std::string name;
+  BodyId body{0};
+  std::string part;
+
+  static constexpr void describe(engine::Description<NamedPart>& d) {
+    d.member<&NamedPart::name>("name");
+    d.member<&NamedPart::body>("body");
+    d.member<&NamedPart::part>("part");
+  }
+};
+
 /// Reads what spec_writer.cpp writes. What is wrong is reported; what is read then is harmless and of no use.
 class SpecReader {
  public:
@@ -76,45 +144,19 @@ class SpecReader {
 
   engine::WorldSpec read(const JsonNode& document);
   void add_bodies(engine::WorldSpec& spec, const BodyColumns& columns);
-  void check_part_names(const engine::WorldSpec& spec);
-  void check_reserves(const engine::WorldSpec& spec);
 
  private:
-  const JsonNode* require(JsonObject& object, std::string_view key) {
-    return object.require(key, "every stored world has it");
-  }
-  std::string text(JsonObject& object, std::string_view key);
-  /// Numbers of a list; zeros where they are not there.
-  std::vector<double> numbers(JsonObject& object, std::string_view key, std::size_t count);
-  double number(JsonObject& object, std::string_view key, double min, double max, double fallback);
-  bool boolean(JsonObject& object, std::string_view key);
-  std::uint32_t index(JsonObject& object, std::string_view key);
-  std::int32_t joint_index(JsonObject& object, std::string_view key);
-  std::int32_t int32(JsonObject& object, std::string_view key);
-  Where where(JsonObject& object, std::string_view key = "where");
-  Pose pose(JsonObject& object);
-  /// read(cursor) for each entry of the list under a key.
-  template <class Read>
-  void each_of(JsonObject& object, std::string_view key, Read&& read);
-
-  void read_settings(JsonObject& object, engine::WorldSpec& spec);
-  engine::RecordSpec record(const JsonCursor& at);
-  engine::MeasureSpec measure(const JsonCursor& at);
-  engine::ReserveSpec reserve(const JsonCursor& at);
-  void read_names(JsonObject& object, engine::WorldSpec& spec);
-  Ring ring(const JsonCursor& at);
-  Solid solid(const JsonCursor& at);
-  engine::PartSpec part(const JsonCursor& at);
-  template <class Kinds>
-  engine::Record params(JsonObject& object, std::string_view what, const std::string& kind,
-                        const Kinds& kinds);
-  engine::JointSpec joint(const JsonCursor& at);
-  /// By the kind's table; null where there is none.
-  engine::Record params(JsonObject& object, const engine::FieldTable* table);
-  engine::DriveSpec drive(const JsonCursor& at);
-  engine::DeviceSpec sensor(const JsonCursor& at);
-  engine::ControllerSpec controller(const JsonCursor& at);
-  engine::TypeSpec type(const JsonCursor& at);
+  void read_object(const JsonCursor& at, const FieldTable& table, void* object);
+  void read_member(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
+  void read_list(const JsonCursor& at, const Field& field, const engine::MemberType& type, void* list);
+  void read_struct(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
+  void read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
+  void read_place(const JsonCursor& at, Where& where);
+  void read_parameters(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
+  void read_apart(JsonObject& object, std::string_view name);
+  void read_files(const JsonCursor& at);
+  void read_words(const JsonCursor& at);
+  void read_part_names(const JsonCursor& at);
 
   /// A Where of the stored world in the files of this load.
   Where here(std::uint32_t file, std::uint32_t line) const {
@@ -125,376 +167,146 @@ class SpecReader {
   const engine::Registry& registry_;
   Where file_;
   Diagnostics& diagnostics_;
+  engine::WorldSpec spec_;
   std::vector<std::uint32_t> files_;  // of the stored world, as this load numbers them
 };
 
-std::string SpecReader::text(JsonObject& object, std::string_view key) {
-  const JsonNode* node = require(object, key);
-  if (!node) return {};
-  if (std::optional<std::string> text = text_of(*node)) return std::move(*text);
-  JsonCursor(object.at(), key, *node).expected("a text");
-  return {};
+constexpr std::string_view k_always = "every stored world has it";
+
+/// Whether a stored world may lack the member: it then keeps its default.
+bool may_be_missing(const Field& field) {
+  const bool is_block = field.type == FieldType::record && field.record != nullptr;
+  return field.sparse || field.optional || (is_block && !is_listed(*field.record));
 }
 
-std::vector<double> SpecReader::numbers(JsonObject& object, std::string_view key, std::size_t count) {
-  std::vector<double> none(count, 0.0);
-  const JsonNode* node = require(object, key);
-  if (!node) return none;
-  const Value value = read_value(
-      JsonCursor(object.at(), key, *node),
-      {.name = key, .type = FieldType::numbers, .min = -k_reach, .max = k_reach, .columns = count});
-  return value.given() ? value.numbers() : none;
+void SpecReader::read_object(const JsonCursor& at, const FieldTable& table, void* object) {
+  JsonObject json(at);
+  for (const Field& field : table.fields) {
+    if (field.member == nullptr || field.record == &engine::experiment_fields()) {
+      read_apart(json, field.name);
+      continue;
+    }
+    const std::string key = key_of(field);
+    if (const JsonNode* node = json.find(key))
+      read_member(JsonCursor(at, key, *node), field, table, object);
+    else if (!may_be_missing(field))
+      json.missing(key, k_always);
+  }
+  json.finish();
 }
 
-double SpecReader::number(JsonObject& object, std::string_view key, double min, double max, double fallback) {
-  const JsonNode* node = require(object, key);
-  if (!node) return fallback;
-  const Value value = read_value(JsonCursor(object.at(), key, *node), {.name = key, .min = min, .max = max});
-  return value.given() ? value.number() : fallback;
+void SpecReader::read_member(const JsonCursor& at, const Field& field, const FieldTable& table,
+                             void* object) {
+  const engine::MemberType& type = *field.member;
+  void* member = member_of(field, object);
+  if (field.type == FieldType::records || type.each != nullptr) return read_list(at, field, type, member);
+  if (field.type == FieldType::record && field.record == nullptr)
+    return read_parameters(at, field, table, object);
+  if (field.type == FieldType::record) {
+    if (type.resize != nullptr) type.resize(member, 1);
+    return read_struct(at, field, *field.record, type.block(member, 0));
+  }
+  if (const Value value = scalar(at, field); value.given()) type.set(member, value);
 }
 
-bool SpecReader::boolean(JsonObject& object, std::string_view key) {
-  const JsonNode* node = require(object, key);
-  if (!node) return false;
-  const Value value =
-      read_value(JsonCursor(object.at(), key, *node), {.name = key, .type = FieldType::boolean});
-  return value.given() && value.boolean();
+void SpecReader::read_list(const JsonCursor& at, const Field& field, const engine::MemberType& type,
+                           void* list) {
+  const JsonNode::List* entries = worldio::read_list(at);
+  if (!entries) return;
+  type.resize(list, entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const JsonCursor entry(at, i, (*entries)[i]);
+    void* block = type.block(list, i);
+    if (type.each == nullptr) {
+      read_struct(entry, field, *field.record, block);
+    } else if (type.each->each != nullptr) {
+      read_list(entry, field, *type.each, block);
+    } else {
+      const Value point = read_value(entry, numbers_like(field, type.each->columns));
+      if (point.given()) type.each->set(block, point);
+    }
+  }
 }
 
-std::int32_t SpecReader::int32(JsonObject& object, std::string_view key) {
-  using Limits = std::numeric_limits<std::int32_t>;
-  const JsonNode* node = require(object, key);
-  if (!node) return 0;
-  const Value value =
-      read_value(JsonCursor(object.at(), key, *node),
-                 {.name = key, .type = FieldType::integer, .min = Limits::min(), .max = Limits::max()});
-  return value.given() ? static_cast<std::int32_t>(value.integer()) : 0;
+void SpecReader::read_struct(const JsonCursor& at, const Field& field, const FieldTable& table,
+                             void* object) {
+  if (&table == &engine::place_fields()) return read_place(at, *static_cast<Where*>(object));
+  if (is_listed(table)) return read_numbers(at, field, table, object);
+  read_object(at, table, object);
 }
 
-std::uint32_t SpecReader::index(JsonObject& object, std::string_view key) {
-  const JsonNode* node = require(object, key);
-  if (!node) return 0;
-  const Value value = read_value(JsonCursor(object.at(), key, *node),
-                                 {.name = key,
-                                  .type = FieldType::integer,
-                                  .min = 0,
-                                  .max = static_cast<double>(std::numeric_limits<std::uint32_t>::max())});
-  return value.given() ? static_cast<std::uint32_t>(value.integer()) : 0;
+/// The numbers of a struct that consists of numbers alone, within the limits of the member.
+void SpecReader::read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table,
+                              void* object) {
+  const Value value = read_value(at, numbers_like(field, numbers_in(table)));
+  if (!value.given()) return;
+  std::span<const double> numbers = value.numbers();
+  set_numbers(table, object, numbers);
 }
 
-/// Of a joint; rigid where the object does not say.
-std::int32_t SpecReader::joint_index(JsonObject& object, std::string_view key) {
-  return object.find(key) ? static_cast<std::int32_t>(std::min(index(object, key), 0x7fffffffu))
-                          : engine::k_rigid;
-}
-
-Where SpecReader::where(JsonObject& object, std::string_view key) {
-  const JsonNode* node = require(object, key);
-  const JsonNode::List* list = node ? read_list(JsonCursor(object.at(), key, *node)) : nullptr;
-  if (!list) return {};
+void SpecReader::read_place(const JsonCursor& at, Where& where) {
+  const JsonNode::List* list = worldio::read_list(at);
+  if (!list) return;
   const auto entry = [&](std::size_t i) -> std::uint32_t {
     const auto* x = i < list->size() ? std::get_if<std::int64_t>(&(*list)[i].value) : nullptr;
     if (x && *x >= 0 && *x <= std::numeric_limits<std::uint32_t>::max())
       return static_cast<std::uint32_t>(*x);
-    JsonCursor(object.at(), key, *node).expected("a place, [file, line]");
+    at.expected("a place, [file, line]");
     return Where::k_no_file;
   };
   const std::uint32_t file = entry(0);
-  return here(file, entry(1));
+  where = here(file, entry(1));
 }
 
-Pose SpecReader::pose(JsonObject& object) {
-  const std::vector<double> p = numbers(object, "pose", 4);
-  return {p[0], p[1], p[2], p[3]};
+void SpecReader::read_parameters(const JsonCursor& at, const Field& field, const FieldTable& table,
+                                 void* object) {
+  const Result<const FieldTable*> parameters = parameters_of(table, object, registry_);
+  if (!parameters) return at.error(parameters.error().text);
+  JsonObject json(at);
+  engine::Record record = read_fields(json, **parameters);
+  json.finish();
+  field.member->set(member_of(field, object), std::vector<engine::Record>{std::move(record)});
 }
 
-template <class Read>
-void SpecReader::each_of(JsonObject& object, std::string_view key, Read&& read) {
-  const JsonNode* node = require(object, key);
+void SpecReader::read_apart(JsonObject& object, std::string_view name) {
+  if (name == "experiment") return read_experiment(object, numbers_of_types(spec_), registry_, spec_);
+  if (name != "files" && name != "words" && name != "part_names") return;  // columns
+  const JsonNode* node = object.require(name, k_always);
   if (!node) return;
-  const JsonCursor cursor(object.at(), key, *node);
-  const JsonNode::List* list = read_list(cursor);
-  for (std::size_t i = 0; list && i < list->size(); ++i) read(JsonCursor(cursor, i, (*list)[i]));
+  const JsonCursor at(object.at(), name, *node);
+  if (name == "words") read_words(at);
+  if (name == "part_names") read_part_names(at);
 }
 
-void SpecReader::read_settings(JsonObject& object, engine::WorldSpec& spec) {
-  spec.title = text(object, "title");
-  if (const JsonNode* node = require(object, "seed")) {
-    const auto* small = std::get_if<std::int64_t>(&node->value);
-    const auto* big = std::get_if<std::uint64_t>(&node->value);
-    if (big || (small && *small >= 0))
-      spec.seed = big ? *big : static_cast<std::uint64_t>(*small);
-    else
-      JsonCursor(object.at(), "seed", *node).expected("a whole number from 0 to 2^64 - 1");
-  }
-  spec.tick_s = number(object, "tick_s", 1e-6, k_most_s, spec.tick_s);
-  if (object.find("quit_time_s")) spec.quit_time_s = number(object, "quit_time_s", 0, k_most_s, 0);
-  if (const JsonNode* node = require(object, "ranging")) {
-    const auto& engines = engine::k_ranging_engines;
-    const Value name =
-        read_value(JsonCursor(object.at(), "ranging", *node),
-                   {.name = "ranging", .type = FieldType::text, .choices = {engines.begin(), engines.end()}});
-    if (name.given())
-      spec.ranging =
-          static_cast<engine::RangingEngine>(std::ranges::find(engines, name.text()) - engines.begin());
-  }
-  spec.resolution_m = number(object, "resolution_m", engine::k_min_resolution_m, engine::k_max_resolution_m,
-                             spec.resolution_m);
-  each_of(object, "files", [&](const JsonCursor& at) {
-    const std::optional<std::string> name = text_of(at.node());
-    if (!name) at.expected("the name of a file");
-    files_.push_back(diagnostics_.files()->add(name.value_or("")));
-  });
-  spec.resolution_where = where(object, "resolution_where");
-  if (const JsonNode* node = object.find("record"))
-    spec.record = record(JsonCursor(object.at(), "record", *node));
-  each_of(object, "measures", [&](const JsonCursor& at) { spec.measures.push_back(measure(at)); });
-  spec.measure_every_s = number(object, "measure_every_s", 0, k_most_s, spec.measure_every_s);
-  if (const auto watch = read_block(object, "watch", engine::watch_fields()))
-    spec.watch = engine::watch_spec(*watch);
-  spec.window = read_block(object, "window", window_fields());
-  if (object.find("bounds_m")) {
-    const std::vector<double> b = numbers(object, "bounds_m", 4);
-    spec.bounds.emplace();
-    spec.bounds->min = {b[0], b[1]};
-    spec.bounds->max = {b[2], b[3]};
-    if (spec.bounds->empty()) object.at().error("bounds_m: these are [x_min, y_min, x_max, y_max]");
-  }
+void SpecReader::read_files(const JsonCursor& at) {
+  for (const std::string& name : texts_of(at, "the name of a file"))
+    files_.push_back(diagnostics_.files()->add(name));
 }
 
-engine::RecordSpec SpecReader::record(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::RecordSpec record;
-  record.file = text(object, "file");
-  each_of(object, "fields", [&](const JsonCursor& field) {
-    std::optional<std::string> name = text_of(field.node());
-    if (!name) field.expected("the name of a field");
-    record.fields.push_back(std::move(name).value_or(""));
-  });
-  if (object.find("every_s")) record.every_s = number(object, "every_s", 0, k_most_s, 0);
-  record.where = where(object);
-  record.where_fields = where(object, "where_fields");
-  object.finish();
-  return record;
-}
-
-engine::MeasureSpec SpecReader::measure(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::MeasureSpec measure;
-  measure.kind = text(object, "kind");
-  measure.name = text(object, "name");
-  measure.of = text(object, "of");
-  measure.params = params(object, "measure", measure.kind, registry_.measures);
-  measure.where = where(object);
-  object.finish();
-  return measure;
-}
-
-engine::ReserveSpec SpecReader::reserve(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::ReserveSpec reserve;
-  reserve.population = text(object, "population");
-  reserve.first = BodyId(index(object, "first"));
-  reserve.count = index(object, "count");
-  object.finish();
-  return reserve;
-}
-
-void SpecReader::read_names(JsonObject& object, engine::WorldSpec& spec) {
-  std::vector<std::string> words;
-  each_of(object, "words", [&](const JsonCursor& at) {
-    std::optional<std::string> word = text_of(at.node());
-    if (!word) at.expected("a word");
-    words.push_back(std::move(word).value_or(""));
-  });
+void SpecReader::read_words(const JsonCursor& at) {
   try {
-    spec.names = engine::Names(std::move(words));
+    spec_.names = engine::Names(texts_of(at, "a word"));
   } catch (const std::invalid_argument& fault) {
-    object.at().error(fmt::format("words: {}", fault.what()));
+    at.error(fault.what());
   }
-  each_of(object, "part_names", [&](const JsonCursor& at) {
-    JsonObject entry(at);
-    std::string name = text(entry, "name");
-    const BodyId body(index(entry, "body"));
-    spec.part_aliases[std::move(name)] = {body, text(entry, "part")};
-    entry.finish();
-  });
 }
 
-Ring SpecReader::ring(const JsonCursor& at) {
-  const Field point{
-      .name = "point", .type = FieldType::numbers, .min = -k_reach, .max = k_reach, .columns = 2};
-  Ring ring;
-  const JsonNode::List* list = read_list(at);
+void SpecReader::read_part_names(const JsonCursor& at) {
+  const JsonNode::List* list = worldio::read_list(at);
   for (std::size_t i = 0; list && i < list->size(); ++i) {
-    const Value xy = read_value(JsonCursor(at, i, (*list)[i]), point);
-    if (xy.given()) ring.emplace_back(xy.numbers()[0], xy.numbers()[1]);
+    const JsonCursor entry(at, i, (*list)[i]);
+    NamedPart named;
+    read_object(entry, engine::described<NamedPart>(), &named);
+    spec_.part_aliases[std::move(named.name)] = {named.body, std::move(named.part)};
   }
-  return ring;
-}
-
-Solid SpecReader::solid(const JsonCursor& at) {
-  JsonObject object(at);
-  Solid solid;
-  each_of(object, "contours_m", [&](const JsonCursor& contour) { solid.contours.push_back(ring(contour)); });
-  const std::vector<double> z = numbers(object, "z_m", 2);
-  solid.z = {z[0], z[1]};
-  object.finish();
-  return solid;
-}
-
-engine::PartSpec SpecReader::part(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::PartSpec part;
-  part.name = text(object, "name");
-  part.alias = text(object, "alias");
-  part.kind = text(object, "kind");
-  part.parent = index(object, "parent");
-  part.joint = joint_index(object, "joint");
-  part.pose_body_part = pose(object);
-  const std::vector<double> size = numbers(object, "size_m", 3);
-  part.size = {size[0], size[1], size[2]};
-  each_of(object, "solids", [&](const JsonCursor& entry) { part.solids.push_back(solid(entry)); });
-  part.returns.obstacle = boolean(object, "obstacle");
-  part.returns.ranger = static_cast<float>(number(object, "ranger_return", -1e30, 1e30, 1));
-  part.returns.fiducial = int32(object, "fiducial_return");
-  part.returns.fiducial_key = int32(object, "fiducial_key");
-  part.returns.gripper = boolean(object, "gripper_return");
-  part.returns.blob = boolean(object, "blob_return");
-  part.returns.pushable = object.find("pushable") && boolean(object, "pushable");
-  part.floor_plan = boolean(object, "floor_plan");
-  if (object.find("color")) {
-    const std::vector<double> c = numbers(object, "color", 4);
-    part.color = {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]),
-                  static_cast<float>(c[3])};
-  }
-  part.where = where(object);
-  object.finish();
-  return part;
-}
-
-template <class Kinds>
-engine::Record SpecReader::params(JsonObject& object, std::string_view what, const std::string& name,
-                                  const Kinds& kinds) {
-  const auto kind = std::ranges::find(kinds, std::string_view(name), &Kinds::value_type::name);
-  if (kind == kinds.end()) {
-    std::vector<std::string_view> known;
-    for (const auto& each : kinds) known.push_back(each.name);
-    object.at().error(unknown_name(what, name, std::move(known)));
-  }
-  return params(object, kind == kinds.end() ? nullptr : &kind->params);
-}
-
-engine::Record SpecReader::params(JsonObject& object, const engine::FieldTable* table) {
-  const JsonNode* node = require(object, "params");
-  if (!table) return {};
-  if (!node) return table->defaults();
-  const JsonCursor cursor(object.at(), "params", *node);
-  JsonObject fields(cursor);
-  engine::Record record = read_fields(fields, *table);
-  fields.finish();
-  return record;
-}
-
-engine::JointSpec SpecReader::joint(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::JointSpec joint;
-  joint.name = text(object, "name");
-  joint.parent = joint_index(object, "parent");
-  joint.pose_body_joint = pose(object);
-  object.finish();
-  return joint;
-}
-
-engine::DriveSpec SpecReader::drive(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::DriveSpec drive;
-  drive.kind = text(object, "kind");
-  drive.period_s = number(object, "period_s", 0, k_most_s, 0);
-  drive.params = params(object, "drive", drive.kind, registry_.drives);
-  drive.where = where(object);
-  object.finish();
-  return drive;
-}
-
-engine::DeviceSpec SpecReader::sensor(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::DeviceSpec sensor;
-  sensor.name = text(object, "name");
-  sensor.kind = text(object, "kind");
-  sensor.part = index(object, "part");
-  sensor.joint = joint_index(object, "joint");
-  sensor.moves = joint_index(object, "moves");
-  sensor.pose_body_sensor = pose(object);
-  sensor.period_s = number(object, "period_s", 0, k_most_s, 0);
-  sensor.active = boolean(object, "active");
-  std::vector<std::string_view> known;
-  for (const engine::DeviceKind& each : registry_.devices) known.push_back(each.name);
-  const auto kind = registry_.find_device(sensor.kind, unknown_name("sensor", sensor.kind, std::move(known)));
-  if (!kind) at.error(kind.error().text);
-  sensor.params = params(object, kind ? &(*kind)->params : nullptr);
-  sensor.where = where(object);
-  object.finish();
-  return sensor;
-}
-
-engine::ControllerSpec SpecReader::controller(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::ControllerSpec controller;
-  controller.kind = text(object, "kind");
-  controller.part = index(object, "part");
-  controller.period_s = number(object, "period_s", 0, k_most_s, 0);
-  const auto kind = registry_.find_controller(controller.kind);
-  if (!kind) at.error(kind.error().text);
-  controller.params = params(object, kind ? &(*kind)->params : nullptr);
-  controller.where = where(object);
-  object.finish();
-  return controller;
-}
-
-engine::TypeSpec SpecReader::type(const JsonCursor& at) {
-  JsonObject object(at);
-  engine::TypeSpec type;
-  type.name = text(object, "name");
-  each_of(object, "parts", [&](const JsonCursor& entry) { type.parts.push_back(part(entry)); });
-  if (type.parts.empty()) at.error("a type has at least one part");
-  for (std::size_t p = 0; p < type.parts.size(); ++p)
-    if (type.parts[p].parent >= std::max<std::size_t>(p, 1))
-      at.error("a part stands on one that comes before it");
-  if (object.find("joints"))
-    each_of(object, "joints", [&](const JsonCursor& entry) { type.joints.push_back(joint(entry)); });
-  if (const JsonNode* node = object.find("drive")) type.drive = drive(JsonCursor(at, "drive", *node));
-  each_of(object, "sensors", [&](const JsonCursor& entry) { type.devices.push_back(sensor(entry)); });
-  each_of(object, "controllers",
-          [&](const JsonCursor& entry) { type.controllers.push_back(controller(entry)); });
-  object.finish();
-  const auto joints = static_cast<std::int32_t>(type.joints.size());
-  const auto is_no_joint = [joints](const auto& placed) { return placed.joint >= joints; };
-  if (std::ranges::any_of(type.parts, is_no_joint) || std::ranges::any_of(type.devices, is_no_joint))
-    at.error("a part or device stands on a joint that the type does not have");
-  for (std::int32_t j = 0; j < joints; ++j)
-    if (type.joints[static_cast<std::size_t>(j)].parent >= j)
-      at.error("a joint stands on one that comes before it");
-  const auto is_no_part = [&](const auto& carried) { return carried.part >= type.parts.size(); };
-  if (std::ranges::any_of(type.devices, is_no_part) || std::ranges::any_of(type.controllers, is_no_part))
-    at.error("a sensor or controller belongs to a part that the type does not have");
-  return type;
 }
 
 engine::WorldSpec SpecReader::read(const JsonNode& document) {
-  engine::WorldSpec spec;
-  spec.files = diagnostics_.files();
+  spec_.files = diagnostics_.files();
   const JsonCursor root(document, diagnostics_);
-  JsonObject object(root);
-  read_settings(object, spec);
-  read_names(object, spec);
-  if (object.find("reserves"))
-    each_of(object, "reserves", [&](const JsonCursor& at) { spec.reserves.push_back(reserve(at)); });
-  if (object.find("mortal")) spec.mortal = boolean(object, "mortal");
-  each_of(object, "types", [&](const JsonCursor& at) { spec.types.push_back(type(at)); });
-  read_experiment(object, numbers_of_types(spec), registry_, spec);
-  object.finish();
-  return spec;
+  if (const JsonNode* files = document.find("files")) read_files(JsonCursor(root, "files", *files));
+  read_object(root, engine::world_fields(), &spec_);
+  return std::move(spec_);
 }
 
 void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
@@ -506,16 +318,12 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
       c.alias_number.size() != aliases)
     return error("the columns of the bodies have not all the same length");
   if (count == 0) return error("there is no body: the first of every world is the ground");
-  const std::size_t words = spec.names.words().size();
-  if (!std::ranges::all_of(c.type, [&](std::uint32_t type) { return type < spec.types.size(); }))
-    return error("a body is of a type that is not there");
-  if (!std::ranges::all_of(c.word, [&](std::uint32_t word) { return word < words; }) ||
-      !std::ranges::all_of(c.alias_word, [&](std::uint32_t word) { return word < words; }))
-    return error("a body has a name that is not there");
-  if (!std::ranges::all_of(c.alias_body, [&](std::uint32_t body) { return body < count; }))
-    return error("a name is of a body that is not there");
-  if (!std::ranges::all_of(c.pose, [](double x) { return std::abs(x) <= k_reach; }))
-    return error("a body stands nowhere");
+  const FieldTable& table = engine::body_fields();
+  const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
+  const auto beyond = std::ranges::find_if(c.pose, [&pose](double x) { return !is_within(pose, x); });
+  if (beyond != c.pose.end())
+    return error(fmt::format("bodies[{}].pose: must be {}, found {:.10g}", (beyond - c.pose.begin()) / 4,
+                             limits_text(pose, engine::unit_suffixes(pose.unit).front()), *beyond));
 
   spec.bodies.reserve(count);
   for (std::size_t b = 0; b < count; ++b)
@@ -528,31 +336,6 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
          .where = here(c.file[b], c.line[b])});
   for (std::size_t a = 0; a < aliases; ++a)
     spec.aliases.push_back({{c.alias_word[a], c.alias_number[a]}, BodyId(c.alias_body[a])});
-}
-
-void SpecReader::check_part_names(const engine::WorldSpec& spec) {
-  for (const auto& [name, place] : spec.part_aliases) {
-    const std::size_t body = place.body.index();
-    if (body >= spec.bodies.size() ||
-        std::ranges::find(spec.types[spec.bodies[body].type.index()].parts, place.part,
-                          &engine::PartSpec::name) == spec.types[spec.bodies[body].type.index()].parts.end())
-      return error(fmt::format("\"{}\" names a part that is not there", name));
-  }
-}
-
-void SpecReader::check_reserves(const engine::WorldSpec& spec) {
-  std::size_t end = 1;  // the ground is always there
-  for (const engine::ReserveSpec& reserve : spec.reserves) {
-    const std::size_t first = reserve.first.index();
-    const std::size_t last = first + reserve.count;
-    if (first < end || last > spec.bodies.size() || reserve.count == 0)
-      return error(
-          fmt::format("the reserve of \"{}\" is of bodies that it cannot be of", reserve.population));
-    for (std::size_t b = first; b < last; ++b)
-      if (spec.bodies[b].type != spec.bodies[first].type)
-        return error(fmt::format("the reserve of \"{}\" is of several types", reserve.population));
-    end = last;
-  }
 }
 
 }  // namespace
@@ -574,8 +357,8 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
   SpecReader reader(registry, where, diagnostics);
   engine::WorldSpec spec = reader.read(*document);
   if (!diagnostics.has_errors()) reader.add_bodies(spec, stored.bodies);
-  if (!diagnostics.has_errors()) reader.check_part_names(spec);
-  if (!diagnostics.has_errors()) reader.check_reserves(spec);
+  if (!diagnostics.has_errors())
+    engine::check_rules(spec, [&](Where, const std::string& fault) { diagnostics.error(where, fault); });
   return spec;
 }
 

@@ -1,7 +1,7 @@
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_text.hpp"
+#include "worldio/json/spec_fields.hpp"
 #include "worldio/json/spec_json.hpp"
-#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,10 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <stdexcept>
-
-// Every struct is taken apart by a structured binding, so that a field that is added to one does not compile
-// here until it is written (and then the tests ask that it is read).
 
 namespace troupe::worldio {
 namespace {
@@ -53,36 +51,17 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-Json where_json(const Where& where) {
-  const auto& [file, line] = where;
-  return {file, line};
-}
-
-Json pose_json(const Pose& pose) {
-  const auto& [x, y, z, heading] = pose;
-  return {finite(x), finite(y), finite(z), finite(heading)};
-}
-
-Json color_json(const Color& color) {
-  const auto& [r, g, b, a] = color;
-  return {finite(r), finite(g), finite(b), finite(a)};
-}
-
-bool within(const Field& field, double x) {
-  return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
-}
-
 /// Whether a field takes the value where somebody gives it: a default may stand outside of the limits, to
 /// mean that nothing was given.
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
-    case FieldType::integer: return within(field, static_cast<double>(value.integer()));
-    case FieldType::number: return within(field, value.number());
+    case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
+    case FieldType::number: return is_within(field, value.number());
     case FieldType::text:
       return field.choices.empty() || std::ranges::find(field.choices, value.text()) != field.choices.end();
     case FieldType::numbers:
       return (field.columns == 0 || value.numbers().size() == field.columns) &&
-             std::ranges::all_of(value.numbers(), [&field](double x) { return within(field, x); });
+             std::ranges::all_of(value.numbers(), [&field](double x) { return is_within(field, x); });
     default: return true;
   }
 }
@@ -95,12 +74,8 @@ Json value_json(const Value& value, const Field& field) {
     case FieldType::integer: return value.integer();
     case FieldType::number: return finite(value.number());
     case FieldType::text: return value.text();
-    case FieldType::numbers: {
-      Json list = Json::array();
-      for (const double x : value.numbers()) list.push_back(finite(x));
-      return list;
-    }
     case FieldType::texts: return value.texts();
+    case FieldType::numbers:
     case FieldType::color: {
       Json list = Json::array();
       for (const double x : value.numbers()) list.push_back(finite(x));
@@ -127,165 +102,138 @@ Json params_json(const Record& record, const FieldTable& table) {
     const Field& field = table.fields[i];
     const Value& value = record[i];
     if (!value.given() || (value == field.fallback && !takes(field, value))) continue;
-    json[fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix)] =
-        value_json(value, field);
+    json[key_of(field)] = value_json(value, field);
   }
   return json;
 }
 
-template <class Kind>
-const FieldTable& params_of(const Kind* kind, const std::string& name) {
-  if (!kind)
-    throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that nobody registered", name));
-  return kind->params;
-}
-
-Json solid_json(const Solid& solid) {
-  const auto& [contours, z] = solid;
-  const auto& [low, high] = z;
-  Json rings = Json::array();
-  for (const Ring& ring : contours) {
-    Json points = Json::array();
-    for (const Vec2& point : ring) points.push_back({finite(point.x()), finite(point.y())});
-    rings.push_back(std::move(points));
+/// Appends the numbers of a struct that consists of numbers alone.
+void list_numbers(const FieldTable& table, const void* object, Json& list) {
+  for (const Field& field : table.fields) {
+    if (field.type == FieldType::record) {
+      list_numbers(*field.record, member_of(field, object), list);
+      continue;
+    }
+    Json value = value_json(engine::get(field, object), field);
+    if (field.type == FieldType::numbers)
+      list.insert(list.end(), value.begin(), value.end());
+    else
+      list.push_back(std::move(value));
   }
-  return {{"z_m", {finite(low), finite(high)}}, {"contours_m", std::move(rings)}};
 }
 
-Json part_json(const engine::PartSpec& part) {
-  const auto& [name, alias, kind, parent, joint, pose_body_part, size, solids, returns, floor_plan, image,
-               fitted, color, where] = part;
-  static_cast<void>(image);  // what they make stands here: no other file is needed
-  static_cast<void>(fitted);
-  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
-  Json json;
-  json["name"] = text_json(name);
-  json["alias"] = text_json(alias);
-  json["kind"] = text_json(kind);
-  json["parent"] = parent;
-  if (joint != engine::k_rigid) json["joint"] = joint;
-  json["pose"] = pose_json(pose_body_part);
-  json["size_m"] = {finite(size.x()), finite(size.y()), finite(size.z())};
-  json["solids"] = Json::array();
-  for (const Solid& solid : solids) json["solids"].push_back(solid_json(solid));
-  json["obstacle"] = obstacle;
-  json["ranger_return"] = finite(ranger);
-  json["fiducial_return"] = fiducial;
-  json["fiducial_key"] = fiducial_key;
-  json["gripper_return"] = gripper;
-  json["blob_return"] = blob;
-  if (pushable) json["pushable"] = pushable;
-  json["floor_plan"] = floor_plan;
-  if (color) json["color"] = color_json(*color);
-  json["where"] = where_json(where);
-  return json;
+/// Writes the structs of a spec by their tables.
+class SpecWriter {
+ public:
+  SpecWriter(const engine::WorldSpec& spec, const engine::Registry& registry)
+      : spec_(spec), registry_(registry) {}
+
+  Json object(const FieldTable& table, const void* object) const {
+    Json json = Json::object();
+    for (const Field& field : table.fields) {
+      if (field.member == nullptr || field.record == &engine::experiment_fields())
+        write_apart(field.name, json);
+      else if (std::optional<Json> member = member_json(field, table, object))
+        json[key_of(field)] = *std::move(member);
+    }
+    return json;
+  }
+
+ private:
+  std::optional<Json> member_json(const Field& field, const FieldTable& table, const void* object) const;
+  Json list_json(const Field& field, const engine::MemberType& type, const void* list) const;
+  Json struct_json(const FieldTable& table, const void* object) const;
+  void write_apart(std::string_view name, Json& json) const;
+  void write_part_names(Json& json) const;
+  void write_experiment(Json& json) const;
+
+  const engine::WorldSpec& spec_;
+  const engine::Registry& registry_;
+};
+
+/// Nothing for a member that is left out: it has no value, or may be missing at its default.
+std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable& table,
+                                            const void* object) const {
+  const engine::MemberType& type = *field.member;
+  const void* member = member_of(field, object);
+  if (field.type == FieldType::records || type.each != nullptr) {
+    if (field.sparse && type.size(member) == 0) return std::nullopt;
+    return list_json(field, type, member);
+  }
+  if (field.type == FieldType::record && field.record != nullptr) {
+    if (type.size(member) == 0) return std::nullopt;
+    return struct_json(*field.record, block_of(type, member, 0));
+  }
+  const Value value = type.get(member);
+  if (!value.given() || (field.sparse && value == field.fallback)) return std::nullopt;
+  if (field.type == FieldType::record) {
+    const Result<const FieldTable*> parameters = parameters_of(table, object, registry_);
+    if (!parameters) throw std::runtime_error("the world cannot be stored: " + parameters.error().text);
+    return params_json(value.records().front(), **parameters);
+  }
+  if (field.type == FieldType::text) return text_json(value.text());
+  if (field.type == FieldType::texts) {
+    Json list = Json::array();
+    for (const std::string& text : value.texts()) list.push_back(text_json(text));
+    return list;
+  }
+  if (type.is_unsigned) return static_cast<std::uint64_t>(value.integer());
+  return value_json(value, field);
 }
 
-Json joint_json(const engine::JointSpec& joint) {
-  const auto& [name, parent, pose_body_joint] = joint;
-  Json json;
-  json["name"] = text_json(name);
-  if (parent != engine::k_rigid) json["parent"] = parent;
-  json["pose"] = pose_json(pose_body_joint);
-  return json;
-}
-
-Json drive_json(const engine::DriveSpec& drive, const engine::Registry& registry) {
-  const auto& [kind, params, period_s, where] = drive;
-  Json json;
-  json["kind"] = text_json(kind);
-  json["period_s"] = finite(period_s);
-  json["params"] = params_json(params, params_of(registry.drive(kind), kind));
-  json["where"] = where_json(where);
-  return json;
-}
-
-Json sensor_json(const engine::DeviceSpec& sensor, const engine::Registry& registry) {
-  const auto& [name, kind, part, joint, moves, params, pose_body_sensor, period_s, active, where] = sensor;
-  Json json;
-  json["name"] = text_json(name);
-  json["kind"] = text_json(kind);
-  json["part"] = part;
-  if (joint != engine::k_rigid) json["joint"] = joint;
-  if (moves != engine::k_rigid) json["moves"] = moves;
-  json["pose"] = pose_json(pose_body_sensor);
-  json["period_s"] = finite(period_s);
-  json["active"] = active;
-  json["params"] = params_json(params, params_of(registry.device(kind), kind));
-  json["where"] = where_json(where);
-  return json;
-}
-
-Json controller_json(const engine::ControllerSpec& controller, const engine::Registry& registry) {
-  const auto& [kind, part, params, period_s, where] = controller;
-  Json json;
-  json["kind"] = text_json(kind);
-  json["part"] = part;
-  json["period_s"] = finite(period_s);
-  json["params"] = params_json(params, params_of(registry.controller(kind), kind));
-  json["where"] = where_json(where);
-  return json;
-}
-
-Json type_json(const engine::TypeSpec& type, const engine::Registry& registry) {
-  const auto& [name, parts, joints, drive, sensors, controllers] = type;
-  Json json;
-  json["name"] = text_json(name);
-  json["parts"] = Json::array();
-  for (const engine::PartSpec& part : parts) json["parts"].push_back(part_json(part));
-  for (const engine::JointSpec& joint : joints) json["joints"].push_back(joint_json(joint));
-  if (drive) json["drive"] = drive_json(*drive, registry);
-  json["sensors"] = Json::array();
-  for (const engine::DeviceSpec& sensor : sensors) json["sensors"].push_back(sensor_json(sensor, registry));
-  json["controllers"] = Json::array();
-  for (const engine::ControllerSpec& controller : controllers)
-    json["controllers"].push_back(controller_json(controller, registry));
-  return json;
-}
-
-Json record_json(const engine::RecordSpec& record) {
-  const auto& [file, fields, every_s, where, where_fields] = record;
-  Json json;
-  json["file"] = text_json(file);
-  json["fields"] = Json::array();
-  for (const std::string& field : fields) json["fields"].push_back(text_json(field));
-  if (every_s) json["every_s"] = finite(*every_s);
-  json["where"] = where_json(where);
-  json["where_fields"] = where_json(where_fields);
-  return json;
-}
-
-Json reserve_json(const engine::ReserveSpec& reserve) {
-  const auto& [population, first, count] = reserve;
-  Json json;
-  json["population"] = text_json(population);
-  json["first"] = first.value;
-  json["count"] = count;
-  return json;
-}
-
-Json measure_json(const engine::MeasureSpec& measure, const engine::Registry& registry) {
-  const auto& [kind, name, of, params, where] = measure;
-  Json json;
-  json["kind"] = text_json(kind);
-  json["name"] = text_json(name);
-  json["of"] = text_json(of);
-  json["params"] = params_json(params, params_of(registry.measure(kind), kind));
-  json["where"] = where_json(where);
-  return json;
-}
-
-/// As JSON worlds say it, but that types are called by their numbers.
-Json experiment_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  JsonNode::Object object;
-  write_experiment(spec, numbers_of_types(spec), registry, object);
-  return Json::parse(json_text(json_node(std::move(object))));
-}
-
-Json files_json(const SourceFiles* files) {
+Json SpecWriter::list_json(const Field& field, const engine::MemberType& type, const void* list) const {
   Json json = Json::array();
-  for (std::uint32_t i = 0; files && i < files->size(); ++i) json.push_back(text_json(files->name(i)));
+  const std::size_t size = type.size(list);
+  for (std::size_t i = 0; i < size; ++i) {
+    const void* entry = block_of(type, list, i);
+    if (type.each == nullptr)
+      json.push_back(struct_json(*field.record, entry));
+    else if (type.each->each == nullptr)
+      json.push_back(value_json(type.each->get(entry), field));
+    else
+      json.push_back(list_json(field, *type.each, entry));
+  }
   return json;
+}
+
+Json SpecWriter::struct_json(const FieldTable& table, const void* object) const {
+  if (!is_listed(table)) return this->object(table, object);
+  Json list = Json::array();
+  list_numbers(table, object, list);
+  return list;
+}
+
+void SpecWriter::write_apart(std::string_view name, Json& json) const {
+  if (name == "files") {
+    json["files"] = Json::array();
+    for (std::uint32_t i = 0; spec_.files && i < spec_.files->size(); ++i)
+      json["files"].push_back(text_json(spec_.files->name(i)));
+  } else if (name == "words") {
+    json["words"] = Json::array();
+    for (const std::string& word : spec_.names.words()) json["words"].push_back(text_json(word));
+  } else if (name == "part_names") {
+    write_part_names(json);
+  } else if (name == "experiment") {
+    write_experiment(json);
+  }  // bodies and their other names are columns
+}
+
+void SpecWriter::write_part_names(Json& json) const {
+  json["part_names"] = Json::array();
+  const std::map<std::string, engine::PartName> sorted(spec_.part_aliases.begin(), spec_.part_aliases.end());
+  for (const auto& [name, place] : sorted) {
+    const auto& [body, part] = place;
+    json["part_names"].push_back(
+        {{"name", text_json(name)}, {"body", body.value}, {"part", text_json(part)}});
+  }
+}
+
+/// As JSON worlds say it, except that types are named by their numbers.
+void SpecWriter::write_experiment(Json& json) const {
+  if (spec_.experiment.empty()) return;
+  JsonNode::Object object;
+  worldio::write_experiment(spec_, numbers_of_types(spec_), registry_, object);
+  json.update(Json::parse(json_text(json_node(std::move(object)))));
 }
 
 BodyColumns body_columns(const engine::WorldSpec& spec) {
@@ -323,44 +271,7 @@ std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec) {
 }
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  const auto& [title, files, seed, tick_s, quit_time_s, record, ranging, resolution_m, resolution_where,
-               bounds, types, names, bodies, reserves, mortal, aliases, part_aliases, measures,
-               measure_every_s, watch, window, experiment] = spec;
-  static_cast<void>(bodies);  // columns, as are:
-  static_cast<void>(aliases);
-  Json json;
-  json["title"] = text_json(title);
-  json["seed"] = seed;
-  json["tick_s"] = finite(tick_s);
-  if (quit_time_s) json["quit_time_s"] = finite(*quit_time_s);
-  if (record) json["record"] = record_json(*record);
-  json["measures"] = Json::array();
-  for (const engine::MeasureSpec& measure : measures)
-    json["measures"].push_back(measure_json(measure, registry));
-  json["measure_every_s"] = finite(measure_every_s);
-  json["watch"] = params_json(engine::watch_record(watch), engine::watch_fields());
-  if (window) json["window"] = params_json(*window, window_fields());
-  json["ranging"] = engine::ranging_engine_name(ranging);
-  json["resolution_m"] = finite(resolution_m);
-  json["resolution_where"] = where_json(resolution_where);
-  if (bounds)
-    json["bounds_m"] = {finite(bounds->min.x()), finite(bounds->min.y()), finite(bounds->max.x()),
-                        finite(bounds->max.y())};
-  json["files"] = files_json(files.get());
-  json["words"] = Json::array();
-  for (const std::string& word : names.words()) json["words"].push_back(text_json(word));
-  json["part_names"] = Json::array();
-  const std::map<std::string, engine::PartName> sorted(part_aliases.begin(), part_aliases.end());
-  for (const auto& [name, place] : sorted) {
-    const auto& [body, part] = place;
-    json["part_names"].push_back(
-        {{"name", text_json(name)}, {"body", body.value}, {"part", text_json(part)}});
-  }
-  for (const engine::ReserveSpec& reserve : reserves) json["reserves"].push_back(reserve_json(reserve));
-  if (mortal) json["mortal"] = mortal;
-  json["types"] = Json::array();
-  for (const engine::TypeSpec& type : types) json["types"].push_back(type_json(type, registry));
-  if (!experiment.empty()) json.update(experiment_json(spec, registry));
+  const Json json = SpecWriter(spec, registry).object(engine::world_fields(), &spec);
   try {
     return json.dump();
   } catch (const Json::type_error&) {

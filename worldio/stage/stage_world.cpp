@@ -2,6 +2,7 @@
 #include "engine/world_spec.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_world.hpp"
+#include "worldio/json/spec_difference.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_body.hpp"
 #include "worldio/stage/stage_demos.hpp"
@@ -24,8 +25,8 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <type_traits>
 #include <unordered_map>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -37,104 +38,6 @@ constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macro
 constexpr std::size_t k_deepest_nesting = 200;
 // Of all different models together: macros and images multiply what stands in a file.
 constexpr std::size_t k_most_parts = 1000000;
-
-/// A type as bytes, its name and its places in files left out: bodies share a type when these are equal.
-class Structure {
- public:
-  explicit Structure(const TypeSpec& type) {
-    for (const engine::PartSpec& part : type.parts) {
-      add(part.name);
-      add(part.alias);
-      add(part.kind);
-      add(part.parent);
-      add(part.joint);
-      add(part.pose_body_part);
-      for (int i = 0; i < 3; ++i) add(part.size[i]);
-      add(part.solids.size());
-      for (const Solid& solid : part.solids) {
-        add(solid.contours.size());
-        for (const Ring& ring : solid.contours) {
-          add(ring.size());
-          for (const Vec2& point : ring) add(point.x()), add(point.y());
-        }
-        add(solid.z.min);
-        add(solid.z.max);
-      }
-      add(part.returns.obstacle);
-      add(part.returns.ranger);
-      const bool is_root = &part == &type.parts.front();  // whose number is a matter of each body
-      add(is_root ? part.returns.fiducial != 0 : part.returns.fiducial);
-      add(part.returns.fiducial_key);
-      add(part.returns.gripper);
-      add(part.returns.blob);
-      add(part.floor_plan);
-      add(part.color.has_value());
-      if (part.color) add(part.color->r), add(part.color->g), add(part.color->b), add(part.color->a);
-    }
-    add(type.joints.size());
-    for (const engine::JointSpec& joint : type.joints) {
-      add(joint.name);
-      add(joint.parent);
-      add(joint.pose_body_joint);
-    }
-    add(type.drive.has_value());
-    if (type.drive) {
-      add(type.drive->kind);
-      add(type.drive->params);
-      add(type.drive->period_s);
-    }
-    add(type.devices.size());
-    for (const engine::DeviceSpec& sensor : type.devices) {
-      add(sensor.name);
-      add(sensor.kind);
-      add(sensor.part);
-      add(sensor.joint);
-      add(sensor.moves);
-      add(sensor.params);
-      add(sensor.pose_body_sensor);
-      add(sensor.period_s);
-      add(sensor.active);
-    }
-    add(type.controllers.size());
-    for (const engine::ControllerSpec& controller : type.controllers) {
-      add(controller.kind);
-      add(controller.part);
-      add(controller.params);
-      add(controller.period_s);
-    }
-  }
-
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  template <class Number>
-  requires std::is_arithmetic_v<Number>
-  void add(Number value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
-  void add(const std::string& text) {
-    add(text.size());
-    bytes_ += text;
-  }
-  void add(const Pose& pose) { add(pose.x), add(pose.y), add(pose.z), add(pose.heading); }
-  void add(const engine::Record& record) {
-    add(record.size());
-    for (const engine::Value& value : record) {
-      add(value.v.index());
-      std::visit([this](const auto& held) { add_held(held); }, value.v);
-    }
-  }
-  void add_held(std::monostate) {}
-  template <class T>
-  void add_held(const T& value) {
-    add(value);
-  }
-  template <class T>
-  void add_held(const std::vector<T>& list) {
-    add(list.size());
-    for (const T& item : list) add(item);
-  }
-
-  std::string bytes_;
-};
 
 /// What tells one body from another of its type; of its `fiducial_return` the type says whether there is any.
 constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
@@ -250,7 +153,7 @@ class StageWorld {
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;             // by structure
+  std::unordered_map<std::string, TypeId> types_;             // by compared_bytes()
   std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
   std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
   engine::NameMap names_;
@@ -433,7 +336,11 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
 
 /// A type is called by the innermost word that all its bodies have in common: the macro they are made from.
 TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
-  const auto [entry, is_new] = types_.try_emplace(Structure(type).bytes(), TypeId(spec_->types.size()));
+  // Of the number of its root only whether there is one: the number itself is each body's own.
+  std::int32_t& mark = type.parts.front().returns.fiducial;
+  const std::int32_t number = std::exchange(mark, mark != 0 ? 1 : 0);
+  const auto [entry, is_new] = types_.try_emplace(compared_bytes(type), TypeId(spec_->types.size()));
+  mark = number;
   const TypeId id = entry->second;
   if (is_new) {
     spec_->types.push_back(std::move(type));
