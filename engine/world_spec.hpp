@@ -177,7 +177,7 @@ struct WorldSpec {
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< rising, and apart from one another
-  bool mortal = false;                ///< programs may remove bodies, also where nothing in the world does
+  bool mortal = false;  ///< programs may remove and disable bodies, also where the world does not
   /// Other names of bodies (Stage keeps generated names as aliases), each once.
   std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).

@@ -665,7 +665,7 @@ std::string world_schema(const engine::Registry& registry) {
       .member("populations", array_of(population_schema()), "many bodies of one type, placed by a rule")
       .member("measures", array_of(measure_schema(registry)), "what troupe run --measures measures")
       .optional(measure("measure_every", Unit::seconds, "how often; 0: every tick", 0, 1e9))
-      .optional(bare("mortal", FieldType::boolean, "programs may remove bodies, docs/lives.md"))
+      .optional(bare("mortal", FieldType::boolean, "programs may remove and disable bodies, docs/lives.md"))
       .member("stop_when", array_of(condition_schema(registry)), "when a run is over, docs/experiments.md")
       .member("at", array_of(intervention_schema()), "what is done to the world, and when")
       .member("faults", array_of(fault_schema(registry)), "how robots fail")
