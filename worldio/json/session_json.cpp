@@ -74,7 +74,8 @@ void read_pose(JsonObject& object, Act& act) {
 }
 
 void read_values(JsonObject& object, Act& act) {
-  constexpr std::string_view k_expected = "an object: fields of the command with a number, or a list of numbers, each";
+  constexpr std::string_view k_expected =
+      "an object: fields of the command with a number, or a list of numbers, each";
   const JsonNode* node = object.require("values", k_expected);
   if (!node) return;
   const JsonCursor at(object.at(), "values", *node);
@@ -137,8 +138,8 @@ SessionHeader read_header(JsonObject& object) {
   SessionHeader header;
   if (const std::uint64_t format = read_count(object, "troupe_session", "the version of the format");
       format != k_session_format && object.is_object())
-    object.at().error(fmt::format("version {} of the format of sessions is unknown: this program reads {}", format,
-                                  k_session_format));
+    object.at().error(fmt::format("version {} of the format of sessions is unknown: this program reads {}",
+                                  format, k_session_format));
   header.version = read_name(object, "version", "the version of the program that wrote it");
   header.tick = read_count(object, "tick", "the tick at which it began");
   header.hash = read_name(object, "hash", "the hash of the state with which it began");
@@ -237,8 +238,8 @@ Session load_session(const std::filesystem::path& file) {
     const std::size_t end = text->find('\n', begin);
     if (end == text->npos) {
       if (where.line > 1) {
-        session.warnings.push_back(fmt::format(
-            "{}:{}: warning: the last line was cut off, and is left out", file.string(), where.line));
+        session.warnings.push_back(fmt::format("{}:{}: warning: the last line was cut off, and is left out",
+                                               file.string(), where.line));
         break;
       }
     }

@@ -48,8 +48,8 @@ std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act
 std::string end_line(std::uint64_t tick, std::uint64_t n);
 ///@}
 
-/// The act that a JSON object says: `{"do": "move", "robot": "r0", "pose": [1, 2, 0, 0.5]}`. Keys of `also` may
-/// stand beside its own. Nothing, with errors at `where`, for what is none.
+/// The act that a JSON object says: `{"do": "move", "robot": "r0", "pose": [1, 2, 0, 0.5]}`. Keys of `also`
+/// may stand beside its own. Nothing, with errors at `where`, for what is none.
 std::optional<engine::Act> read_act(std::string_view json, const std::vector<std::string_view>& also,
                                     Where where, Diagnostics& diagnostics);
 
