@@ -16,9 +16,9 @@ namespace troupe::engine {
 struct Act {
   /// What is done.
   enum class Kind : std::uint8_t {
-    move,     ///< a body is put at `pose`, where that place is free
-    speed,    ///< a robot is commanded `speed`, once
-    hold,     ///< a robot is commanded `speed` before every tick, whatever its controller says, until `release`
+    move,   ///< a body is put at `pose`, where that place is free
+    speed,  ///< a robot is commanded `speed`, once
+    hold,   ///< a robot is commanded `speed` before every tick, whatever its controller says, until `release`
     release,  ///< ends a hold
     command,  ///< fields of the command of `device` are set to `values`
     add,      ///< the next body of the reserve of population `whom` is born at `pose`
@@ -26,11 +26,12 @@ struct Act {
     disable,  ///< all of a body stops: devices, controllers, drive
     enable,   ///< what `disable` stopped goes on
   };
-  Kind kind = Kind::move;         ///< in the order of k_acts
-  std::string whom;               ///< name of a body; of `add` of a population
-  Pose pose;                      ///< of `move` and `add`: world frame, m and rad
-  std::array<double, 3> speed{};  ///< of `speed` and `hold`: forward and left m/s, turn rad/s, as Model::set_speed
-  std::string device;             ///< of `command`: its name
+  Kind kind = Kind::move;  ///< in the order of k_acts
+  std::string whom;        ///< name of a body; of `add` of a population
+  Pose pose;               ///< of `move` and `add`: world frame, m and rad
+  std::array<double, 3>
+      speed{};         ///< of `speed` and `hold`: forward and left m/s, turn rad/s, as Model::set_speed
+  std::string device;  ///< of `command`: its name
   /// Of `command`: fields of its struct, and a number a column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
 

@@ -202,6 +202,10 @@ struct WorldSpec {
 /// The ground every world begins with: the body `_ground_model`, of type `ground`, without a solid.
 void add_ground(WorldSpec& spec);
 
+/// Gives each population of robots that has no reserve one of `count` bodies, behind all other bodies. A
+/// population is here what is called NAME0, NAME1, ..., of one type with a drive.
+void add_spare(WorldSpec& spec, std::uint32_t count);
+
 /// What fiducial finders read of a part of a body; 0: they do not find it.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
   const BodySpec& b = spec.bodies[body.index()];

@@ -46,13 +46,18 @@ WORLD = {
 class View:
     """A program that shows a world."""
 
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, checkpoint_s=None):
         self.temporary = tempfile.TemporaryDirectory()
         self.folder = Path(self.temporary.name)
         self.world = self.folder / "rooms.json"
         self.world.write_text(json.dumps(WORLD))
+        shown = self.world
+        if checkpoint_s is not None:
+            shown = self.folder / "c.h5"
+            subprocess.run([TROUPE, "run", self.world, "--set", "/mortal=true", "--for", str(checkpoint_s), "--checkpoint", shown,
+                            "--quiet"], check=True)
         self.errors = open(self.folder / "errors", "w+")
-        self.process = subprocess.Popen([TROUPE, "view", self.world, "--out", self.folder, *map(str, arguments)],
+        self.process = subprocess.Popen([TROUPE, "view", shown, "--out", self.folder, *map(str, arguments)],
                                         stdout=subprocess.PIPE, stderr=self.errors, text=True)
         lines = {}
         while "session" not in lines:
@@ -93,10 +98,10 @@ class View:
         assert self.process.wait(20) == 3, self.said()
         return printed.strip().split("\n")[-1]
 
-    def replayed(self, *arguments):
+    def replayed(self, *arguments, command=("run", "rooms.json")):
         """The hash log of a run that repeats the session, by tick."""
         log = self.folder / "replay.log"
-        subprocess.run([TROUPE, "run", self.world, "--session", self.session, "--hash-log", log, "--quiet", *map(str, arguments)],
+        subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", self.session, "--hash-log", log, "--quiet", *map(str, arguments)],
                        check=True)
         lines = [line for line in log.read_text().split("\n") if line and not line.startswith("#")]
         return {int(line.split()[0]): line for line in lines}
@@ -104,8 +109,9 @@ class View:
 
 class Steered(unittest.TestCase):
     def test_a_session_is_repeated_to_the_same_bits(self):
-        with View("--rate", 0) as view, view.open() as viewer:
+        with View("--rate", 0, "--spare", 2) as view, view.open() as viewer:
             self.assertTrue(viewer.hello["may_steer"])
+            self.assertEqual(viewer.hello["populations"], [])  # neither of the two has a number
             shown = []
             for act in [{"do": "hold", "robot": "red", "speed": [0.5, 0, 0.3]}, {"do": "move", "robot": "blue", "pose": [3, -2, 0, 1]},
                         {"do": "disable", "robot": "blue"}, {"do": "release", "robot": "red"}, {"do": "remove", "robot": "red"}]:
@@ -118,10 +124,28 @@ class Steered(unittest.TestCase):
             self.assertGreater(len({line.split()[0] for line in shown}), 4)
             last = view.end()
             for threads in (1, 2, 3):
-                log = view.replayed("--threads", threads)
+                log = view.replayed("--spare", 2, "--threads", threads)
                 for line in [*shown, last]:
                     self.assertEqual(log[int(line.split()[0])], line)
             self.assertEqual(max(log), int(last.split()[0]), "the run ends where the session did")
+            refused = subprocess.run([TROUPE, "run", view.world, "--session", view.session], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("rooms.session.jsonl:1: error: the session is of another run: spare is 2, here not given", refused.stderr)
+
+    def test_a_checkpoint_is_taken_up_and_its_session_repeated(self):
+        with View("--rate", 0, checkpoint_s=2) as view, view.open() as viewer:
+            self.assertEqual(viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])["type"], "done")
+            self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
+            last = view.end()
+            log = view.replayed(command=("resume", "c.h5"))
+            self.assertEqual(log[int(last.split()[0])], last)
+            refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are for worlds", refused.stderr)
+            refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
+                                     capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("rooms.session.jsonl:1: error: the session began at tick 20, from a checkpoint", refused.stderr)
 
     def test_a_step_is_a_tick(self):
         with View() as view, view.open() as viewer:

@@ -39,9 +39,10 @@ void check_finite(const Pose& pose) {
 void move(Model& model, const Pose& pose) {
   check_finite(pose);
   if (!model.is_free(pose))
-    refuse(fmt::format("\"{}\" cannot stand at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
-                       "outside the world's bounds",
-                       model.name(), pose.x, pose.y));
+    refuse(fmt::format(
+        "\"{}\" cannot stand at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
+        "outside the world's bounds",
+        model.name(), pose.x, pose.y));
   model.set_pose(pose);
 }
 
@@ -110,7 +111,8 @@ void command(Model& model, const Act& act) {
 void check_speed(const Act& act) {
   for (const double x : act.speed)
     if (!(std::abs(x) <= k_most_speed))
-      refuse(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed, k_most_speed));
+      refuse(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed,
+                         k_most_speed));
 }
 
 void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
@@ -118,17 +120,16 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
     check_finite(act.pose);
     if (simulation.unborn(act.whom) == 0) refuse(fmt::format("the reserve of \"{}\" is used up", act.whom));
     if (!simulation.spawn(act.whom, act.pose))
-      refuse(fmt::format("nothing of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
-                         "or it is outside the world's bounds",
-                         act.whom, act.pose.x, act.pose.y));
+      refuse(fmt::format(
+          "nothing of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
+          "or it is outside the world's bounds",
+          act.whom, act.pose.x, act.pose.y));
     return;
   }
   Model model = body_of(simulation, act);
   switch (act.kind) {
     case Kind::move: return move(model, act.pose);
-    case Kind::speed:
-      check_speed(act);
-      return model.set_speed(act.speed[0], act.speed[1], act.speed[2]);
+    case Kind::speed: check_speed(act); return model.set_speed(act.speed[0], act.speed[1], act.speed[2]);
     case Kind::hold:
       check_speed(act);
       model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws where it has no drive

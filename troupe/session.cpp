@@ -44,13 +44,12 @@ std::string difference(const worldio::SessionHeader& header, const Simulation& s
     const std::string now = value_of(here, key);
     if (then != now) text += fmt::format("{}{} is {}, here {}", text.empty() ? "" : "; ", key, then, now);
   };
-  const auto is_free = [](const std::string& key) {
-    return std::ranges::find(k_free, key) != k_free.end();
-  };
+  const auto is_free = [](const std::string& key) { return std::ranges::find(k_free, key) != k_free.end(); };
   for (const auto& [key, value] : header.options)
     if (!is_free(key)) compare(key);
   for (const auto& [key, value] : here)
-    if (!is_free(key) && std::ranges::none_of(header.options, [&k = key](const auto& o) { return o.first == k; }))
+    if (!is_free(key) &&
+        std::ranges::none_of(header.options, [&k = key](const auto& o) { return o.first == k; }))
       compare(key);
   return text;
 }
@@ -68,14 +67,15 @@ struct SessionLog::Impl {
       const ssize_t written = ::write(descriptor, left.data(), left.size());
       if (written < 0 && errno == EINTR) continue;
       if (written < 0)
-        throw std::runtime_error(
-            fmt::format("{}: error: cannot be written: {}", file.string(), std::generic_category().message(errno)));
+        throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(),
+                                             std::generic_category().message(errno)));
       left.remove_prefix(static_cast<std::size_t>(written));
     }
   }
 };
 
-SessionLog::SessionLog(const fs::path& folder, const Simulation& simulation) : impl_(std::make_unique<Impl>()) {
+SessionLog::SessionLog(const fs::path& folder, const Simulation& simulation)
+    : impl_(std::make_unique<Impl>()) {
   const auto options = simulation.effective_options();
   const std::string stem = fs::path(value_of(options, "world")).stem().string();
   for (int i = 1; impl_->descriptor < 0; ++i) {
@@ -116,17 +116,20 @@ struct SessionReplay::Impl {
   void check_state(const Simulation& simulation) const {
     const worldio::SessionHeader& header = session.header;
     if (simulation.tick() < header.tick)
-      fail(1, fmt::format("the session began at tick {}, from a checkpoint: resume that (troupe resume --session)",
-                          header.tick));
+      fail(1, fmt::format(
+                  "the session began at tick {}, from a checkpoint: resume that (troupe resume --session)",
+                  header.tick));
     if (simulation.tick() > header.tick) return;
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
-      fail(1, fmt::format("the session began at tick {} from the state {}, here it is {}: this is another world, or "
-                          "another run of it",
-                          header.tick, header.hash, hash));
+      fail(1, fmt::format(
+                  "the session began at tick {} from the state {}, here it is {}: this is another world, or "
+                  "another run of it",
+                  header.tick, header.hash, hash));
   }
 };
 
-SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation) : impl_(std::make_unique<Impl>()) {
+SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
+    : impl_(std::make_unique<Impl>()) {
   impl_->file = file;
   impl_->session = worldio::load_session(file);
   const worldio::SessionHeader& header = impl_->session.header;

@@ -53,6 +53,7 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
       is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
 }
 
+constexpr const char* k_spare = "spare";          // key of a header
 constexpr const char* k_holds = "holds";          // of a checkpoint's memories
 constexpr std::string_view k_plugin = "plugin ";  // keys of a header: plugin NAME
 
@@ -487,6 +488,10 @@ Simulation Simulation::load(const std::filesystem::path& file, std::optional<std
            : worldio::load_world(file, impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
   spec.mortal = spec.mortal || options.mortal;
+  if (options.spare > 0) {
+    engine::add_spare(spec, options.spare);
+    impl->changes.emplace_back(k_spare, fmt::format("{}", options.spare));
+  }
   spec.ranging = options.ranging.value_or(spec.ranging);
   impl->world = std::make_unique<engine::World>(std::move(spec), impl->registry,
                                                 engine::WorldOptions{options.threads, options.tile_size_m},
@@ -537,7 +542,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
     throw InputError(
         fmt::format("{}: error: its holds are of no such world: the file is damaged", file.string()));
   for (const auto& [key, value] : checkpoint.header())
-    if (key.starts_with("set ")) impl->changes.emplace_back(key, value);
+    if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
     impl->changes.emplace_back(fmt::format("set {} at tick {}", pointer, checkpoint.tick()), value);
   return Simulation(std::move(impl));

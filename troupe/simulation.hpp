@@ -33,7 +33,8 @@ namespace troupe {
 /// What finds ranges: exact geometry, or a walk through cells (docs/sensing.md).
 using engine::RangingEngine;
 
-/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots` and `set` changes a result.
+/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots`, `set` and `spare`
+/// changes a result.
 struct SimulationOptions {
   /// Worker threads, at most 1,024; 0: one for each processor that the process may use, by its affinity mask
   /// and its control groups. More throw std::invalid_argument.
@@ -56,6 +57,9 @@ struct SimulationOptions {
   /// Programs may remove, disable and enable bodies of any world, as if it said `"mortal": true`. Bodies that
   /// are there from the start, and sound, add nothing to the hash for it.
   bool mortal = false;
+  /// So many bodies of each population of robots without a reserve may be added while the world runs: a
+  /// reserve, behind all other bodies (docs/lives.md). A world with one has other hashes.
+  std::uint32_t spare = 0;
 };
 
 /// How a saved run goes on. Nothing here but `set` changes a result.

@@ -49,8 +49,7 @@ void take(const engine::World& world, std::span<const std::uint32_t> order, bool
     picture.poses[2 * robots + r] = there ? heading_steps(pose.heading) : k_gone;
     if (has_z) picture.poses[3 * robots + r] = there ? steps_of(pose.z) : 0;
     if (!has_colors) continue;
-    const Color color =
-        engine::shown_color(world, row, 0).value_or(world.spec().bodies[order[r]].color);
+    const Color color = engine::shown_color(world, row, 0).value_or(world.spec().bodies[order[r]].color);
     picture.colors[3 * r] = to_byte(color.r);
     picture.colors[3 * r + 1] = to_byte(color.g);
     picture.colors[3 * r + 2] = to_byte(color.b);

@@ -30,14 +30,15 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::size_t k_most_connections = 128;  // that have shown no token: the oldest makes room for the newest
-constexpr std::size_t k_most_clients = 16;       // that have
-constexpr std::size_t k_most_header = 8192;      // bytes of a request
-constexpr std::size_t k_most_message = 65536;    // bytes of a text of a client
-constexpr std::size_t k_most_waiting = 256;      // texts for a client that does not read
-constexpr int k_most_in_flight = 2;              // pictures that a client has been sent and not drawn
-constexpr std::chrono::seconds k_handshake{5};   // from the connection to the token
-constexpr std::chrono::seconds k_idle{30};       // without a word, ping and pong included
+constexpr std::size_t k_most_connections =
+    128;                                     // that have shown no token: the oldest makes room for the newest
+constexpr std::size_t k_most_clients = 16;   // that have
+constexpr std::size_t k_most_header = 8192;  // bytes of a request
+constexpr std::size_t k_most_message = 65536;   // bytes of a text of a client
+constexpr std::size_t k_most_waiting = 256;     // texts for a client that does not read
+constexpr int k_most_in_flight = 2;             // pictures that a client has been sent and not drawn
+constexpr std::chrono::seconds k_handshake{5};  // from the connection to the token
+constexpr std::chrono::seconds k_idle{30};      // without a word, ping and pong included
 
 /// The page may talk to its own server, and to nothing else. `host` is_loopback().
 std::string policy(std::string_view host) {
@@ -174,10 +175,12 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
         server_.backend.refused("a WebSocket that a page of another origin opened");
         return respond(http::status::forbidden, "The Origin of this request is another page.\n");
       }
-      if (request.target() != "/live") return respond(http::status::not_found, "There is no such WebSocket.\n");
+      if (request.target() != "/live")
+        return respond(http::status::not_found, "There is no such WebSocket.\n");
       return upgrade(request);
     }
-    if (request.method() != http::verb::get) return respond(http::status::method_not_allowed, "Only GET is known.\n");
+    if (request.method() != http::verb::get)
+      return respond(http::status::method_not_allowed, "Only GET is known.\n");
     if (request.target() != "/") return respond(http::status::not_found, "There is one page: /\n");
     respond(http::status::ok, server_.options.page, "text/html; charset=utf-8");
   }
@@ -192,7 +195,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     response_->set("X-Content-Type-Options", "nosniff");
     response_->body() = std::move(body);
     response_->prepare_payload();
-    http::async_write(socket_, *response_, [self = shared_from_this()](error_code, std::size_t) { self->close(); });
+    http::async_write(socket_, *response_,
+                      [self = shared_from_this()](error_code, std::size_t) { self->close(); });
   }
 
   void upgrade(const http::request<http::empty_body>& request) {
@@ -209,7 +213,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   void read() {
     incoming_.clear();
     socket_ws_->async_read(incoming_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error == websocket::error::message_too_big) self->server_.backend.refused("a message of more than 64 kB");
+      if (error == websocket::error::message_too_big)
+        self->server_.backend.refused("a message of more than 64 kB");
       if (error || self->is_closed_) return self->close();
       if (!self->socket_ws_->got_text()) {
         self->server_.backend.refused("a binary message");
@@ -228,7 +233,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
       return close();
     }
     if (server_.clients >= k_most_clients) {
-      server_.backend.refused(fmt::format("viewer {}: {} are open already", k_most_clients + 1, k_most_clients));
+      server_.backend.refused(
+          fmt::format("viewer {}: {} are open already", k_most_clients + 1, k_most_clients));
       return close();
     }
     is_client_ = true;
@@ -241,11 +247,12 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   void write_frame(bool is_text) {
     is_writing_ = true;
     socket_ws_->text(is_text);
-    socket_ws_->async_write(asio::buffer(outgoing_), [self = shared_from_this()](error_code error, std::size_t) {
-      self->is_writing_ = false;
-      if (error || self->is_closed_) return self->close();
-      self->write();
-    });
+    socket_ws_->async_write(asio::buffer(outgoing_),
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              self->is_writing_ = false;
+                              if (error || self->is_closed_) return self->close();
+                              self->write();
+                            });
   }
 
   Impl& server_;
@@ -271,7 +278,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
 void ViewServer::Impl::make_room() {
   const std::size_t strangers = connections.size() - clients;
   if (strangers < k_most_connections) return;
-  const auto oldest = std::ranges::find_if(connections, [](const auto& each) { return !each.second->is_client(); });
+  const auto oldest =
+      std::ranges::find_if(connections, [](const auto& each) { return !each.second->is_client(); });
   const std::shared_ptr<Connection> connection = oldest->second;
   backend.refused(fmt::format("more than {} connections that show no token", k_most_connections));
   connection->close();
@@ -335,7 +343,8 @@ void ViewServer::offer() {
 }
 
 void ViewServer::drawn(std::uint64_t client) {
-  if (const auto found = impl_->connections.find(client); found != impl_->connections.end()) found->second->drawn();
+  if (const auto found = impl_->connections.find(client); found != impl_->connections.end())
+    found->second->drawn();
 }
 
 }  // namespace troupe::apps

@@ -38,8 +38,8 @@ class ViewServer {
     std::string token;       ///< that opens everything
     std::string look_token;  ///< that opens looking
   };
-  /// Listens when this returns; `backend` outlives it. Throws std::runtime_error where the port cannot be had, and
-  /// in builds without TROUPE_VIEW.
+  /// Listens when this returns; `backend` outlives it. Throws std::runtime_error where the port cannot be
+  /// had, and in builds without TROUPE_VIEW.
   ViewServer(const Options& options, ViewBackend& backend);
   /// Closes every connection.
   ~ViewServer();

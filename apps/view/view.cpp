@@ -31,7 +31,7 @@ constexpr int k_wire = 1;  // version of the protocol
 constexpr std::chrono::milliseconds k_picture{33};
 constexpr std::chrono::milliseconds k_nap{50};  // Ctrl-C in a wait must not have to wait itself
 constexpr std::chrono::seconds k_most_behind{1};
-constexpr std::size_t k_spare = 3;            // one is filled, one is encoded, one is the newest
+constexpr std::size_t k_spare = 3;             // one is filled, one is encoded, one is the newest
 constexpr std::size_t k_most_messages = 1024;  // that wait for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
 constexpr double k_least_rate = 0.001;
@@ -94,17 +94,18 @@ View::View(Simulation& simulation, const Options& options, std::function<bool()>
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
   has_z_ = page.has_z;
-  has_colors_ = std::ranges::any_of(world.types(), [](const engine::BodyType& type) {
-    return engine::color_device(type, 0) != nullptr;
-  });
+  has_colors_ = std::ranges::any_of(
+      world.types(), [](const engine::BodyType& type) { return engine::color_device(type, 0) != nullptr; });
   Json populations = Json::array();  // of which bodies may be added
   for (const engine::ReserveSpec& reserve : world.spec().reserves) populations.push_back(reserve.population);
-  greeting_ = fmt::format(R"("wire":{},"version":{},"tick_s":{},"colors":{},"measures":{},"populations":{},"header":{})", k_wire,
-                          text_of(version_line()), simulation.tick_s(), has_colors_,
-                          text_of(plain_measures(simulation)), text_of(populations), page.header);
+  greeting_ = fmt::format(
+      R"("wire":{},"version":{},"tick_s":{},"colors":{},"measures":{},"populations":{},"header":{})", k_wire,
+      text_of(version_line()), simulation.tick_s(), has_colors_, text_of(plain_measures(simulation)),
+      text_of(populations), page.header);
   for (std::size_t i = 0; i < k_spare; ++i) spare_.push_back(std::make_shared<Picture>());
   server_ = std::make_unique<ViewServer>(
-      ViewServer::Options{options.port, std::string(k_view_page), token_, look_token_}, static_cast<ViewBackend&>(*this));
+      ViewServer::Options{options.port, std::string(k_view_page), token_, look_token_},
+      static_cast<ViewBackend&>(*this));
   simulation_.before_tick([this](Simulation&) { before_tick(); });
 }
 
@@ -154,8 +155,8 @@ void View::received(std::uint64_t client, bool may_steer, std::string_view text)
   const std::string said = id.is_number_unsigned() ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
   if (!may_steer && what != "inspect" && what != "plot") {
     refused("an act of a viewer that may only look");
-    return server_->send(client,
-                         fmt::format(R"({{"type":"refused",{}"reason":"this address is for looking only"}})", said));
+    return server_->send(
+        client, fmt::format(R"({{"type":"refused",{}"reason":"this address is for looking only"}})", said));
   }
   bool is_full = false;
   {
@@ -164,8 +165,8 @@ void View::received(std::uint64_t client, bool may_steer, std::string_view text)
     if (!is_full) messages_.push_back({client, std::string(text)});
   }
   if (is_full)
-    return server_->send(client,
-                         fmt::format(R"({{"type":"refused",{}"reason":"too much is asked for at once"}})", said));
+    return server_->send(
+        client, fmt::format(R"({{"type":"refused",{}"reason":"too much is asked for at once"}})", said));
   wake_.notify_one();
 }
 
@@ -179,9 +180,10 @@ std::optional<ViewFrames> View::picture(std::uint64_t client) {
   if (!newest || newest->number == known.number) return {};
   known.number = newest->number;
   const auto own = newest->own.find(client);
-  ViewFrames frames{fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
-                                own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
-                    encode(*newest, order_.size(), known.poses, known.colors)};
+  ViewFrames frames{
+      fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
+                  own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
+      encode(*newest, order_.size(), known.poses, known.colors)};
   const std::scoped_lock lock(mutex_);  // publish() looks there whether the picture is spare
   newest.reset();
   return frames;
@@ -208,7 +210,8 @@ void View::before_tick() {
     if (playing_) until = std::min(until, due_);
     if (is_changed_) until = std::min(until, now + k_picture / 4);  // no picture was spare
     std::unique_lock lock(mutex_);
-    wake_.wait_until(lock, until, [this] { return !messages_.empty() || !arrived_.empty() || !gone_.empty(); });
+    wake_.wait_until(lock, until,
+                     [this] { return !messages_.empty() || !arrived_.empty() || !gone_.empty(); });
   }
   if (rate_ > 0) {
     const auto now = Clock::now();
@@ -303,8 +306,8 @@ void View::obey(const Message& message) {
     } else if (what == "rate") {
       const double rate = number("rate", 0, k_most_rate);
       if (rate > 0 && rate < k_least_rate)
-        throw ActRefused(fmt::format("\"rate\" is 0, for as fast as possible, or from {:g} to {:g}", k_least_rate,
-                                     k_most_rate));
+        throw ActRefused(fmt::format("\"rate\" is 0, for as fast as possible, or from {:g} to {:g}",
+                                     k_least_rate, k_most_rate));
       rate_ = rate;
       due_ = Clock::now();
     } else if (what == "inspect") {
@@ -315,8 +318,9 @@ void View::obey(const Message& message) {
     } else if (what == "plot") {
       const std::string measure = name("measure");
       try {
-        client.measures =
-            measure.empty() ? nullptr : std::make_unique<Measures>(simulation_, std::vector<std::string>{measure});
+        client.measures = measure.empty()
+                              ? nullptr
+                              : std::make_unique<Measures>(simulation_, std::vector<std::string>{measure});
         client.plotted = measure;
       } catch (const InputError& error) {
         throw ActRefused(error.what());
@@ -341,7 +345,8 @@ void View::obey(const Message& message) {
 /// A robot has one holder.
 void View::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
-  if (const auto holder = holders_.find(act.whom); is_hold && holder != holders_.end() && holder->second != client)
+  if (const auto holder = holders_.find(act.whom);
+      is_hold && holder != holders_.end() && holder->second != client)
     throw ActRefused(fmt::format("another viewer drives \"{}\"", act.whom));
   simulation_.act(act);
   session_.add(simulation_, act);
@@ -393,7 +398,8 @@ std::string View::inspection(BodyId id) {
       constexpr std::uint32_t k_most_values = 2048;  // of a picture of a camera more are of no use as numbers
       for (std::uint32_t c = 0; c < std::min(field.columns, k_most_values); ++c)
         values.push_back(number_in(field, cell + c * engine::element_size(field.element)));
-      fields.push_back({{"name", field.name}, {"unit", field.unit}, {"text", field.text}, {"values", values}});
+      fields.push_back(
+          {{"name", field.name}, {"unit", field.unit}, {"text", field.text}, {"values", values}});
     }
     json["components"].push_back({{"name", table.component()}, {"fields", std::move(fields)}});
   }

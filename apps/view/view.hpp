@@ -23,8 +23,8 @@
 
 namespace troupe::apps {
 
-/// Shows a simulation to browsers, and does what they ask for. The simulation's thread calls run(); it never waits
-/// for a viewer. docs/live.md has the protocol.
+/// Shows a simulation to browsers, and does what they ask for. The simulation's thread calls run(); it never
+/// waits for a viewer. docs/live.md has the protocol.
 class View : private ViewBackend {
  public:
   struct Options {
@@ -41,8 +41,9 @@ class View : private ViewBackend {
   std::string look_address() const { return address_of(look_token_); }
   const std::filesystem::path& session() const { return session_.file(); }
 
-  /// Steps the simulation as viewers ask for, from the first that may steer on, until `is_over`, or the world's own
-  /// end. Throws as Simulation::step() does, and std::runtime_error where the session cannot be written.
+  /// Steps the simulation as viewers ask for, from the first that may steer on, until `is_over`, or the
+  /// world's own end. Throws as Simulation::step() does, and std::runtime_error where the session cannot be
+  /// written.
   void run();
 
  private:

@@ -3,6 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/view/view.hpp"
 #include "base/diagnostics.hpp"
+#include "worldio/results/checkpoint.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fcntl.h>
@@ -30,6 +31,7 @@ It begins with the first page that is opened, at --rate times real time, and end
 The address holds a token: whoever has it may do all of this. A second one is for looking only. Of a machine elsewhere,
 ssh -L 8000:127.0.0.1:PORT HOST, and http://127.0.0.1:8000/#TOKEN here.
 
+A checkpoint (troupe run --checkpoint) is taken up where it was saved; its session is repeated by troupe resume --session.
 Whatever is done is written to WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and
 troupe run WORLD --session WORLD.session.jsonl repeats it to the same bits. docs/live.md has the rest.
 
@@ -37,20 +39,22 @@ Exit codes: 0 ended by the world's own stop_when; 1 failed; 2 bad input or usage
 
 Examples:
   troupe view worlds/cave-simple.json
+  troupe view c.h5
   troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
 
 constexpr double k_least_rate = 0.001;
 constexpr double k_most_rate = 1e6;
 
-/// A page that leads to the address, which only this user can read: the words of a command are for all to see.
+/// A page that leads to the address, which only this user can read: the words of a command are for all to
+/// see.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
     std::string name = (fs::temp_directory_path() / "troupe-view-XXXXXX").string();
     const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
     if (descriptor < 0)
-      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", name,
-                                           std::generic_category().message(errno)));
+      throw std::runtime_error(
+          fmt::format("{}: error: cannot be written: {}", name, std::generic_category().message(errno)));
     file_ = name;
     const std::string page =
         fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
@@ -87,8 +91,22 @@ class Redirect {
   fs::path file_;
 };
 
-/// Throws InputError.
+/// Throws InputError. A checkpoint goes on as it was saved: as mortal as its world, with the spare bodies
+/// that it had.
 Simulation load(const ViewOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  const bool is_checkpoint = worldio::is_checkpoint(options.world);
+  if (is_checkpoint &&
+      (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
+    throw InputError(
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are for worlds: this is a "
+                    "checkpoint, whose run has them",
+                    options.world.string()));
+  if (is_checkpoint)
+    return Simulation::resume(options.world, {.threads = options.simulation.threads,
+                                              .tile_size_m = options.simulation.tile_size_m,
+                                              .set = options.simulation.set,
+                                              .plugin_path = plugin_path(options.simulation.plugin_path)});
   SimulationOptions given = with_environment(options.simulation);
   given.mortal = true;
   return Simulation(options.world, given);
@@ -96,7 +114,8 @@ Simulation load(const ViewOptions& options) {
 
 ExitCode view_checked(const ViewOptions& options) {
   if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw InputError(fmt::format("{}: error: --out is to be a folder that is there", options.folder.string()));
+    throw InputError(
+        fmt::format("{}: error: --out is to be a folder that is there", options.folder.string()));
   Simulation simulation = load(options);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   stop_on_signals();
@@ -104,13 +123,14 @@ ExitCode view_checked(const ViewOptions& options) {
     return stop_requested() || (options.for_s && simulation.time_s() >= *options.for_s);
   };
   View view(simulation, {.port = options.port, .rate = options.rate, .folder = options.folder}, is_over);
-  fmt::print("{}\n  view          {}\n  looking only  {}\n  session       {}\n", simulation.title(), view.address(),
-             view.look_address(), view.session().string());
+  fmt::print("{}\n  view          {}\n  looking only  {}\n  session       {}\n", simulation.title(),
+             view.address(), view.look_address(), view.session().string());
   std::fflush(stdout);
   std::optional<Redirect> redirect;
   if (options.open) redirect.emplace(view.address()).open();
   view.run();
-  fmt::print("{}\n", simulation.hash_log_line());  // of the tick at which it ended: so does a run of the session
+  fmt::print("{}\n",
+             simulation.hash_log_line());  // of the tick at which it ended: so does a run of the session
   return stop_requested() ? k_stopped : k_finished;
 }
 
@@ -131,8 +151,9 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
             [&options](const std::string& text) {
               const auto rate = finite(text);
               if (!rate || (*rate != 0 && (*rate < k_least_rate || *rate > k_most_rate)))
-                refuse("--rate", text,
-                       fmt::format("0, or a rate from {} to {:g}, times real time", k_least_rate, k_most_rate));
+                refuse(
+                    "--rate", text,
+                    fmt::format("0, or a rate from {} to {:g}, times real time", k_least_rate, k_most_rate));
               options.rate = *rate;
             });
   add_value(view, "--out", "DIR", "Folder that the session is written to (default: this one)",

@@ -40,7 +40,9 @@ constexpr const char* k_yard = R"({"troupe": 1, "title": "yard", "seed": 5, "bou
 class Draws {
  public:
   explicit Draws(std::uint32_t seed) : random_(seed, 1, 2, 3) {}
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.uniform(0, static_cast<double>(n))) % n; }
+  std::size_t below(std::size_t n) {
+    return static_cast<std::size_t>(random_.uniform(0, static_cast<double>(n))) % n;
+  }
   double within(double least, double most) { return random_.uniform(least, most); }
 
  private:
@@ -49,7 +51,9 @@ class Draws {
 
 Act random_act(Draws& draws) {
   Act act{.kind = static_cast<Kind>(draws.below(engine::k_acts.size()))};
-  act.whom = act.kind == Kind::add ? "b" : draws.below(20) == 0 ? "rock" : fmt::format("b{}", draws.below(20));
+  act.whom = act.kind == Kind::add  ? "b"
+             : draws.below(20) == 0 ? "rock"
+                                    : fmt::format("b{}", draws.below(20));
   act.pose = {draws.within(-7, 7), draws.within(-7, 7), 0, draws.within(-4, 4)};
   act.speed = {draws.within(-1, 1), 0, draws.within(-2, 2)};
   if (act.kind == Kind::command) {
@@ -201,14 +205,20 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   };
   EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {3, 3, 0, 0}}),
               HasSubstr("\"b0\" cannot stand at x 3 m, y 3 m: a wall or another body is there"));
-  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {30, 3, 0, 0}}), HasSubstr("outside the world's bounds"));
-  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {std::nan(""), 3, 0, 0}}), HasSubstr("finite"));
-  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "rock", .pose = {0, 0, 0, 0}}), HasSubstr("\"rock\" never moves"));
-  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b99", .pose = {0, 0, 0, 0}}), HasSubstr("no body \"b99\""));
-  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b15", .pose = {0, 0, 0, 0}}), HasSubstr("\"b15\" is not in the world"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {30, 3, 0, 0}}),
+              HasSubstr("outside the world's bounds"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {std::nan(""), 3, 0, 0}}),
+              HasSubstr("finite"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "rock", .pose = {0, 0, 0, 0}}),
+              HasSubstr("\"rock\" never moves"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b99", .pose = {0, 0, 0, 0}}),
+              HasSubstr("no body \"b99\""));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b15", .pose = {0, 0, 0, 0}}),
+              HasSubstr("\"b15\" is not in the world"));
   EXPECT_THAT(refusal({.kind = Kind::hold, .whom = "rock", .speed = {1, 0, 0}}), HasSubstr("has no drive"));
-  EXPECT_THAT(refusal({.kind = Kind::speed, .whom = "b0", .speed = {std::numeric_limits<double>::infinity(), 0, 0}}),
-              HasSubstr("a speed of inf"));
+  EXPECT_THAT(
+      refusal({.kind = Kind::speed, .whom = "b0", .speed = {std::numeric_limits<double>::infinity(), 0, 0}}),
+      HasSubstr("a speed of inf"));
   EXPECT_THAT(refusal({.kind = Kind::release, .whom = "b0"}), HasSubstr("not held"));
   EXPECT_THAT(refusal({.kind = Kind::enable, .whom = "b0"}), HasSubstr("not disabled"));
   EXPECT_THAT(refusal({.kind = Kind::add, .whom = "x"}), HasSubstr("no population \"x\" with a reserve"));
@@ -223,22 +233,27 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
 TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   const std::string good = header();
   EXPECT_EQ(fault(good), "");
-  const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})" "\n";
+  const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})"
+                           "\n";
   EXPECT_EQ(fault(good + move), "");
-  EXPECT_THAT(fault(good, 6), HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
+  EXPECT_THAT(fault(good, 6),
+              HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
   EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 from the state 0000"));
   other = good;
   other.replace(other.find("troupe 0."), 9, "troupe 9.");
   EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: troupe 9."));
-  EXPECT_THAT(fault(good + move + R"({"tick":4,"n":2,"do":"remove","robot":"b0"})" "\n"),
+  EXPECT_THAT(fault(good + move +
+                    R"({"tick":4,"n":2,"do":"remove","robot":"b0"})"
+                    "\n"),
               HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
   for (const auto& [line, message] : std::vector<std::pair<std::string, std::string>>{
            {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "act 2 follows act 0"},
            {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown act \"fly\""},
            {R"({"tick":3,"n":1,"do":"remove","robot":"b0","x":1})", "x"},
-           {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})", "expected [x, y, z, heading], m and rad"},
+           {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})",
+            "expected [x, y, z, heading], m and rad"},
            {R"({"tick":-3,"n":1,"do":"remove","robot":"b0"})", "expected a whole number"},
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1e999,2,0,0]})", ""},
            {R"([1])", ""},
@@ -249,6 +264,31 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   EXPECT_THAT(fault(""), HasSubstr("s.jsonl: error: is empty"));
   EXPECT_THAT(fault("{}\n"), HasSubstr("s.jsonl:1: error: "));
   EXPECT_EQ(fault(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";
+}
+
+TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
+  const std::string text =
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "b", "type": "bot", "count": 3, "place": {"rule": "grid", "pitch_m": 1, "region_m": [[-3, -3], [3, 3]]}}],
+    "models": [{"name": "scout", "type": "bot", "pose": {"x_m": 5}}]})";
+  const auto world = [&](std::uint32_t spare) {
+    return Simulation::from_text(text, "spare.json", {.threads = 1, .spare = spare});
+  };
+  Simulation plain = world(0);
+  EXPECT_THROW(plain.act({.kind = Kind::add, .whom = "b"}), ActRefused);
+  Simulation simulation = world(2);
+  EXPECT_EQ(simulation.robots(), 4u);
+  EXPECT_EQ(simulation.find("scout").id(), plain.find("scout").id());
+  for (const double x : {7.0, 8.0}) simulation.act({.kind = Kind::add, .whom = "b", .pose = {x, 0, 0, 0}});
+  EXPECT_EQ(simulation.robots(), 6u);
+  EXPECT_EQ(simulation.find("b4").pose().x, 8);
+  EXPECT_GT(simulation.find("b3").id().value, simulation.find("scout").id().value);
+  EXPECT_THROW(simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}}), ActRefused);
+  const fs::path session = SessionLog(folder_, simulation).file();
+  Simulation other = world(1);
+  EXPECT_THAT([&] { const SessionReplay replay(session, other); },
+              ::testing::ThrowsMessage<InputError>(
+                  HasSubstr(":1: error: the session is of another run: spare is 2, here 1")));
 }
 
 TEST_F(Sessions, AreNeverReplaced) {
