@@ -16,6 +16,7 @@
 #include "apps/run/run.hpp"
 #include "apps/run/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
+#include "apps/view/view_command.hpp"
 #include "troupe/registry.hpp"
 
 #include <memory>
@@ -42,6 +43,7 @@ std::vector<ProgramCommand> program_commands() {
   return {
       row("run", "Run a world and tell how it went", add_run_options, run),
       row("resume", "Go on with a run from its checkpoint", add_resume_options, run),
+      row("view", "Watch and steer a world in a browser", add_view_options, view_world),
       row("sweep", "Make all runs of a study, and one table of them", add_sweep_options, sweep),
       row("plot", "Draw a measure of a sweep over time", add_plot_options, plot),
       row("check", "Prove that a world gives the same bits on any threads and tiles", add_check_options,

@@ -128,6 +128,15 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_values(
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
+  add_value(app, "--spare", "N",
+            "Bodies more of each population of robots that may be added while the world runs (default: 0)",
+            [&options](const std::string& text) {
+              constexpr std::uint32_t k_most = 1000000;
+              const auto count = number<std::uint32_t>(text);
+              if (!count || *count > k_most)
+                refuse("--spare", text, fmt::format("a number of bodies from 0 to {}", k_most));
+              options.simulation.spare = *count;
+            });
   add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable",
                  options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);

@@ -272,7 +272,7 @@ void World::build_conditions() {
   const bool any = std::ranges::any_of(spec_.experiment.at, [](const auto& at) {
     return at.action == Action::disable || at.action == Action::enable;
   });
-  if (!any && spec_.experiment.faults.empty()) return;
+  if (!any && spec_.experiment.faults.empty() && !spec_.mortal) return;
   condition_table_ = tables_.size();
   tables_.emplace_back(
       "condition", HashGroup::memory, StateTable::Layout::rows,
@@ -378,12 +378,29 @@ bool World::carry_out(Experiment::Intervention& intervention) {
       die(candidate.row);
       continue;
     }
-    Condition& now = condition(candidate.row);
-    ailing_ -= !now.is_sound();
-    now.out ^= Condition::k_disabled;
-    ailing_ += !now.is_sound();
+    toggle_disabled(candidate.row);
   }
   return spec.action == Action::remove && !chosen.empty();
+}
+
+void World::toggle_disabled(Row row) {
+  Condition& now = condition(row);
+  ailing_ -= !now.is_sound();
+  now.out ^= Condition::k_disabled;
+  ailing_ += !now.is_sound();
+}
+
+bool World::set_disabled(Row row, bool disabled) {
+  require_whole();
+  if (!condition_table_)
+    throw std::logic_error(
+        fmt::format("\"{}\" cannot be disabled: bodies of this world can only be where the world says "
+                    "\"mortal\": true, or "
+                    "disables or has faults itself",
+                    spec_.name(body(row))));
+  if (!is_there(row) || ((condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
+  toggle_disabled(row);
+  return true;
 }
 
 std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {

@@ -47,6 +47,7 @@ void World::step() {
   restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
                              // maths
   if (tick_ >= experiment_.due) intervene();
+  if (before_tick_) before_tick_();
   ++tick_;
   begin_placing();
   begin(Phase::sense);

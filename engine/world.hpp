@@ -116,6 +116,10 @@ class World {
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
   /// Called as each phase begins, and with no phase as the tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
+  /// Called in each step when what the world's file asks for (`at`, faults) has been done, before the tick
+  /// begins: it may do to the world what a program does between two steps. What it throws comes out of
+  /// step(). Replaces the callback; set between steps.
+  void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// Called on its worker where a batch of robots is to decide, and must have them do it:
   /// controller.kind->decide(controller.data, batch). On several workers at once, so it must be thread-safe.
   /// For checks of controllers; set between steps.
@@ -257,8 +261,12 @@ class World {
     const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
     return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
   }
-  /// Whether anybody may be disabled or fail here. Only then has the world the component `condition`.
+  /// Whether bodies may be disabled or fail here: the world's file says that some do, or its spec says that
+  /// it is mortal. Only then has the world the component `condition`.
   bool has_conditions() const { return condition_table_.has_value(); }
+  /// Disables a body, or enables it again, between steps, as `at` does. False, and nothing is changed, where
+  /// it is so already, or is not there. Throws std::logic_error in a world without conditions.
+  bool set_disabled(Row row, bool disabled);
   /// Rows that are not sound.
   std::size_t ailing_count() const { return ailing_; }
 
@@ -438,6 +446,7 @@ class World {
   void count_ailing();
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
+  void toggle_disabled(Row row);
   /// Of the candidates as many as the group asks for, by id.
   std::span<const Experiment::Candidate> choose(const GroupSpec& group);
   bool add(const Experiment::Intervention& intervention);
@@ -543,6 +552,7 @@ class World {
   std::vector<std::uint8_t> row_subscribed_;  // beside what the world runs
   std::function<void(std::optional<Phase>)> on_phase_;
   OnDecide on_decide_;
+  std::function<void()> before_tick_;
 
   // Derived: derive() makes all of it, a tick keeps it up to date.
   std::vector<Transform> transforms_;

@@ -178,7 +178,7 @@ struct WorldSpec {
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< rising, and apart from one another
-  bool mortal = false;                ///< programs may remove bodies, also where nothing in the world does
+  bool mortal = false;  ///< programs may remove and disable bodies, also where the world does not
   /// Other names of bodies (Stage keeps generated names as aliases), each once.
   std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).
@@ -208,6 +208,10 @@ void add_ground(WorldSpec& spec);
 /// of the value: `types[0].parts[2].parent: ...`. The members themselves are described in
 /// spec_description.cpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
+
+/// Gives each population of robots that has no reserve one of `count` bodies, behind all other bodies. A
+/// population is here what is called NAME0, NAME1, ..., of one type with a drive.
+void add_spare(WorldSpec& spec, std::uint32_t count);
 
 /// What fiducial finders read of a part of a body; 0: they do not find it.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {

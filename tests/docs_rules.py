@@ -27,6 +27,8 @@ NOT_RUN = [
     (r"perf_paper --quick", "is the test perf.paper"),
     (rf"\bworlds/({'|'.join(Scenes().slow()).replace('.', chr(92) + '.')})", "takes minutes of one core"),
     (r"--rate 1\b", "takes as long as it simulates"),
+    (r"^troupe view ", "waits for a browser: tests/view_test.py"),
+    (r"--session \S+\.session\.jsonl", "repeats what was done in a browser: tests/view_test.py"),
 ]
 
 # Commands that are run in another way: (pattern, replacement, why).
@@ -117,6 +119,9 @@ SHOWN_ONLY = [
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
     ("docs/library.md", "room.json:14", "of a world with a fault: tests/troupe/library_test.cpp"),
     ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
+    ("docs/live.md", "cave", "what troupe view prints: tests/view_test.py"),
+    ("docs/live.md", '{"troupe_session"', "lines of a session: tests/troupe/session_test.cpp"),
+    ("docs/live.md", "import asyncio", "tests/view_test.py runs it, where websockets is installed"),
     ("docs/recordings.md", "200 kills", "tests/recording_kill_test.py printed it, after minutes"),
     ("docs/recordings.md", "differs at tick 40", "a difference, which there must not be: tests/apps/diff_test.cpp"),
     ("docs/replay.md", "long.html:", "of a recording of ten minutes"),

@@ -80,14 +80,15 @@ def troupe(folder, *arguments):
 class TheBundle(unittest.TestCase):
     def test_is_of_these_sources(self):
         folder = ROOT / "apps" / "replay_page"
-        names = ["build.mjs", "index.html", "package-lock.json", "package.json", "style.css"]
+        names = ["build.mjs", "index.html", "live_index.html", "package-lock.json", "package.json", "style.css"]
         names += [f"src/{path.name}" for path in (folder / "src").iterdir()]
         digest = hashlib.sha256()
         for name in sorted(names):
             digest.update(f"{name}\n".encode() + (folder / name).read_bytes() + b"\n")
-        bundle = (folder / "replay.html").read_text()
-        self.assertIn(f"Sources: apps/replay_page, sha256 {digest.hexdigest()}\n", bundle,
-                      "the sources have changed: scripts/replay-page makes the bundle")
+        for name in ("replay.html", "live.html"):
+            bundle = (folder / name).read_text()
+            self.assertIn(f"Sources: apps/replay_page, sha256 {digest.hexdigest()}\n", bundle,
+                          "the sources have changed: scripts/replay-page makes the bundles")
 
 
 class Used(unittest.TestCase):

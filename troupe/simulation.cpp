@@ -9,6 +9,7 @@
 #include "engine/world.hpp"
 #include "models/drives/wheels.hpp"
 #include "partition/simd_target.hpp"
+#include "troupe/acts.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
@@ -54,6 +55,8 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
       is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
 }
 
+constexpr const char* k_spare = "spare";          // key of a header
+constexpr const char* k_holds = "holds";          // of a checkpoint's memories
 constexpr std::string_view k_plugin = "plugin ";  // keys of a header: plugin NAME
 
 /// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless they are wanted;
@@ -154,6 +157,9 @@ struct Simulation::Impl {
     pictures->forget();
     return *pictures;
   }
+  std::function<void(Simulation&)> before_tick;
+  /// Robots that act() drives.
+  Holds holds;
 
   void refuse_in_callbacks(std::string_view what) const {
     if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
@@ -162,6 +168,11 @@ struct Simulation::Impl {
   /// Makes the world of a spec in which nothing is wrong.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
     tile_size_m = options.tile_size_m;
+    spec.mortal = spec.mortal || options.mortal;
+    if (options.spare > 0) {
+      engine::add_spare(spec, options.spare);
+      changes.emplace_back(k_spare, fmt::format("{}", options.spare));
+    }
     spec.ranging = options.ranging.value_or(spec.ranging);
     world = std::make_unique<engine::World>(
         std::move(spec), *registry, engine::WorldOptions{options.threads, options.tile_size_m}, diagnostics);
@@ -592,8 +603,13 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
     if (memory != impl->memories.end()) impl->stop->remember(memory->second);
     if (impl->world->tick() > 0) impl->stop->ask();
   }
+  if (const auto holds = impl->memories.find(k_holds);
+      holds != impl->memories.end() &&
+      !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
+    throw InputError(
+        fmt::format("{}: error: its holds are of no such world: the file is damaged", file.string()));
   for (const auto& [key, value] : checkpoint.header())
-    if (key.starts_with("set ")) impl->changes.emplace_back(key, value);
+    if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
     impl->changes.emplace_back(fmt::format("set {} at tick {}", pointer, checkpoint.tick()), value);
   return Simulation(std::move(impl));
@@ -610,6 +626,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
   if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
+  if (!impl_->holds.empty()) memories[k_holds] = impl_->holds.memory();
   worldio::write_checkpoint(checkpoint, *impl_->world, *impl_->registry, header, memories);
 }
 
@@ -657,6 +674,10 @@ void Simulation::step() {
   Model::refuse_in_for_each(*impl_->world, "step()");
   // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
   if (!check_fp_environment()) restore_fp_environment();
+  impl_->world->before_tick([this] {
+    if (impl_->before_tick) impl_->before_tick(*this);
+    impl_->holds.apply(*this);
+  });
   impl_->world->step();
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
@@ -677,6 +698,17 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback) {
     impl_->on_tick.push_back(std::move(callback));
   else
     impl_->on_tick.clear();
+}
+
+void Simulation::before_tick(std::function<void(Simulation&)> callback) {
+  Model::refuse_in_for_each(*impl_->world, "before_tick()");
+  impl_->before_tick = std::move(callback);
+}
+
+void Simulation::act(const engine::Act& act) {
+  Model::refuse_in_for_each(*impl_->world, "act()");
+  impl_->world->require_whole();
+  carry_out(*this, act, impl_->holds);
 }
 
 void Simulation::record(const std::filesystem::path& file) { record(file, RecordingOptions{}); }
@@ -716,6 +748,7 @@ void Simulation::reset() {
   Model::refuse_in_for_each(*impl_->world, "reset()");
   stop_recording();
   impl_->world->reset();
+  impl_->holds.clear();
   if (impl_->stop) impl_->stop->begin();
 }
 
@@ -867,6 +900,16 @@ void Simulation::remove(const Model& model) {
   Model::refuse_in_for_each(*impl_->world, "remove()");
   impl_->world->remove(model.place_->whole());
 }
+
+bool Simulation::set_disabled(const Model& model, bool disabled) {
+  if (model.place_->world != impl_->world.get())
+    throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+  Model::refuse_in_for_each(*impl_->world, disabled ? "disable()" : "enable()");
+  return impl_->world->set_disabled(model.place_->whole(), disabled);
+}
+
+bool Simulation::disable(const Model& model) { return set_disabled(model, true); }
+bool Simulation::enable(const Model& model) { return set_disabled(model, false); }
 
 std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;

@@ -3,6 +3,7 @@
 #include "base/ids.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
+#include "engine/act.hpp"
 #include "engine/energy.hpp"
 #include "engine/phase.hpp"
 #include "engine/ranging_engine.hpp"
@@ -42,7 +43,8 @@ namespace troupe {
 /// What finds ranges: exact geometry, or a walk through cells (docs/sensing.md).
 using engine::RangingEngine;
 
-/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots` and `set` changes a result.
+/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots`, `set` and `spare`
+/// changes a result.
 struct SimulationOptions {
   /// Worker threads, at most 1,024; 0: one for each processor that the process may use, by its affinity mask
   /// and its control groups. More throw std::invalid_argument.
@@ -62,6 +64,12 @@ struct SimulationOptions {
   /// Directories searched for plug-ins with the controllers and sensors that Troupe has not
   /// (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
+  /// Programs may remove, disable and enable bodies of any world, as if it said `"mortal": true`. Bodies that
+  /// are there from the start, and sound, add nothing to the hash for it.
+  bool mortal = false;
+  /// So many bodies of each population of robots without a reserve may be added while the world runs: a
+  /// reserve, behind all other bodies (docs/lives.md). A world with one has other hashes.
+  std::uint32_t spare = 0;
 };
 
 /// How a saved run goes on. Nothing here but `set` changes a result.
@@ -336,6 +344,15 @@ class Simulation {
   /// exception comes out of step(), with the tick complete; callbacks behind it are not called. Null: all
   /// that were added are forgotten.
   void on_tick(std::function<void(Simulation&)> callback);
+  /// Called in every step when what the world's file asks for (`at`, faults) has been done, and before the
+  /// tick begins. It may do what programs do between two steps, and act(), but not step() or reset(). An
+  /// exception comes out of step(), and leaves the state half made. Null: nothing is called any more.
+  void before_tick(std::function<void(Simulation&)> callback);
+  /// Does what a person may do to a running world (docs/live.md): between two steps, or in before_tick(),
+  /// where it comes after what the world's file asks for. Holds last until they are released, are saved in
+  /// checkpoints, and end with reset(). Throws ActRefused (troupe/acts.hpp), and changes nothing, for what
+  /// cannot be done.
+  void act(const engine::Act& act);
   /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
   /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
   /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
@@ -417,6 +434,15 @@ class Simulation {
   /// part of a model, for what never moves, and in a world in which nobody comes and goes: a world with a
   /// reserve, or with `"mortal": true`, is another. Costs the indexing of all bodies.
   void remove(const Model& model);
+  /// Stops all of a body, between two steps: controllers, drive, sensors, which keep their readings, and
+  /// other devices. It stands where it is, and is met and seen. False where it is disabled already, or not in
+  /// the world. Throws std::logic_error for a part of a model, for what never moves, and in a world in which
+  /// nothing is ever disabled: one with faults, with `disable` in its `at`, or with `"mortal": true`, is
+  /// another.
+  bool disable(const Model& model);
+  /// What disable() stopped goes on with what it was told last. False where it is not disabled. Throws as
+  /// that.
+  bool enable(const Model& model);
   /// Names of all robots that are in the world, in id order.
   std::vector<std::string> robot_names() const;
   /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.
@@ -492,6 +518,7 @@ class Simulation {
   static Simulation make(engine::WorldSpec world, const SimulationOptions& options,
                          engine::Registry registry);
   std::size_t reserve_of(std::string_view population) const;
+  bool set_disabled(const Model& model, bool disabled);
   std::unique_ptr<Impl> impl_;
 };
 

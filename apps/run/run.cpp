@@ -56,6 +56,7 @@ void check_files(const std::vector<RunOptions>& each) {
   std::vector<fs::path> outputs;
   for (const RunOptions& options : each) {
     inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
+    if (!options.session.empty()) inputs.push_back({options.session, "the session"});
     std::ranges::copy(options.outputs.files(options), std::back_inserter(outputs));
   }
   check_outputs(inputs, outputs);

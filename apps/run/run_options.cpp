@@ -21,6 +21,9 @@ constexpr const char* k_run_footer = R"(
 The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
 two must be given. The run ends with the first tick whose time is S or later.
 
+--session repeats a session of troupe view: its acts are done at their ticks. Without --for the run ends where the
+session did. A session of another run, of which the first line tells, is refused; so is an act that cannot be done.
+
 Several worlds run side by side, each to its own end: the one whose next tick comes first goes next. All are loaded
 before any begins, and none changes another. Outputs have {world} in their names then, which stands for the world's
 name: --hash-log {world}.log. The summaries follow one another, with --json a line each.
@@ -95,6 +98,12 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
 }
 
+void add_session_option(CLI::App& app, RunOptions& options) {
+  add_value(app, "--session", "FILE.jsonl",
+            "Repeat what was done to the world in a session of troupe view, to the same bits (docs/live.md)",
+            [&options](const std::string& text) { options.session = text; });
+}
+
 /// What the wall clock has to do with it.
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
@@ -134,6 +143,7 @@ void add_run_options(CLI::App& run, RunOptions& options) {
       ->option_text("...")
       ->required();
   add_run_settings(run, options);
+  add_session_option(run, options);
   add_clock_options(run, options);
   add_output_options(run, options);
 }
@@ -160,6 +170,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
       .add_flag("--across-plugins", options.across_plugins,
                 "Though its plug-ins have been built anew since it was written")
       ->disable_flag_override();
+  add_session_option(resume, options);
   add_clock_options(resume, options);
   add_output_options(resume, options);
 }

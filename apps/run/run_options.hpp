@@ -22,10 +22,11 @@ struct RunOptions : WorldOptions {
   std::optional<double> wall_limit_s;
   std::filesystem::path record;  ///< empty: where the world says, if it does
   RecordingOptions recording;
-  bool force = false;       ///< outputs that exist may be replaced
-  bool clock = false;       ///< the time is told even where the world does not ask for it
-  double rate = 0;          ///< times real time, at most; 0: as fast as possible
-  bool world_rate = false;  ///< instead: as the world says
+  std::filesystem::path session;  ///< acts that are repeated; empty: none
+  bool force = false;             ///< outputs that exist may be replaced
+  bool clock = false;             ///< the time is told even where the world does not ask for it
+  double rate = 0;                ///< times real time, at most; 0: as fast as possible
+  bool world_rate = false;        ///< instead: as the world says
   /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
   bool across_versions = false;
   bool across_plugins = false;

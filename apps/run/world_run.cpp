@@ -33,7 +33,16 @@ Simulation load(const RunOptions& options) {
                                               .across_versions = options.across_versions,
                                               .plugin_path = plugin_path(simulation.plugin_path),
                                               .across_plugins = options.across_plugins});
-  return Simulation(options.world, with_environment(simulation));
+  SimulationOptions given = with_environment(simulation);
+  given.mortal = !options.session.empty();
+  return Simulation(options.world, given);
+}
+
+/// As end_of(), but a session may say when it ended.
+double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
+  if (!options.for_s && session && session->end_tick())
+    return static_cast<double>(*session->end_tick()) * simulation.tick_s();
+  return end_of(options, simulation);
 }
 
 /// How fast the run may be, times real time; 0: as fast as it can.
@@ -47,12 +56,18 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   report_.load_s = std::chrono::duration<double>(Clock::now() - start_).count();
   if (!options_.quiet)
     for (const std::string& warning : simulation_.warnings()) fmt::print(stderr, "{}\n", warning);
+  if (!options_.session.empty()) {
+    session_ = std::make_unique<SessionReplay>(options_.session, simulation_);
+    simulation_.before_tick([this](Simulation& simulation) { session_->act(simulation); });
+    if (!options_.quiet)
+      for (const std::string& warning : session_->warnings()) fmt::print(stderr, "{}\n", warning);
+  }
   report_.options = simulation_.effective_options();
   report_.world = report_.options.front().second;
   report_.first_tick = simulation_.tick();
   report_.title = simulation_.title();
   report_.tick_s = simulation_.tick_s();
-  report_.end_s = end_of(options_, simulation_);
+  report_.end_s = end_of_run(options_, simulation_, session_.get());
   report_.rate = rate_of(options_, simulation_);
   ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
   if (ticks_ < report_.first_tick)
@@ -149,6 +164,9 @@ void WorldRun::print_summary(bool is_one_of_several) const {
   for (const auto& observer : observers_)
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
       fmt::print(stderr, "{}\n", warning);
+  if (session_ && session_->left() > 0 && !options_.quiet)
+    fmt::print(stderr, "{}: warning: the run ended before the last {} of the session's acts\n",
+               options_.session.string(), session_->left());
   if (options_.json)
     fmt::print("{}", summary_json(report_));
   else if (!options_.quiet) {

@@ -5,11 +5,13 @@
 #include "apps/run/phase_clock.hpp"
 #include "apps/run/report.hpp"
 #include "apps/run/run_options.hpp"
+#include "troupe/session.hpp"
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace troupe::apps {
@@ -63,6 +65,7 @@ class WorldRun {
   RunOptions options_;
   Clock::time_point start_ = Clock::now();
   Simulation simulation_;
+  std::unique_ptr<SessionReplay> session_;
   Report report_;
   std::uint64_t ticks_ = 0;           // at which it ends
   std::vector<OpenOutput> prepared_;  // outputs that are not open yet

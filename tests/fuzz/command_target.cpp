@@ -2,6 +2,7 @@
 #include "apps/command_line.hpp"
 #include "apps/run/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
+#include "apps/view/view_command.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -153,6 +154,14 @@ void limit_run(apps::RunOptions& options) {
   if (options.worlds.size() > 3) options.worlds.resize(3);
 }
 
+/// It is over at once, without a viewer.
+void limit_view(apps::ViewOptions& options) {
+  limit_world(options);
+  options.for_s = 0;
+  options.port = 0;
+  options.open = false;
+}
+
 void limit_check(apps::CheckOptions& check) {
   limit_world(check);
   check.for_s = std::min(check.for_s.value_or(k_for_s), k_for_s);
@@ -172,6 +181,7 @@ Options* as(std::any& options) {
 /// Short runs, small worlds, and few threads.
 void limit(std::any& options) {
   if (auto* run = as<apps::RunOptions>(options)) limit_run(*run);
+  if (auto* view = as<apps::ViewOptions>(options)) limit_view(*view);
   if (auto* check = as<apps::CheckOptions>(options)) limit_check(*check);
   if (auto* sweep = as<apps::SweepOptions>(options))
     sweep->runs_at_once = std::clamp(sweep->runs_at_once, 1u, 2u);

@@ -823,7 +823,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.other<&WorldDocument::watch>(Form::block, "watch", "how the world is watched").block =
       &engine::watch_fields();
   d.other<&WorldDocument::window>(Form::block, "window", "the view it asks for").block = &window_fields();
-  d.value<&WorldDocument::mortal>("mortal", "programs may remove bodies, docs/lives.md");
+  d.value<&WorldDocument::mortal>("mortal", "programs may remove and disable bodies, docs/lives.md");
   d.choice<&WorldDocument::overlaps>("overlaps", k_checks,
                                      "what models are that overlap something at the start");
   d.choice<&WorldDocument::same_names>("same_names", k_checks, "what two bodies of one name are");

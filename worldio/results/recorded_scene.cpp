@@ -7,6 +7,7 @@
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_reader.hpp"
+#include "worldio/json/spec_json.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
@@ -207,6 +208,19 @@ void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
 
 }  // namespace
 
+RecordingReader::Scene scene_columns(const engine::WorldSpec& spec) {
+  RecordingReader::Scene columns;
+  for (const engine::BodySpec& body : spec.bodies) {
+    columns.word.push_back(body.name.word);
+    columns.number.push_back(body.name.number);
+    columns.type.push_back(body.type.value);
+    const Pose& pose = body.pose_world_body;
+    columns.pose.insert(columns.pose.end(), {pose.x, pose.y, pose.z, pose.heading});
+    columns.color.insert(columns.color.end(), {body.color.r, body.color.g, body.color.b, body.color.a});
+  }
+  return columns;
+}
+
 Color shown_color(std::span<const double> parts, const Color& of_the_world) {
   if (!std::ranges::all_of(parts, [](double part) { return std::isfinite(part); })) return of_the_world;
   return {static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]), 1};
@@ -227,6 +241,10 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
   } catch (const Damaged&) {
     fail(recording, "/world or /scene says what no world does: the file is damaged");
   }
+}
+
+RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry) {
+  return scene_of(Json::parse(spec_to_json(spec, registry)), scene_columns(spec));
 }
 
 std::optional<engine::Record> recorded_window(const RecordingReader& recording) {

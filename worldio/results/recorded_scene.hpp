@@ -11,6 +11,10 @@
 #include <string>
 #include <vector>
 
+namespace troupe::engine {
+struct Registry;
+}  // namespace troupe::engine
+
 namespace troupe::worldio {
 
 /// How the world of a recording looks, for those who draw its frames: without the world's own file, and
@@ -56,12 +60,18 @@ struct RecordedScene {
   std::vector<Body> bodies;  ///< by BodyId
 };
 
+/// Every body as the world says it, walls too: what else it takes to draw a frame.
+RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
+
 /// Red, green and blue of a body, each 0 to 1, from a recorded `shown_color`; the colour of the world where
 /// the body was not there, or has none.
 Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
 /// Throws Hdf5Error, with the file's name: a recording from before /scene was kept, or a damaged one.
 RecordedScene recorded_scene(const RecordingReader& recording);
+
+/// The same of a world that runs, without recorded colours.
+RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// The window through which the world asks to be seen (worldio/window_fields.hpp), where it has one. Throws
 /// Hdf5Error for a damaged file.

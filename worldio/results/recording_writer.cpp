@@ -1,6 +1,7 @@
 #include "worldio/results/recording_writer.hpp"
 
 #include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/recorded_scene.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
 
@@ -71,27 +72,16 @@ void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view fram
   dataset.set_text("text", text);
 }
 
-/// Every body as the world says it, walls too: what else it takes to draw a frame.
 void write_scene(Hdf5File& file, const engine::WorldSpec& spec) {
-  std::vector<std::uint32_t> words;
-  std::vector<std::uint32_t> numbers;
-  std::vector<std::uint32_t> types;
-  std::vector<double> poses;
-  std::vector<float> colors;
-  for (const engine::BodySpec& body : spec.bodies) {
-    words.push_back(body.name.word);
-    numbers.push_back(body.name.number);
-    types.push_back(body.type.value);
-    const Pose& pose = body.pose_world_body;
-    poses.insert(poses.end(), {pose.x, pose.y, pose.z, pose.heading});
-    colors.insert(colors.end(), {body.color.r, body.color.g, body.color.b, body.color.a});
-  }
+  const RecordingReader::Scene columns = scene_columns(spec);
   Hdf5Group scene = file.create_group("scene");
-  scene.write("word", std::span<const std::uint32_t>(words));
-  scene.write("number", std::span<const std::uint32_t>(numbers));
-  scene.write("type", std::span<const std::uint32_t>(types));
-  scene.create_dataset("pose", Element::f64, {types.size(), 4}).write(std::span<const double>(poses));
-  scene.create_dataset("color", Element::f32, {types.size(), 4}).write(std::span<const float>(colors));
+  scene.write("word", std::span<const std::uint32_t>(columns.word));
+  scene.write("number", std::span<const std::uint32_t>(columns.number));
+  scene.write("type", std::span<const std::uint32_t>(columns.type));
+  scene.create_dataset("pose", Element::f64, {columns.type.size(), 4})
+      .write(std::span<const double>(columns.pose));
+  scene.create_dataset("color", Element::f32, {columns.type.size(), 4})
+      .write(std::span<const float>(columns.color));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -76,10 +77,10 @@ Json type_json(const RecordedScene::Type& type) {
   return json;
 }
 
-/// Whatever never moves, and can be seen.
-Json fixed_json(const RecordingReader& recording, const RecordedScene& scene) {
+/// Whatever never moves, and can be seen; `ids` are of what may.
+Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
   std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
-  for (const std::uint32_t id : recording.ids()) moves[id] = 1;
+  for (const std::uint32_t id : ids) moves[id] = 1;
   Json fixed = Json::array();
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const RecordedScene::Body& body = scene.bodies[b];
@@ -91,14 +92,13 @@ Json fixed_json(const RecordingReader& recording, const RecordedScene& scene) {
 }
 
 /// Runs of rows of one type, and of each row id, name and colour.
-Json robots_json(const RecordingReader& recording, const ReplayPlan& plan) {
+Json robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScene& scene) {
   std::vector<std::array<std::uint32_t, 2>> types;
   Json ids = Json::array();
   Json names = Json::array();
   Json colors = Json::array();
-  for (const std::uint32_t row : plan.order) {
-    const std::uint32_t id = recording.ids()[row];
-    const RecordedScene::Body& body = plan.scene.bodies[id];
+  for (const std::uint32_t id : ids_in_order) {
+    const RecordedScene::Body& body = scene.bodies[id];
     if (types.empty() || types.back()[0] != body.type) types.push_back({body.type, 0});
     ++types.back()[1];
     ids.push_back(id);
@@ -124,7 +124,49 @@ Json field_json(const ReplayField& field) {
           {"steps", field.steps}};
 }
 
+Json bounds_json(const Box& bounds) {
+  return {bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y()};
+}
+
+Json types_json(const RecordedScene& scene) {
+  Json types = Json::array();
+  for (const RecordedScene::Type& type : scene.types) types.push_back(type_json(type));
+  return types;
+}
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 }  // namespace
+
+LivePage live_page(const engine::World& world, const engine::Registry& registry) {
+  const RecordedScene scene = recorded_scene(world.spec(), registry);
+  LivePage page;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Row row = world.row(BodyId(b));
+    if (!row.valid()) continue;
+    page.order.push_back(static_cast<std::uint32_t>(b));
+    page.has_z = page.has_z || !world.type(row).joints.empty();
+  }
+  std::ranges::stable_sort(page.order, {}, [&](std::uint32_t id) { return scene.bodies[id].type; });
+  Json heights = Json::array();
+  for (const std::uint32_t id : page.order) {
+    const double z = world.poses()[world.row(BodyId(id)).index()].z;
+    heights.push_back(std::isfinite(z) ? z : 0.0);
+  }
+  Json json;
+  json["title"] = scene.title;
+  json["about"] = {{"world", scene.title}, {"seed", fmt::format("{}", world.spec().seed)}};
+  json["bounds_m"] = bounds_json(world.frame_scene().bounds);
+  json["shape_step_m"] = k_replay_shape_m;
+  json["types"] = types_json(scene);
+  json["fixed"] = fixed_json(page.order, scene);
+  json["robots"] = robots_json(page.order, scene);
+  json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", page.has_z}};
+  if (!page.has_z) json["pose"]["z_m"] = std::move(heights);
+  json["fields"] = Json::array();
+  page.header = text_of(json);
+  return page;
+}
 
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks) {
@@ -136,19 +178,20 @@ std::string replay_header(const RecordingReader& recording, const ReplayPlan& pl
   json["recorded_frames"] = recording.frames();
   json["times_s"] = Json::array();
   for (const std::size_t frame : frames) json["times_s"].push_back(recording.times_s()[frame]);
-  json["bounds_m"] = {plan.bounds.min.x(), plan.bounds.min.y(), plan.bounds.max.x(), plan.bounds.max.y()};
+  json["bounds_m"] = bounds_json(plan.bounds);
   json["shape_step_m"] = k_replay_shape_m;
-  json["types"] = Json::array();
-  for (const RecordedScene::Type& type : plan.scene.types) json["types"].push_back(type_json(type));
-  json["fixed"] = fixed_json(recording, plan.scene);
-  json["robots"] = robots_json(recording, plan);
+  json["types"] = types_json(plan.scene);
+  json["fixed"] = fixed_json(recording.ids(), plan.scene);
+  std::vector<std::uint32_t> ids_in_order;
+  for (const std::uint32_t row : plan.order) ids_in_order.push_back(recording.ids()[row]);
+  json["robots"] = robots_json(ids_in_order, plan.scene);
   json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", plan.pose[3] != nullptr}};
   if (!plan.pose[3]) json["pose"]["z_m"] = plan.heights;
   json["fields"] = Json::array();
   for (const ReplayField& field : plan.fields) json["fields"].push_back(field_json(field));
   json["block_frames"] = blocks.frames;
   json["block_bytes"] = blocks.bytes;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text_of(json);
 }
 
 }  // namespace troupe::worldio

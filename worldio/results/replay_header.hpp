@@ -1,8 +1,10 @@
 #pragma once
 
+#include "engine/world.hpp"
 #include "worldio/results/replay_plan.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,5 +25,13 @@ struct ReplayBlocks {
 /// Everything but the numbers that change, as JSON: shapes, names, colours, times, fields (docs/replay.md).
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
+
+/// What a page that shows a running world needs once.
+struct LivePage {
+  std::string header;                ///< as replay_header(), without what only recordings have
+  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
+  bool has_z = false;                ///< heights may change; else the header has them
+};
+LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -1,14 +1,13 @@
-// The bar below, the keys, the legend and the scale.
+// The bar below, the keys, the legend and the scale: what every page has of them.
 
 import { numberText } from "./coloring.js";
 import { DARK, LIGHT, scaleGradient } from "./palette.js";
-import { SPEEDS } from "./player.js";
 import { roundLength } from "./view.js";
 
 export const TRAILS = [0, 2, 5, 10, 30, 60, 300]; // s
 const SCALE_PIXELS = 150; // at most
 
-const byId = (id) => document.getElementById(id);
+export const byId = (id) => document.getElementById(id);
 
 /** "1:02.5", with hours where there are any. */
 export function timeText(seconds) {
@@ -18,7 +17,7 @@ export function timeText(seconds) {
   return `${seconds < 0 ? "-" : ""}${hours > 0 ? `${hours}:${String(minutes).padStart(2, "0")}` : minutes}:${tail}`;
 }
 
-function fill(select, texts) {
+export function fill(select, texts) {
   select.replaceChildren(...texts.map((text, i) => new Option(text, i)));
 }
 
@@ -28,17 +27,10 @@ export class Bar {
     this.page = page;
     this.shown = {};
     const { player, coloring } = page;
-    const scrub = byId("scrub");
-    scrub.min = player.start;
-    scrub.max = player.end;
-    byId("end").textContent = timeText(player.end);
-    fill(byId("speed"), SPEEDS.map((speed) => `${speed}×`));
     fill(byId("color"), coloring.choices.map(({ text }) => text));
     fill(byId("trails"), TRAILS.map((seconds) => (seconds > 0 ? `${seconds} s` : "none")));
 
     byId("play").onclick = () => player.play(!player.playing);
-    scrub.oninput = () => player.seek(Number(scrub.value));
-    byId("speed").onchange = (event) => (player.speed = SPEEDS[event.target.value]);
     byId("color").onchange = (event) => page.color(Number(event.target.value));
     byId("trails").onchange = (event) => page.trails(TRAILS[event.target.value]);
     byId("slant").onclick = () => page.slant();
@@ -49,9 +41,8 @@ export class Bar {
     window.addEventListener("keydown", (event) => this.key(event));
   }
 
-  key(event) {
-    const isMenu = event.target instanceof HTMLSelectElement;
-    if (event.ctrlKey || event.altKey || event.metaKey || byId("keys").open) return;
+  /** What keys do: by the letter or the name of the key. */
+  actions(event) {
     const { page } = this;
     const { player } = page;
     const next = (id) => {
@@ -59,18 +50,8 @@ export class Bar {
       select.selectedIndex = (select.selectedIndex + 1) % select.length;
       select.onchange({ target: select });
     };
-    const second = event.shiftKey ? 10 : 1;
-    const actions = {
+    return {
       " ": () => player.play(!player.playing),
-      ArrowLeft: () => player.seek(player.time - second),
-      ArrowRight: () => player.seek(player.time + second),
-      ",": () => page.frame(-1),
-      ".": () => page.frame(1),
-      Home: () => player.seek(player.start),
-      End: () => player.seek(player.end),
-      "+": () => player.faster(1),
-      "=": () => player.faster(1),
-      "-": () => player.faster(-1),
       c: () => next("color"),
       t: () => next("trails"),
       v: () => page.slant(),
@@ -79,6 +60,14 @@ export class Bar {
       "?": () => byId("keys").showModal(),
       Escape: () => page.select(null),
     };
+  }
+
+  key(event) {
+    const { target } = event;
+    if (target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox") return;
+    const isMenu = target instanceof HTMLSelectElement;
+    if (event.ctrlKey || event.altKey || event.metaKey || byId("keys").open) return;
+    const actions = this.actions(event);
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action || (isMenu && event.key.length > 1)) return;
     event.preventDefault(); // a button that has the focus is not pressed as well
@@ -113,8 +102,6 @@ export class Bar {
       byId("play").setAttribute("aria-label", on ? "Pause" : "Play");
     });
     this.set("time", timeText(player.time), (text) => (byId("time").value = text));
-    this.set("scrub", player.time, (time) => (byId("scrub").value = time));
-    this.set("speed", SPEEDS.indexOf(player.speed), (at) => (byId("speed").selectedIndex = at));
     this.set("slant", view.slanted, (on) => (byId("slant").textContent = on ? "top" : "3D"));
     this.set("theme", page.themed, () => (byId("legend").querySelector(".shades").style.background = scaleGradient()));
     this.set("present", page.recording.present, () => this.describe());

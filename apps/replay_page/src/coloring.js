@@ -31,6 +31,7 @@ export function coloringsOf(header) {
     { text: "speed", unit: "m/s", speed: true },
   ];
   header.fields.forEach((field, index) => {
+    if (field.hidden) return;
     const text = `${componentText(field.component)}: ${plain(field.name)}`;
     const common = { unit: field.unit, field: index };
     if (field.columns === 1) all.push({ ...common, text, column: 0 });

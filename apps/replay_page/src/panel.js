@@ -2,23 +2,23 @@
 
 import { componentText, numberText } from "./coloring.js";
 
-const MOST_NUMBERS = 4; // of one field that stand as numbers; more are drawn as bars
+export const MOST_NUMBERS = 4; // of one field that stand as numbers; more are drawn as bars
 
-const element = (name, properties = {}, ...children) => {
+export const element = (name, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);
   return made;
 };
 
-function row(name, title = "") {
+export function row(name, title = "") {
   const value = element("span");
   return { object: element("div", { className: "row", title }, element("span", { textContent: name }), value), value };
 }
 
-const unitText = (unit) => (unit ? ` ${unit}` : "");
+export const unitText = (unit) => (unit ? ` ${unit}` : "");
 
 /** Numbers side by side, from the field's least to its largest. */
-function bars(object, numbers, min, max) {
+export function bars(object, numbers, min, max) {
   const high = 40;
   const span = max - min || 1;
   const path = numbers
@@ -27,7 +27,7 @@ function bars(object, numbers, min, max) {
   object.firstChild.setAttribute("d", path);
 }
 
-function chart(columns) {
+export function chart(columns) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("viewBox", `0 0 ${columns} 40`);
   svg.setAttribute("preserveAspectRatio", "none");
@@ -61,7 +61,7 @@ export class Panel {
     this.addPose();
     let component = null;
     header.fields.forEach((field, index) => {
-      if (fieldRows[index].of[robot] < 0) return;
+      if (field.hidden || fieldRows[index].of[robot] < 0) return;
       if (field.component !== component) {
         component = field.component;
         this.values.append(element("h3", { textContent: componentText(component).replace(/^[^,]*, /, "") }));

@@ -204,7 +204,7 @@ export class Recording {
 }
 
 /** Of a field: how many robots have it, and which row of it is each robot's, -1 for none. */
-function fieldRows(field, robots) {
+export function fieldRows(field, robots) {
   const of = new Int32Array(robots).fill(-1);
   let count = 0;
   for (const [first, length] of field.rows) for (let i = 0; i < length; i++) of[first + i] = count++;

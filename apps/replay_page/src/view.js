@@ -6,9 +6,12 @@ import {
   Mesh,
   MeshBasicMaterial,
   PerspectiveCamera,
+  Plane,
   PlaneGeometry,
+  Raycaster,
   RingGeometry,
   Scene,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
@@ -284,6 +287,15 @@ export class View {
       }
     }
     return best;
+  }
+
+  /** Where the floor is under a point of the screen (CSS pixels): x and y, m; null where there is none. */
+  floorAt(clientX, clientY) {
+    this.camera.updateMatrixWorld();
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * clientX) / window.innerWidth - 1, 1 - (2 * clientY) / window.innerHeight), this.camera);
+    const place = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
+    return place && [place.x, place.y];
   }
 
   /** Where a robot is on the screen, or what lies so many metres from it; CSS pixels. */

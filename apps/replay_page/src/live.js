@@ -1,0 +1,225 @@
+// The page of `troupe view`: a world that runs, and what a person does to it.
+
+import { LiveBar } from "./live_bar.js";
+import { LivePanel } from "./live_panel.js";
+import { LiveSource } from "./live_source.js";
+import { checkBrowser, Page, problem, remote, show } from "./page.js";
+
+const TOLD_MS = 6000; // that a refusal is shown
+const RETRY_MS = 2000;
+const DRAG_PIXELS = 4; // that a pointer moves before it drags a robot
+const KEY = "troupe-token";
+
+/** The token of the address, which is kept out of sight, and for when the page is loaded again. */
+function token() {
+  const given = window.location.hash.slice(1);
+  if (given) {
+    window.sessionStorage.setItem(KEY, given);
+    window.history.replaceState(null, "", "/");
+  }
+  return window.sessionStorage.getItem(KEY) ?? "";
+}
+
+/** The program's clock. */
+class LivePlayer {
+  constructor(page) {
+    this.page = page;
+    this.speed = 1;
+  }
+  get state() {
+    return this.page().recording.state;
+  }
+  get time() {
+    return this.state?.time_s ?? 0;
+  }
+  get playing() {
+    return this.state?.playing ?? false;
+  }
+  play(on = true) {
+    return this.page().act({ do: on ? "play" : "pause" });
+  }
+  step(ticks = 1) {
+    return this.page().act({ do: "step", ticks });
+  }
+  advance() {}
+}
+
+class LivePage extends Page {
+  constructor(recording, link) {
+    let page = null;
+    super(recording, new LivePlayer(() => page ?? { recording, act: () => {} }), { Bar: LiveBar, Panel: LivePanel, name: "live" });
+    page = this;
+    this.link = link;
+    if (recording.mayActs) this.listenToDrags();
+  }
+
+  nameOf(robot) {
+    return this.recording.header.robots.name[robot];
+  }
+
+  /** Asks the program; a refusal is shown, and is the result: {type, reason}. */
+  async act(message) {
+    const answer = await this.link.ask(message);
+    if (answer.type === "refused") tell(answer.reason);
+    return answer;
+  }
+  actOn(message) {
+    return this.selected === null ? null : this.act({ ...message, robot: this.nameOf(this.selected) });
+  }
+  isDisabled() {
+    const condition = this.recording.inspected?.components.find(({ name }) => name === "condition");
+    return ((condition?.fields.find(({ name }) => name === "out")?.values[0] ?? 0) & 1) === 1;
+  }
+
+  select(robot) {
+    if (robot !== this.selected && this.bar?.driven) this.bar.drive(false);
+    super.select(robot);
+  }
+
+  /** A click where something is to be added puts it there. */
+  click(clientX, clientY) {
+    const place = this.adding && this.view.floorAt(clientX, clientY);
+    if (!place) return super.click(clientX, clientY);
+    this.act({ do: "add", population: this.adding, pose: [...place, 0, 0] });
+    this.adding = null;
+    document.getElementById("add").selectedIndex = 0;
+  }
+
+  poseOf(robot) {
+    return [...this.view.poses.subarray(4 * robot, 4 * robot + 4)];
+  }
+  async turn(by) {
+    if (this.selected === null) return;
+    const [x, y, z, heading] = this.poseOf(this.selected);
+    await this.actOn({ do: "move", pose: [x, y, z, heading + by] });
+  }
+
+  /** The selected robot follows a pointer that takes it; with Shift it turns to where that is. */
+  listenToDrags() {
+    const { canvas, controls } = this.view;
+    let drag = null;
+    window.addEventListener(
+      "pointerdown",
+      (event) => {
+        if (event.target !== canvas || !event.isPrimary || event.button !== 0 || this.selected === null) return;
+        if (this.view.robotAt(event.clientX, event.clientY) !== this.selected) return;
+        controls.enabled = false; // the map stays where it is
+        drag = { robot: this.selected, from: [event.clientX, event.clientY], pose: this.poseOf(this.selected), moved: false };
+      },
+      { capture: true },
+    );
+    window.addEventListener("pointermove", (event) => {
+      if (!drag) return;
+      drag.moved ||= Math.hypot(event.clientX - drag.from[0], event.clientY - drag.from[1]) > DRAG_PIXELS;
+      const place = this.view.floorAt(event.clientX, event.clientY);
+      if (!drag.moved || !place) return;
+      const [x, y, , heading] = drag.pose;
+      const robot = { robot: drag.robot };
+      if (event.shiftKey) Object.assign(robot, { x, y, heading: Math.atan2(place[1] - y, place[0] - x) });
+      else Object.assign(robot, { x: place[0], y: place[1], heading });
+      this.recording.override = robot;
+    });
+    const end = async (event) => {
+      if (!drag) return;
+      const { pose, robot } = drag;
+      drag = null;
+      controls.enabled = true;
+      const wanted = this.recording.override;
+      if (wanted && event.type === "pointerup")
+        await this.act({ do: "move", robot: this.nameOf(robot), pose: [wanted.x, wanted.y, pose[2], wanted.heading] });
+      this.recording.override = null;
+    };
+    window.addEventListener("pointerup", end);
+    window.addEventListener("pointercancel", end);
+  }
+
+  draw(now) {
+    super.draw(now);
+    this.recording.drawn();
+  }
+}
+
+let told = 0;
+function tell(text) {
+  const place = document.getElementById("told");
+  place.textContent = text;
+  place.hidden = false;
+  clearTimeout(told);
+  told = setTimeout(() => (place.hidden = true), TOLD_MS);
+}
+
+/** The connection to the program. */
+class Link {
+  constructor(onHello) {
+    this.onHello = onHello;
+    this.asked = new Map();
+    this.last = 0;
+    this.source = null;
+    this.open();
+  }
+
+  open() {
+    this.socket = new WebSocket(`ws://${window.location.host}/live`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => this.socket.send(token());
+    this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
+    this.socket.onclose = () => {
+      const isKnown = this.source !== null;
+      problem(isKnown ? "The program has ended, or cannot be reached." : "The program lets nobody in with this address. It has printed the right one.");
+      if (isKnown) setTimeout(() => this.retry(), RETRY_MS);
+    };
+  }
+
+  /** A program that is there again is looked at from the beginning. */
+  retry() {
+    const socket = new WebSocket(`ws://${window.location.host}/live`);
+    socket.onopen = () => window.location.reload();
+    socket.onerror = () => setTimeout(() => this.retry(), RETRY_MS);
+  }
+
+  text(message) {
+    if (message.type === "hello") {
+      this.source = new LiveSource(message, (what) => this.send(what));
+      this.onHello(this.source, this);
+    } else if (message.type === "state") {
+      this.source.state = message;
+      if (message.inspected) this.source.inspected = message.inspected;
+    } else {
+      this.asked.get(message.id)?.(message);
+      this.asked.delete(message.id);
+    }
+  }
+
+  send(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  ask(message) {
+    const id = ++this.last;
+    return new Promise((done) => {
+      this.asked.set(id, done);
+      this.send({ ...message, id });
+    });
+  }
+}
+
+/** For scripts: what only a world that runs has, beside what every page has. */
+function liveRemote(page) {
+  const common = remote(page);
+  return {
+    ...common,
+    state: () => ({ ...common.state(), ...page.recording.state, frame: page.drawn }),
+    act: (message) => page.act(message),
+    step: (ticks) => page.player.step(ticks),
+    follow: (on) => page.follow(on),
+    inspected: () => page.recording.inspected,
+    floorAt: (x, y) => page.view.floorAt(x, y),
+  };
+}
+
+checkBrowser();
+new Link((source, link) => {
+  const page = new LivePage(source, link);
+  window.troupe = liveRemote(page);
+  show(page);
+});

@@ -1,0 +1,99 @@
+// What only the bar of a world that runs has: steps, the rate, the hash, the plot, and what is done with the selected
+// robot.
+
+import { Bar, byId, fill } from "./bar.js";
+import { Plot } from "./plot.js";
+
+export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as it can
+const TURN = Math.PI / 12; // of a key
+const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
+
+export class LiveBar extends Bar {
+  constructor(page) {
+    super(page);
+    const { player, recording } = page;
+    this.plot = new Plot(byId("plot"));
+    this.pressed = new Set();
+    fill(byId("rate"), RATES.map((rate) => (rate > 0 ? `${rate}×` : "fastest")));
+    byId("measures").replaceChildren(...recording.hello.measures.map((name) => new Option(name)));
+    byId("measure").onchange = (event) => this.choose(event.target.value.trim());
+    if (!recording.mayActs) {
+      document.body.classList.add("looking");
+      return;
+    }
+    const { populations } = recording.hello;
+    byId("adds").hidden = populations.length === 0;
+    fill(byId("add"), ["–", ...populations]);
+    byId("add").onchange = (event) => (page.adding = populations[event.target.value - 1] ?? null);
+    byId("step").onclick = () => player.step();
+    byId("rate").onchange = (event) => page.act({ do: "rate", rate: RATES[event.target.value] });
+    byId("drive").onchange = (event) => this.drive(event.target.checked);
+    byId("disable").onclick = () => page.actOn({ do: page.isDisabled() ? "enable" : "disable" });
+    byId("remove").onclick = () => page.actOn({ do: "remove" });
+    window.addEventListener("keydown", (event) => this.steer(event, true), { capture: true });
+    window.addEventListener("keyup", (event) => this.steer(event, false), { capture: true });
+    window.addEventListener("blur", () => this.release());
+  }
+
+  actions(event) {
+    const { page } = this;
+    const all = super.actions(event);
+    if (!page.recording.mayActs) return { ...all, " ": () => {} };
+    return {
+      ...all,
+      ".": () => page.player.step(),
+      q: () => page.turn(TURN),
+      e: () => page.turn(-TURN),
+      m: () => this.drive(!byId("drive").checked),
+    };
+  }
+
+  choose(measure) {
+    this.plot.clear();
+    this.page.act({ do: "plot", measure });
+  }
+
+  /** The selected robot obeys the arrow keys, and nothing else. */
+  drive(on) {
+    byId("drive").checked = on && this.page.selected !== null;
+    this.pressed.clear();
+    if (byId("drive").checked) this.hold();
+    else if (this.driven) this.page.act({ do: "release", robot: this.driven });
+    this.driven = byId("drive").checked ? this.page.nameOf(this.page.selected) : null;
+    this.page.player.driving = this.driven;
+  }
+
+  steer(event, down) {
+    if (!this.driven || !DRIVEN.includes(event.key) || event.target instanceof HTMLSelectElement) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (this.pressed.has(event.key) === down) return;
+    if (down) this.pressed.add(event.key);
+    else this.pressed.delete(event.key);
+    this.hold();
+  }
+
+  release() {
+    if (!this.driven || this.pressed.size === 0) return;
+    this.pressed.clear();
+    this.hold();
+  }
+
+  hold() {
+    const speed = Number(byId("drive-speed").value) || 0;
+    const axis = (plus, minus) => (this.pressed.has(plus) ? 1 : 0) - (this.pressed.has(minus) ? 1 : 0);
+    this.page.actOn({ do: "hold", speed: [speed * axis("ArrowUp", "ArrowDown"), 0, 1.2 * axis("ArrowLeft", "ArrowRight")] });
+  }
+
+  update() {
+    super.update();
+    const { state } = this.page.recording;
+    if (!state) return;
+    this.set("rate", RATES.indexOf(state.rate), (at) => (byId("rate").selectedIndex = at));
+    this.set("reached", state.playing && state.reached > 0 ? `${state.reached.toPrecision(3)}×` : "", (text) => (byId("reached").value = text));
+    this.set("line", state.line, (text) => (byId("line").textContent = text));
+    this.set("disabled", this.page.isDisabled(), (on) => (byId("disable").textContent = on ? "enable" : "disable"));
+    if (state.plot && state !== this.plotted) this.plot.add(state.time_s, state.plot);
+    this.plotted = state;
+  }
+}

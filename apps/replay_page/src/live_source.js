@@ -1,0 +1,164 @@
+// A world that runs, in the place of a recording: the pictures that the program has sent last. docs/live.md has the wire.
+
+import { bytesOf } from "./palette.js";
+import { fieldRows, GONE } from "./recording.js";
+import { ABSENT } from "./series.js";
+
+const MOST_FRAMES = 900; // kept, for trails and speeds
+const MOST_BYTES = 200e6; // of them
+
+export class LiveSource {
+  /** `hello`: the first message of the program; `send` gives a message to it. */
+  constructor(hello, send) {
+    this.hello = hello;
+    this.send = send;
+    this.header = hello.header;
+    this.header.block_frames = 1;
+    this.mayActs = hello.may_steer;
+    this.robots = this.header.robots.id.length;
+    this.axes = this.header.pose.has_z ? 4 : 3;
+    this.own = new Uint8Array(3 * this.robots);
+    this.header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
+    this.mobile = new Uint8Array(this.robots);
+    this.addFields();
+    this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
+    this.present = this.movers;
+    this.fieldRows = this.header.fields.map((field) => fieldRows(field, this.robots));
+    this.shown = hello.colors ? [-1] : []; // Coloring asks whether there are any
+    this.colors = Uint8Array.from(this.own);
+    this.base = new Int32Array(this.axes * this.robots);
+    this.ring = [];
+    this.kept = Math.max(2, Math.min(MOST_FRAMES, Math.floor(MOST_BYTES / (16 * Math.max(this.robots, 1)))));
+    this.newest = -1; // frame: pictures that have come, less 1
+    this.state = null;
+    this.inspected = null;
+    this.override = null; // {robot, x, y, heading}: one that a person is dragging
+    this.undrawn = []; // numbers of pictures
+  }
+
+  /** Of each ranger a field, so that its scan can be drawn; its numbers come with the robot that is inspected. */
+  addFields() {
+    let first = 0;
+    for (const [type, count] of this.header.robots.types) {
+      const look = this.header.types[type];
+      this.mobile.fill(look.mobile ? 1 : 0, first, first + count);
+      for (const [name, { fans }] of Object.entries(look.eyes)) {
+        const beams = fans.reduce((sum, fan) => sum + fan.beams, 0);
+        this.header.fields.push({ component: `sensors/${type}/${name}`, name: "ranges", columns: beams, rows: [[first, count]], hidden: true, min: 0, max: 1, step: 0.001 });
+      }
+      first += count;
+    }
+  }
+
+  get frames() {
+    return Math.max(this.newest + 1, 2);
+  }
+  get start() {
+    return 0;
+  }
+  get end() {
+    return (this.frames - 1) * (this.spacing || this.hello.tick_s);
+  }
+  /** World time between the newest two pictures, s. */
+  get spacing() {
+    if (this.ring.length < 2) return 0;
+    const last = this.ring[this.ring.length - 1].time - this.ring[0].time;
+    return last / (this.ring.length - 1);
+  }
+  /** Of the frame, the time; Coloring asks for speeds. */
+  get times() {
+    const source = this;
+    return new Proxy({}, { get: (_, frame) => source.frame(Number(frame))?.time });
+  }
+
+  frame(number) {
+    return this.ring[this.ring.length - 1 - (this.newest - number)] ?? null;
+  }
+  frameAt() {
+    return { frame: this.newest, mix: 0 };
+  }
+  poses(frame) {
+    return this.frame(Math.min(frame, this.newest));
+  }
+  field() {
+    return null;
+  }
+  value(index, frame, robot, column = 0) {
+    if (this.inspected?.robot !== this.header.robots.name[robot]) return null;
+    const name = this.header.fields[index].component.split("/").slice(2).join("/");
+    const ranges = this.inspected.eyes?.[name];
+    return ranges ? (ranges[column] ?? NaN) : null;
+  }
+  colorsInto(frame, out) {
+    out.set(this.colors);
+    return true;
+  }
+  prefetch() {}
+  pump() {}
+
+  posesInto(frame, mix, out) {
+    const now = this.frame(frame);
+    if (!now) return false;
+    const { step_m: step, turn, has_z: hasZ, z_m: heights } = this.header.pose;
+    const radians = (2 * Math.PI) / turn;
+    let present = 0;
+    for (let r = 0, to = 0; r < this.robots; r++, to += 4) {
+      if (now.x[r] === ABSENT) {
+        out[to + 3] = GONE;
+        continue;
+      }
+      present += this.mobile[r];
+      out[to] = now.x[r] * step;
+      out[to + 1] = now.y[r] * step;
+      out[to + 2] = hasZ ? now.z[r] * step : heights[r];
+      out[to + 3] = now.heading[r] * radians;
+    }
+    this.present = present;
+    if (this.override) {
+      const { robot, x, y, heading } = this.override;
+      out.set([x, y], 4 * robot);
+      out[4 * robot + 3] = heading;
+    }
+    return true;
+  }
+
+  /** The binary half of a picture; its state came before it. */
+  takePicture(buffer) {
+    const bytes = new Uint8Array(buffer);
+    let at = 0;
+    const number = () => {
+      let value = 0;
+      for (let scale = 1; ; scale *= 128) {
+        const byte = bytes[at++];
+        value += (byte & 127) * scale;
+        if (byte < 128) return value;
+      }
+    };
+    const signed = () => {
+      const code = number();
+      return code % 2 === 0 ? code / 2 : -(code + 1) / 2;
+    };
+    const { base, robots, axes } = this;
+    this.undrawn.push(number());
+    for (let r = -1, skip = number(); skip > 0; skip = number()) {
+      r += skip;
+      for (let axis = 0; axis < axes; axis++) base[axis * robots + r] += signed();
+    }
+    for (let r = -1, skip = number(); skip > 0; skip = number()) {
+      r += skip;
+      for (let c = 0; c < 3; c++) this.colors[3 * r + c] = bytes[at++];
+    }
+    const frame = { at: 0, time: this.state.time_s, x: base.slice(0, robots), y: base.slice(robots, 2 * robots), heading: base.slice(2 * robots, 3 * robots) };
+    if (axes > 3) frame.z = base.slice(3 * robots);
+    for (let r = 0; r < robots; r++) if (frame.heading[r] < 0) frame.x[r] = ABSENT;
+    this.ring.push(frame);
+    if (this.ring.length > this.kept) this.ring.shift();
+    this.newest++;
+  }
+
+  /** Tells the program of the pictures that are on the screen now. */
+  drawn() {
+    for (const picture of this.undrawn) this.send({ do: "drawn", picture });
+    this.undrawn = [];
+  }
+}

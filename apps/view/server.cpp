@@ -1,0 +1,350 @@
+// The one file that knows Boost.Beast.
+
+#include "apps/view/server.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+namespace troupe::apps {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using beast::error_code;
+
+constexpr std::size_t k_most_connections =
+    128;                                     // that have shown no token: the oldest makes room for the newest
+constexpr std::size_t k_most_clients = 16;   // that have
+constexpr std::size_t k_most_header = 8192;  // bytes of a request
+constexpr std::size_t k_most_message = 65536;   // bytes of a text of a client
+constexpr std::size_t k_most_waiting = 256;     // texts for a client that does not read
+constexpr int k_most_in_flight = 2;             // pictures that a client has been sent and not drawn
+constexpr std::chrono::seconds k_handshake{5};  // from the connection to the token
+constexpr std::chrono::seconds k_idle{30};      // without a word, ping and pong included
+
+/// The page may talk to its own server, and to nothing else. `host` is_loopback().
+std::string policy(std::string_view host) {
+  return fmt::format(
+      "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+      "connect-src ws://{}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+      host);
+}
+
+/// Whether a Host header names this machine, with any port (a tunnel has its own).
+bool is_loopback(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  if (colon != host.npos && host.find(']', colon) == host.npos) {
+    const std::string_view port = host.substr(colon + 1);
+    if (port.empty() || !std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; })) return false;
+    host = host.substr(0, colon);
+  }
+  return host == "127.0.0.1" || host == "localhost" || host == "[::1]";
+}
+
+/// In a time that does not tell how much of it is right.
+bool same_token(std::string_view a, std::string_view b) {
+  unsigned char differs = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    differs |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+  return differs == 0;
+}
+
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+struct ViewServer::Impl {
+  class Connection;
+
+  Options options;
+  ViewBackend& backend;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  std::map<std::uint64_t, std::shared_ptr<Connection>> connections;  // by client, the oldest first
+  std::uint64_t last_client = 0;
+  std::size_t clients = 0;  // that have shown a token
+  std::thread thread;
+
+  Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {}
+  void accept();
+  void make_room();
+};
+
+/// One connection: a request of HTTP, which may become a WebSocket.
+class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Impl& server, std::uint64_t id, tcp::socket socket)
+      : server_(server), id_(id), socket_(std::move(socket)), timer_(server.context) {}
+
+  void begin() {
+    timer_.expires_after(k_handshake);  // until the token is shown: a connection that says nothing is none
+    timer_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error && !self->is_client_) self->close();
+    });
+    read_request();
+  }
+
+  bool is_client() const { return is_client_; }
+
+  void send(std::string text) {
+    if (!is_client_ || is_closed_) return;
+    if (texts_.size() >= k_most_waiting) return close();
+    texts_.push_back(std::move(text));
+    write();
+  }
+  void drawn() {
+    in_flight_ = std::max(0, in_flight_ - 1);
+    write();
+  }
+
+  /// Writes what comes next, unless a write is under way.
+  void write() {
+    if (is_writing_ || is_closed_ || !is_client_) return;
+    if (texts_.empty() && in_flight_ < k_most_in_flight) {
+      if (std::optional<ViewFrames> frames = server_.backend.picture(id_)) {
+        ++in_flight_;
+        texts_.push_back(std::move(frames->state));
+        poses_ = std::move(frames->poses);
+      }
+    }
+    if (!texts_.empty()) {
+      outgoing_ = std::move(texts_.front());
+      texts_.pop_front();
+      write_frame(true);
+    } else if (!poses_.empty()) {
+      outgoing_ = std::exchange(poses_, {});
+      write_frame(false);
+    }
+  }
+
+  void close() {
+    if (std::exchange(is_closed_, true)) return;
+    const auto self = shared_from_this();
+    error_code ignored;
+    timer_.cancel();
+    tcp::socket& socket = socket_ws_ ? beast::get_lowest_layer(*socket_ws_).socket() : socket_.socket();
+    socket.shutdown(tcp::socket::shutdown_both, ignored);
+    socket.close(ignored);
+    if (is_client_) {
+      --server_.clients;
+      server_.backend.closed(id_);
+    }
+    server_.connections.erase(id_);
+  }
+
+ private:
+  using WebSocket = websocket::stream<beast::tcp_stream>;
+
+  void read_request() {
+    parser_.emplace();
+    parser_->header_limit(k_most_header);
+    parser_->body_limit(0);
+    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->close();
+      self->answer(self->parser_->get());
+    });
+  }
+
+  void answer(const http::request<http::empty_body>& request) {
+    host_ = view_of(request[http::field::host]);
+    if (!is_loopback(host_)) {
+      server_.backend.refused("a request with the Host of another machine");
+      return respond(http::status::forbidden, "The Host of this request is not this machine.\n");
+    }
+    if (websocket::is_upgrade(request)) {
+      const std::string_view origin = view_of(request[http::field::origin]);
+      if (!origin.empty() && origin != "http://" + host_) {
+        server_.backend.refused("a WebSocket that a page of another origin opened");
+        return respond(http::status::forbidden, "The Origin of this request is another page.\n");
+      }
+      if (request.target() != "/live")
+        return respond(http::status::not_found, "There is no such WebSocket.\n");
+      return upgrade(request);
+    }
+    if (request.method() != http::verb::get)
+      return respond(http::status::method_not_allowed, "Only GET is known.\n");
+    if (request.target() != "/") return respond(http::status::not_found, "There is one page: /\n");
+    respond(http::status::ok, server_.options.page, "text/html; charset=utf-8");
+  }
+
+  void respond(http::status status, std::string body, const char* type = "text/plain") {
+    response_.emplace(status, 11);
+    response_->set(http::field::content_type, type);
+    response_->set(http::field::cache_control, "no-store");
+    response_->set(http::field::connection, "close");
+    if (status == http::status::ok) response_->set("Content-Security-Policy", policy(host_));
+    response_->set("Referrer-Policy", "no-referrer");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->body() = std::move(body);
+    response_->prepare_payload();
+    http::async_write(socket_, *response_,
+                      [self = shared_from_this()](error_code, std::size_t) { self->close(); });
+  }
+
+  void upgrade(const http::request<http::empty_body>& request) {
+    socket_ws_.emplace(std::move(socket_));
+    socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
+    socket_ws_->read_message_max(k_most_message);
+    socket_ws_->auto_fragment(false);  // one frame a message: programs that read them stay simple
+    socket_ws_->async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return self->close();
+      self->read();
+    });
+  }
+
+  void read() {
+    incoming_.clear();
+    socket_ws_->async_read(incoming_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error == websocket::error::message_too_big)
+        self->server_.backend.refused("a message of more than 64 kB");
+      if (error || self->is_closed_) return self->close();
+      if (!self->socket_ws_->got_text()) {
+        self->server_.backend.refused("a binary message");
+        return self->close();
+      }
+      self->take(beast::buffers_to_string(self->incoming_.data()));
+      if (!self->is_closed_) self->read();
+    });
+  }
+
+  void take(const std::string& text) {
+    if (is_client_) return server_.backend.received(id_, may_steer_, text);
+    may_steer_ = same_token(text, server_.options.token);
+    if (!may_steer_ && !same_token(text, server_.options.look_token)) {
+      server_.backend.refused("a WebSocket without the right token");
+      return close();
+    }
+    if (server_.clients >= k_most_clients) {
+      server_.backend.refused(
+          fmt::format("viewer {}: {} are open already", k_most_clients + 1, k_most_clients));
+      return close();
+    }
+    is_client_ = true;
+    ++server_.clients;
+    timer_.cancel();
+    texts_.push_back(server_.backend.opened(id_, may_steer_));
+    write();
+  }
+
+  void write_frame(bool is_text) {
+    is_writing_ = true;
+    socket_ws_->text(is_text);
+    socket_ws_->async_write(asio::buffer(outgoing_),
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              self->is_writing_ = false;
+                              if (error || self->is_closed_) return self->close();
+                              self->write();
+                            });
+  }
+
+  Impl& server_;
+  std::uint64_t id_;
+  beast::tcp_stream socket_;
+  std::optional<WebSocket> socket_ws_;
+  asio::steady_timer timer_;
+  beast::flat_buffer buffer_;
+  beast::flat_buffer incoming_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::response<http::string_body>> response_;
+  std::string host_;
+  std::deque<std::string> texts_;  // that wait, before the poses
+  std::string poses_;              // that wait; empty: none
+  std::string outgoing_;
+  bool is_writing_ = false;
+  bool is_client_ = false;  // it has shown a token
+  bool may_steer_ = false;
+  bool is_closed_ = false;
+  int in_flight_ = 0;
+};
+
+void ViewServer::Impl::make_room() {
+  const std::size_t strangers = connections.size() - clients;
+  if (strangers < k_most_connections) return;
+  const auto oldest =
+      std::ranges::find_if(connections, [](const auto& each) { return !each.second->is_client(); });
+  const std::shared_ptr<Connection> connection = oldest->second;
+  backend.refused(fmt::format("more than {} connections that show no token", k_most_connections));
+  connection->close();
+}
+
+void ViewServer::Impl::accept() {
+  acceptor.async_accept([this](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error) {
+      make_room();
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      const auto connection = std::make_shared<Connection>(*this, ++last_client, std::move(socket));
+      connections.emplace(last_client, connection);
+      connection->begin();
+    }
+    accept();
+  });
+}
+
+ViewServer::ViewServer(const Options& options, ViewBackend& backend)
+    : impl_(std::make_unique<Impl>(options, backend)) {
+  const tcp::endpoint here(asio::ip::address_v4::loopback(), options.port);
+  try {
+    impl_->acceptor.open(here.protocol());
+    impl_->acceptor.set_option(tcp::acceptor::reuse_address(true));
+    impl_->acceptor.bind(here);
+    impl_->acceptor.listen();
+  } catch (const boost::system::system_error& error) {
+    throw std::runtime_error(
+        fmt::format("127.0.0.1:{}: error: cannot listen there: {}", options.port, error.code().message()));
+  }
+  impl_->accept();
+  impl_->thread = std::thread([this] { impl_->context.run(); });
+}
+
+ViewServer::~ViewServer() {
+  asio::post(impl_->context, [this] {
+    impl_->acceptor.close();
+    const auto all = impl_->connections;  // closing takes them out
+    for (const auto& [client, connection] : all) connection->close();
+    impl_->context.stop();
+  });
+  impl_->thread.join();
+}
+
+std::uint16_t ViewServer::port() const { return impl_->acceptor.local_endpoint().port(); }
+
+void ViewServer::send(std::uint64_t client, std::string text) {
+  asio::post(impl_->context, [this, client, text = std::move(text)]() mutable {
+    if (const auto found = impl_->connections.find(client); found != impl_->connections.end())
+      found->second->send(std::move(text));
+  });
+}
+
+void ViewServer::offer() {
+  asio::post(impl_->context, [this] {
+    const auto all = impl_->connections;
+    for (const auto& [client, connection] : all) connection->write();
+  });
+}
+
+void ViewServer::drawn(std::uint64_t client) {
+  if (const auto found = impl_->connections.find(client); found != impl_->connections.end())
+    found->second->drawn();
+}
+
+}  // namespace troupe::apps

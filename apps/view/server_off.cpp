@@ -1,0 +1,20 @@
+// In builds without TROUPE_VIEW.
+
+#include "apps/view/server.hpp"
+
+#include <stdexcept>
+
+namespace troupe::apps {
+
+struct ViewServer::Impl {};
+
+ViewServer::ViewServer(const Options&, ViewBackend&) {
+  throw std::runtime_error("troupe view: error: this program was built without the live view (TROUPE_VIEW)");
+}
+ViewServer::~ViewServer() = default;
+std::uint16_t ViewServer::port() const { return 0; }
+void ViewServer::send(std::uint64_t, std::string) {}
+void ViewServer::offer() {}
+void ViewServer::drawn(std::uint64_t) {}
+
+}  // namespace troupe::apps

@@ -1,0 +1,173 @@
+#include "apps/view/view_command.hpp"
+
+#include "apps/interrupt.hpp"
+#include "apps/view/view.hpp"
+#include "base/diagnostics.hpp"
+#include "worldio/results/checkpoint.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_view_footer = R"(
+Shows the world in a browser: the program prints an address of this machine, which opens a page. There the world plays,
+pauses and goes on tick by tick; robots are selected, inspected, dragged, turned, driven, disabled, removed and added.
+It begins with the first page that is opened, at --rate times real time, and ends with Ctrl-C.
+
+The address holds a token: whoever has it may do all of this. A second one is for looking only. Of a machine elsewhere,
+ssh -L 8000:127.0.0.1:PORT HOST, and http://127.0.0.1:8000/#TOKEN here.
+
+A checkpoint (troupe run --checkpoint) is taken up where it was saved; its session is repeated by troupe resume --session.
+Whatever is done is written to WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and
+troupe run WORLD --session WORLD.session.jsonl repeats it to the same bits. docs/live.md has the rest.
+
+Exit codes: 0 ended by the world's own stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
+
+Examples:
+  troupe view worlds/cave-simple.json
+  troupe view c.h5
+  troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
+
+constexpr double k_least_rate = 0.001;
+constexpr double k_most_rate = 1e6;
+
+/// A page that leads to the address, which only this user can read: the words of a command are for all to
+/// see.
+class Redirect {
+ public:
+  explicit Redirect(const std::string& address) {
+    std::string name = (fs::temp_directory_path() / "troupe-view-XXXXXX").string();
+    const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
+    if (descriptor < 0)
+      throw std::runtime_error(
+          fmt::format("{}: error: cannot be written: {}", name, std::generic_category().message(errno)));
+    file_ = name;
+    const std::string page =
+        fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
+    const bool is_whole = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
+    ::close(descriptor);
+    fs::rename(file_, file_.string() + ".html");
+    file_ += ".html";
+    if (!is_whole) throw std::runtime_error(fmt::format("{}: error: cannot be written", file_.string()));
+  }
+  ~Redirect() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  Redirect(const Redirect&) = delete;
+  Redirect& operator=(const Redirect&) = delete;
+
+  /// Has the desktop open it; says so where there is none.
+  void open() const {
+    std::string program = "xdg-open";
+    std::string file = file_.string();
+    char* const words[] = {program.data(), file.data(), nullptr};
+    pid_t child = 0;
+    if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, words, environ) != 0) {
+      fmt::print(stderr, "troupe view: warning: there is no xdg-open: open the address yourself\n");
+      return;
+    }
+    std::thread([child] {
+      int ignored = 0;
+      waitpid(child, &ignored, 0);
+    }).detach();
+  }
+
+ private:
+  fs::path file_;
+};
+
+/// Throws InputError. A checkpoint goes on as it was saved: as mortal as its world, with the spare bodies
+/// that it had.
+Simulation load(const ViewOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  const bool is_checkpoint = worldio::is_checkpoint(options.world);
+  if (is_checkpoint &&
+      (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
+    throw InputError(
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are for worlds: this is a "
+                    "checkpoint, whose run has them",
+                    options.world.string()));
+  if (is_checkpoint)
+    return Simulation::resume(options.world, {.threads = options.simulation.threads,
+                                              .tile_size_m = options.simulation.tile_size_m,
+                                              .set = options.simulation.set,
+                                              .plugin_path = plugin_path(options.simulation.plugin_path)});
+  SimulationOptions given = with_environment(options.simulation);
+  given.mortal = true;
+  return Simulation(options.world, given);
+}
+
+ExitCode view_checked(const ViewOptions& options) {
+  if (!options.folder.empty() && !fs::is_directory(options.folder))
+    throw InputError(
+        fmt::format("{}: error: --out is to be a folder that is there", options.folder.string()));
+  Simulation simulation = load(options);
+  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  stop_on_signals();
+  const auto is_over = [&] {
+    return stop_requested() || (options.for_s && simulation.time_s() >= *options.for_s);
+  };
+  View view(simulation, {.port = options.port, .rate = options.rate, .folder = options.folder}, is_over);
+  fmt::print("{}\n  view          {}\n  looking only  {}\n  session       {}\n", simulation.title(),
+             view.address(), view.look_address(), view.session().string());
+  std::fflush(stdout);
+  std::optional<Redirect> redirect;
+  if (options.open) redirect.emplace(view.address()).open();
+  view.run();
+  fmt::print("{}\n",
+             simulation.hash_log_line());  // of the tick at which it ended: so does a run of the session
+  return stop_requested() ? k_stopped : k_finished;
+}
+
+}  // namespace
+
+void add_view_options(CLI::App& view, ViewOptions& options) {
+  view.footer(k_view_footer);
+  add_world_options(view, options);
+  add_value(view, "--threads", "N", "Worker threads (default: one for each processor it may use)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_value(view, "--port", "N", "Of 127.0.0.1, where browsers find it (default: 0, any that is free)",
+            [&options](const std::string& text) {
+              const auto port = number<std::uint16_t>(text);
+              if (!port) refuse("--port", text, "a port from 0 to 65535");
+              options.port = *port;
+            });
+  add_value(view, "--rate", "R", "Not faster than R times real time; 0: as fast as possible (default: 1)",
+            [&options](const std::string& text) {
+              const auto rate = finite(text);
+              if (!rate || (*rate != 0 && (*rate < k_least_rate || *rate > k_most_rate)))
+                refuse(
+                    "--rate", text,
+                    fmt::format("0, or a rate from {} to {:g}, times real time", k_least_rate, k_most_rate));
+              options.rate = *rate;
+            });
+  add_value(view, "--out", "DIR", "Folder that the session is written to (default: this one)",
+            [&options](const std::string& text) { options.folder = file_name("--out", text); });
+  view.add_flag("--open", options.open, "Open it in the desktop's browser")->disable_flag_override();
+}
+
+ExitCode view_world(const ViewOptions& options) {
+  try {
+    return view_checked(options);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

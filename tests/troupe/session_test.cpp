@@ -1,0 +1,317 @@
+// What is done to a running world, logged and repeated: docs/live.md.
+
+#include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
+#include "troupe/troupe.hpp"
+#include "worldio/json/session_json.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Kind = Act::Kind;
+
+constexpr const char* k_yard = R"({"troupe": 1, "title": "yard", "seed": 5, "bounds_m": [[-6, -6], [6, 6]],
+  "types": {
+    "bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff", "velocity_max_x_mps": 1},
+            "sensors": [{"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "samples": 9, "fov_deg": 180}]}],
+            "devices": [{"name": "lamp", "kind": "led"}], "controller": {"kind": "wander"}},
+    "rock": {"size_m": [1, 1, 0.5]}},
+  "populations": [{"name": "b", "type": "bot", "count": 12, "reserve": 20, "place": {"rule": "uniform"}}],
+  "models": [{"name": "rock", "type": "rock", "pose": {"x_m": 3, "y_m": 3}}],
+  "at": [{"time_s": 2, "add": {"population": "b", "count": 2}}, {"time_s": 3, "disable": {"type": "bot", "share": 0.3}},
+         {"time_s": 4, "enable": {"type": "bot"}}]})";
+
+/// Draws as they come: where they come from does not matter, so long as they are many and varied.
+class Draws {
+ public:
+  explicit Draws(std::uint32_t seed) : random_(seed, 1, 2, 3) {}
+  std::size_t below(std::size_t n) {
+    return static_cast<std::size_t>(random_.uniform(0, static_cast<double>(n))) % n;
+  }
+  double within(double least, double most) { return random_.uniform(least, most); }
+
+ private:
+  Random random_;
+};
+
+Act random_act(Draws& draws) {
+  Act act{.kind = static_cast<Kind>(draws.below(engine::k_acts.size()))};
+  act.whom = act.kind == Kind::add  ? "b"
+             : draws.below(20) == 0 ? "rock"
+                                    : fmt::format("b{}", draws.below(20));
+  act.pose = {draws.within(-7, 7), draws.within(-7, 7), 0, draws.within(-4, 4)};
+  act.speed = {draws.within(-1, 1), 0, draws.within(-2, 2)};
+  if (act.kind == Kind::command) {
+    act.device = "lamp";
+    act.values = {{"shows", {static_cast<double>(draws.below(2))}}, {"red", {draws.within(0, 1)}}};
+  }
+  return act;
+}
+
+class Sessions : public test::ScratchTest {
+ protected:
+  Simulation yard(unsigned threads, std::uint64_t seed = 5) const {
+    return Simulation::from_text(k_yard, "yard.json", {.threads = threads, .seed = seed, .mortal = true});
+  }
+
+  /// The message of a session of these lines.
+  std::string fault(const std::string& text, std::uint64_t seed = 5) {
+    const fs::path file = write("s.jsonl", text);
+    try {
+      Simulation simulation = yard(1, seed);
+      SessionReplay replay(file, simulation);
+      simulation.before_tick([&](Simulation& s) { replay.act(s); });
+      for (int i = 0; i < 20; ++i) simulation.step();
+    } catch (const InputError& error) {
+      std::string message = error.what();
+      while (message.find(folder_.string()) != message.npos)
+        message.erase(message.find(folder_.string()), folder_.string().size() + 1);
+      return message;
+    }
+    return {};
+  }
+  std::string header(std::uint64_t seed = 5) {
+    const Simulation simulation = yard(1, seed);
+    const SessionLog log(folder_, simulation);
+    return content(log.file());
+  }
+};
+
+TEST_F(Sessions, AreRepeatedToTheSameBitsOnAnyThreadsAndFromACheckpoint) {
+  const int runs = test::k_slow_build ? 2 : 12;
+  constexpr std::uint64_t k_ticks = 60;
+  std::array<int, engine::k_acts.size()> done{};
+  int refused = 0;
+  for (int run = 0; run < runs; ++run) {
+    Draws draws(static_cast<std::uint32_t>(run));
+    std::vector<std::string> lines;
+    fs::path file;
+    const fs::path checkpoint = folder_ / fmt::format("{}.h5", run);
+    const std::uint64_t saved = 1 + draws.below(k_ticks - 1);
+    {
+      Simulation simulation = yard(2);
+      SessionLog log(folder_, simulation);
+      file = log.file();
+      simulation.before_tick([&](Simulation& s) {
+        for (std::size_t i = draws.below(4); i > 0; --i) {
+          const Act act = random_act(draws);
+          try {
+            s.act(act);
+            log.add(s, act);
+            ++done[static_cast<std::size_t>(act.kind)];
+          } catch (const ActRefused&) {
+            ++refused;
+          }
+        }
+      });
+      lines.push_back(simulation.hash_log_line());
+      while (simulation.tick() < k_ticks) {
+        simulation.step();
+        lines.push_back(simulation.hash_log_line());
+        if (simulation.tick() == saved && worldio::has_hdf5()) simulation.save(checkpoint);
+      }
+      log.end(simulation);
+    }
+    const auto repeat = [&](Simulation simulation) {
+      SessionReplay replay(file, simulation);
+      EXPECT_EQ(replay.end_tick(), k_ticks);
+      simulation.before_tick([&](Simulation& s) { replay.act(s); });
+      while (simulation.tick() < k_ticks) {
+        simulation.step();
+        ASSERT_EQ(simulation.hash_log_line(), lines[simulation.tick()]) << "run " << run;
+      }
+      EXPECT_EQ(replay.left(), 0u);
+    };
+    for (const unsigned threads : {1u, 2u, 3u}) repeat(yard(threads));
+    if (worldio::has_hdf5()) repeat(Simulation::resume(checkpoint, {.threads = 3}));
+  }
+  for (std::size_t kind = 0; kind < done.size(); ++kind) EXPECT_GT(done[kind], 0) << engine::k_acts[kind];
+  EXPECT_GT(refused, 0);
+}
+
+TEST_F(Sessions, AWorldThatMayBeTouchedHasTheHashesOfOneThatMayNot) {
+  Simulation touched = yard(1);
+  Simulation plain = Simulation::from_text(k_yard, "yard.json", {.threads = 1});
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(touched.hash_log_line(), plain.hash_log_line());
+    touched.step();
+    plain.step();
+  }
+}
+
+TEST_F(Sessions, ActsComeAfterWhatTheWorldAsksFor) {
+  Simulation simulation = yard(1);
+  std::size_t robots = 0;
+  simulation.before_tick([&](Simulation& s) {
+    if (s.tick() == 20) robots = s.robots();  // two were added at 2 s
+  });
+  for (int i = 0; i < 20; ++i) simulation.step();
+  EXPECT_EQ(simulation.robots(), 12u);
+  simulation.step();
+  EXPECT_EQ(robots, 14u);
+}
+
+TEST_F(Sessions, AHoldBeatsTheControllerUntilItIsReleasedAndIsSaved) {
+  Simulation simulation = yard(1);
+  simulation.act({.kind = Kind::hold, .whom = "b1", .speed = {0, 0, 0.5}});
+  const auto turn = [](Simulation& s) { return s.find("b1").speed().turn; };
+  for (int i = 0; i < 5; ++i) {
+    simulation.step();
+    EXPECT_EQ(turn(simulation), 0.5);
+    EXPECT_EQ(simulation.find("b1").speed().forward, 0);
+  }
+  if (worldio::has_hdf5()) {
+    simulation.save(folder_ / "held.h5");
+    Simulation resumed = Simulation::resume(folder_ / "held.h5");
+    resumed.step();
+    simulation.step();
+    EXPECT_EQ(resumed.state_hash(), simulation.state_hash());
+    resumed.step();
+    EXPECT_EQ(turn(resumed), 0.5);
+  }
+  simulation.act({.kind = Kind::release, .whom = "b1"});
+  simulation.step();
+  simulation.step();
+  EXPECT_NE(simulation.find("b1").speed().forward, 0) << "it wanders again";
+}
+
+TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
+  Simulation simulation = yard(1);
+  simulation.step();
+  const std::uint64_t hash = simulation.state_hash();
+  const auto refusal = [&](const Act& act) -> std::string {
+    try {
+      simulation.act(act);
+    } catch (const ActRefused& error) {
+      EXPECT_EQ(simulation.state_hash(), hash) << error.what();
+      return error.what();
+    }
+    return "done";
+  };
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {3, 3, 0, 0}}),
+              HasSubstr("\"b0\" cannot stand at x 3 m, y 3 m: a wall or another body is there"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {30, 3, 0, 0}}),
+              HasSubstr("outside the world's bounds"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {std::nan(""), 3, 0, 0}}),
+              HasSubstr("finite"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "rock", .pose = {0, 0, 0, 0}}),
+              HasSubstr("\"rock\" never moves"));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b99", .pose = {0, 0, 0, 0}}),
+              HasSubstr("no body \"b99\""));
+  EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b15", .pose = {0, 0, 0, 0}}),
+              HasSubstr("\"b15\" is not in the world"));
+  EXPECT_THAT(refusal({.kind = Kind::hold, .whom = "rock", .speed = {1, 0, 0}}), HasSubstr("has no drive"));
+  EXPECT_THAT(
+      refusal({.kind = Kind::speed, .whom = "b0", .speed = {std::numeric_limits<double>::infinity(), 0, 0}}),
+      HasSubstr("a speed of inf"));
+  EXPECT_THAT(refusal({.kind = Kind::release, .whom = "b0"}), HasSubstr("not held"));
+  EXPECT_THAT(refusal({.kind = Kind::enable, .whom = "b0"}), HasSubstr("not disabled"));
+  EXPECT_THAT(refusal({.kind = Kind::add, .whom = "x"}), HasSubstr("no population \"x\" with a reserve"));
+  EXPECT_THAT(refusal({.kind = Kind::add, .whom = "b", .pose = {3, 3, 0, 0}}), HasSubstr("can be added at"));
+  EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "gun"}), HasSubstr("gun"));
+  EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "lamp", .values = {{"shows", {300}}}}),
+              HasSubstr("cannot be 300"));
+  EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "lamp", .values = {{"off", {1}}}}),
+              HasSubstr("takes no command \"off\"; known: "));
+}
+
+TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
+  const std::string good = header();
+  EXPECT_EQ(fault(good), "");
+  const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})"
+                           "\n";
+  EXPECT_EQ(fault(good + move), "");
+  EXPECT_THAT(fault(good, 6),
+              HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
+  std::string other = good;
+  other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
+  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 from the state 0000"));
+  other = good;
+  other.replace(other.find("troupe 0."), 9, "troupe 9.");
+  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: troupe 9."));
+  EXPECT_THAT(fault(good + move +
+                    R"({"tick":4,"n":2,"do":"remove","robot":"b0"})"
+                    "\n"),
+              HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
+  for (const auto& [line, message] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "act 2 follows act 0"},
+           {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown act \"fly\""},
+           {R"({"tick":3,"n":1,"do":"remove","robot":"b0","x":1})", "x"},
+           {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})",
+            "expected [x, y, z, heading], m and rad"},
+           {R"({"tick":-3,"n":1,"do":"remove","robot":"b0"})", "expected a whole number"},
+           {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1e999,2,0,0]})", ""},
+           {R"([1])", ""},
+           {R"({"tick")", ""}}) {
+    EXPECT_THAT(fault(good + line + "\n"), HasSubstr("s.jsonl:2: error: ")) << line;
+    EXPECT_THAT(fault(good + line + "\n"), HasSubstr(message)) << line;
+  }
+  EXPECT_THAT(fault(""), HasSubstr("s.jsonl: error: is empty"));
+  EXPECT_THAT(fault("{}\n"), HasSubstr("s.jsonl:1: error: "));
+  EXPECT_EQ(fault(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";
+}
+
+TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
+  const std::string text =
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "b", "type": "bot", "count": 3, "place": {"rule": "grid", "pitch_m": 1, "region_m": [[-3, -3], [3, 3]]}}],
+    "models": [{"name": "scout", "type": "bot", "pose": {"x_m": 5}}]})";
+  const auto world = [&](std::uint32_t spare) {
+    return Simulation::from_text(text, "spare.json", {.threads = 1, .spare = spare});
+  };
+  Simulation plain = world(0);
+  EXPECT_THROW(plain.act({.kind = Kind::add, .whom = "b"}), ActRefused);
+  Simulation simulation = world(2);
+  EXPECT_EQ(simulation.robots(), 4u);
+  EXPECT_EQ(simulation.find("scout").id(), plain.find("scout").id());
+  for (const double x : {7.0, 8.0}) simulation.act({.kind = Kind::add, .whom = "b", .pose = {x, 0, 0, 0}});
+  EXPECT_EQ(simulation.robots(), 6u);
+  EXPECT_EQ(simulation.find("b4").pose().x, 8);
+  EXPECT_GT(simulation.find("b3").id().value, simulation.find("scout").id().value);
+  EXPECT_THROW(simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}}), ActRefused);
+  const fs::path session = SessionLog(folder_, simulation).file();
+  Simulation other = world(1);
+  EXPECT_THAT([&] { const SessionReplay replay(session, other); },
+              ::testing::ThrowsMessage<InputError>(
+                  HasSubstr(":1: error: the session is of another run: spare is 2, here 1")));
+}
+
+TEST_F(Sessions, AreNeverReplaced) {
+  const Simulation simulation = yard(1);
+  const SessionLog first(folder_, simulation);
+  const SessionLog second(folder_, simulation);
+  EXPECT_EQ(first.file().filename(), "yard.session.jsonl");
+  EXPECT_EQ(second.file().filename(), "yard.session-2.jsonl");
+}
+
+TEST_F(Sessions, LinesSurviveARoundTrip) {
+  Draws draws(9);
+  for (int i = 0; i < 300; ++i) {
+    Act act = random_act(draws);
+    if (act.kind != Kind::move && act.kind != Kind::add) act.pose = {};
+    if (act.kind != Kind::speed && act.kind != Kind::hold) act.speed = {};
+    Diagnostics diagnostics;
+    const auto read = worldio::read_act(worldio::act_line(7, 8, act), {"tick", "n"}, {}, diagnostics);
+    diagnostics.throw_if_errors();
+    ASSERT_TRUE(read);
+    EXPECT_TRUE(*read == act) << worldio::act_line(7, 8, act);
+  }
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,467 @@
+#!/usr/bin/env python3
+"""`troupe view`: a page in a headless Chromium, used as people do; and what others may try at its port.
+
+    view_test.py TROUPE [PICTURES]    PICTURES: a folder that screenshots are kept in
+"""
+
+import importlib.util
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from tests.support.chromium import Page, find  # noqa: E402
+from tests.support.websocket import Refused, Socket, request  # noqa: E402
+
+TROUPE = None
+PICTURES = None
+PROGRAM = find()
+SIZE = (1280, 720)
+
+WORLD = {
+    "troupe": 1, "title": "Two rooms", "seed": 3, "bounds_m": [[-6, -4], [6, 4]],
+    "types": {
+        "runner": {"size_m": [0.5, 0.4, 0.3], "drive": {"kind": "diff", "velocity_max_x_mps": 1},
+                   "sensors": [{"name": "eye", "kind": "ranger",
+                                "transducers": [{"range_max_m": 3, "samples": 9, "fov_deg": 180}]}],
+                   "controller": {"kind": "wander"}},
+        "wall": {"size_m": [0.2, 6, 0.6]},
+    },
+    "models": [
+        {"name": "red", "type": "runner", "color": [0.8, 0.1, 0.1], "pose": {"x_m": -3, "y_m": -1}},
+        {"name": "blue", "type": "runner", "color": [0.1, 0.2, 0.8], "pose": {"x_m": 2, "y_m": 1.5, "heading_deg": 90}},
+        {"name": "wall", "type": "wall", "color": "gray40", "pose": {"x_m": 0, "y_m": 1}},
+    ],
+}
+
+
+class View:
+    """A program that shows a world."""
+
+    def __init__(self, *arguments, checkpoint_s=None):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = Path(self.temporary.name)
+        self.world = self.folder / "rooms.json"
+        self.world.write_text(json.dumps(WORLD))
+        shown = self.world
+        if checkpoint_s is not None:
+            shown = self.folder / "c.h5"
+            subprocess.run([TROUPE, "run", self.world, "--set", "/mortal=true", "--for", str(checkpoint_s), "--checkpoint", shown,
+                            "--quiet"], check=True)
+        self.errors = open(self.folder / "errors", "w+")
+        self.process = subprocess.Popen([TROUPE, "view", shown, "--out", self.folder, *map(str, arguments)],
+                                        stdout=subprocess.PIPE, stderr=self.errors, text=True)
+        lines = {}
+        while "session" not in lines:
+            line = self.process.stdout.readline()
+            if not line:
+                raise RuntimeError(self.said())
+            if line.startswith("  "):
+                name, value = line.strip().rsplit(None, 1)
+                lines[name.strip()] = value
+        self.address, self.looking, self.session = lines["view"], lines["looking only"], Path(lines["session"])
+        self.port = int(self.address.split(":")[2].split("/")[0])
+        self.token, self.look_token = (text.split("#")[1] for text in (self.address, self.looking))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.process.stdout.close()
+        self.errors.close()
+        self.temporary.cleanup()
+
+    def said(self):
+        return (self.folder / "errors").read_text()
+
+    def open(self, token=None):
+        viewer = Socket(self.port)
+        viewer.send(token or self.token)
+        viewer.hello = viewer.receive()
+        return viewer
+
+    def end(self):
+        """Ends it as Ctrl-C does, and returns what it printed last: a line of the hash log."""
+        self.process.send_signal(signal.SIGINT)
+        printed = self.process.stdout.read()
+        assert self.process.wait(20) == 3, self.said()
+        return printed.strip().split("\n")[-1]
+
+    def replayed(self, *arguments, command=("run", "rooms.json")):
+        """The hash log of a run that repeats the session, by tick."""
+        log = self.folder / "replay.log"
+        subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", self.session, "--hash-log", log, "--quiet", *map(str, arguments)],
+                       check=True)
+        lines = [line for line in log.read_text().split("\n") if line and not line.startswith("#")]
+        return {int(line.split()[0]): line for line in lines}
+
+
+class Steered(unittest.TestCase):
+    def test_a_session_is_repeated_to_the_same_bits(self):
+        with View("--rate", 0, "--spare", 2) as view, view.open() as viewer:
+            self.assertTrue(viewer.hello["may_steer"])
+            self.assertEqual(viewer.hello["populations"], [])  # neither of the two has a number
+            shown = []
+            for act in [{"do": "hold", "robot": "red", "speed": [0.5, 0, 0.3]}, {"do": "move", "robot": "blue", "pose": [3, -2, 0, 1]},
+                        {"do": "disable", "robot": "blue"}, {"do": "release", "robot": "red"}, {"do": "remove", "robot": "red"}]:
+                self.assertEqual(viewer.ask(**act)["type"], "done", act)
+                viewer.ask(do="step", ticks=20)
+                state = viewer.state()
+                while state["playing"] or not state["line"]:
+                    state = viewer.state()
+                shown.append(state["line"])
+            self.assertGreater(len({line.split()[0] for line in shown}), 4)
+            last = view.end()
+            for threads in (1, 2, 3):
+                log = view.replayed("--spare", 2, "--threads", threads)
+                for line in [*shown, last]:
+                    self.assertEqual(log[int(line.split()[0])], line)
+            self.assertEqual(max(log), int(last.split()[0]), "the run ends where the session did")
+            refused = subprocess.run([TROUPE, "run", view.world, "--session", view.session], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("rooms.session.jsonl:1: error: the session is of another run: spare is 2, here not given", refused.stderr)
+
+    def test_a_checkpoint_is_taken_up_and_its_session_repeated(self):
+        with View("--rate", 0, checkpoint_s=2) as view, view.open() as viewer:
+            self.assertEqual(viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])["type"], "done")
+            self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
+            last = view.end()
+            log = view.replayed(command=("resume", "c.h5"))
+            self.assertEqual(log[int(last.split()[0])], last)
+            refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are for worlds", refused.stderr)
+            refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
+                                     capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("rooms.session.jsonl:1: error: the session began at tick 20, from a checkpoint", refused.stderr)
+
+    def test_a_step_is_a_tick(self):
+        with View() as view, view.open() as viewer:
+            viewer.ask(do="pause")
+            state = viewer.state()
+            while state["playing"]:
+                state = viewer.state()
+            for _ in range(3):
+                tick = state["tick"]
+                viewer.ask(do="step")
+                while state["playing"] or state["tick"] == tick:
+                    state = viewer.state()
+                self.assertEqual(state["tick"], tick + 1)
+
+    def test_a_viewer_that_goes_away_releases_what_it_drove(self):
+        with View("--rate", 0) as view:
+            with view.open() as other:
+                with view.open() as viewer:
+                    self.assertEqual(viewer.ask(do="hold", robot="red", speed=[0, 0, 1])["type"], "done")
+                    self.assertIn("another viewer drives", other.ask(do="hold", robot="red", speed=[0, 0, 1])["reason"])
+                until = time.monotonic() + 20
+                while other.ask(do="hold", robot="red", speed=[0, 0, 0])["type"] == "refused" and time.monotonic() < until:
+                    time.sleep(0.02)
+            view.end()
+            acts = [json.loads(line)["do"] for line in view.session.read_text().split("\n")[1:] if line]
+            self.assertEqual(acts[:3], ["hold", "release", "hold"])
+            self.assertEqual(max(view.replayed()), json.loads(view.session.read_text().split("\n")[-2])["tick"])
+
+    def test_what_a_kill_leaves_is_repeated(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            for x in (-3, -4, -2):
+                viewer.ask(do="move", robot="red", pose=[x, -2, 0, 0])
+            viewer.ask(do="pause")
+            state = viewer.state()
+            while state["playing"] or not state["line"]:
+                state = viewer.state()
+            view.process.kill()
+            tick = int(state["line"].split()[0])
+            log = view.replayed("--for", tick * viewer.hello["tick_s"])
+            self.assertEqual(log[tick], state["line"])
+
+    def test_a_viewer_that_does_not_read_holds_nothing_up(self):
+        with View("--rate", 0) as view, view.open() as lazy, view.open() as viewer:
+            before = viewer.state()["tick"]
+            for _ in range(300):
+                viewer.state()
+            self.assertGreater(viewer.state()["tick"], before)
+            lazy.socket.settimeout(1)
+            pictures = 0
+            try:
+                while True:
+                    pictures += isinstance(lazy.receive(), bytes)
+            except TimeoutError:
+                pass
+            self.assertEqual(pictures, 2, "so many are on their way at most")
+
+
+class OfTheDocumentation(unittest.TestCase):
+    @unittest.skipIf(importlib.util.find_spec("websockets") is None, "the package websockets is not installed")
+    def test_the_client_in_python_sees_the_robots_move(self):
+        page = (ROOT / "docs" / "live.md").read_text()
+        listing = page[page.index("import asyncio"):].split("```")[0]
+        with View("--rate", 1) as view:
+            (view.folder / "watch.py").write_text(listing.replace("pictures=100", "pictures=20"))
+            printed = subprocess.run([sys.executable, view.folder / "watch.py", view.address], check=True, capture_output=True,
+                                     text=True, timeout=60).stdout.split("\n")[:-1]
+            seen = [(int(tick), name, float(x)) for tick, name, x, _ in map(str.split, printed)]
+            self.assertEqual(len(seen), 20)
+            self.assertEqual({name for _, name, _ in seen}, {"red"})
+            self.assertEqual(seen, sorted(seen), "it drives east")
+            with view.open() as viewer:  # the speed with which it wanders, from its state
+                viewer.ask(do="inspect", robot="red")
+                state = viewer.state()
+                while "inspected" not in state:
+                    state = viewer.state()
+                speed = next(c for c in state["inspected"]["components"] if c["name"] == "velocity")["fields"][0]["values"][0]
+            ticks = seen[-1][0] - seen[0][0]
+            self.assertGreater(ticks, 5)
+            self.assertGreater(speed, 0)
+            self.assertLess(seen[-1][2] - seen[0][2], 0.11 * ticks)
+            self.assertGreater(seen[-1][2] - seen[0][2], 0.01 * ticks)
+
+
+class Attacked(unittest.TestCase):
+    """Each is refused, said once, and the run goes on."""
+
+    def setUp(self):
+        self.view = View("--rate", 0)
+        self.addCleanup(self.view.__exit__)
+        self.viewer = self.view.open()
+        self.addCleanup(self.viewer.__exit__)
+
+    def tearDown(self):
+        tick = self.viewer.state()["tick"]
+        while self.viewer.state()["tick"] == tick:
+            pass
+        self.assertIsNone(self.view.process.poll())
+
+    def assert_said_once(self, text):
+        self.assertEqual(self.view.said().count(text), 1, self.view.said())
+
+    def get(self, path="/", host=None, method="GET"):
+        answer = request(self.view.port, f"{method} {path} HTTP/1.1\r\nHost: {host or '127.0.0.1'}\r\n\r\n")
+        return int(answer.split()[1]), answer
+
+    def test_wrong_host(self):
+        for host in ("evil.example", "evil.example:80", "127.0.0.1.evil.example", "localhost:x", "[::1]x", "127.0.0.1:"):
+            self.assertEqual(self.get(host=host)[0], 403, host)
+            with self.assertRaises(Refused) as caught:
+                Socket(self.view.port, host=host)
+            self.assertEqual(caught.exception.args[0], 403)
+        for host in ("127.0.0.1", "localhost:8000", "[::1]:8000"):
+            self.assertEqual(self.get(host=host)[0], 200, host)
+        self.assert_said_once("the Host of another machine")
+
+    def test_foreign_origin(self):
+        own = f"127.0.0.1:{self.view.port}"
+        for origin in ("http://evil.example", "null", f"https://{own}", f"http://{own}.evil.example", "http://127.0.0.1:1"):
+            with self.assertRaises(Refused) as caught:
+                Socket(self.view.port, origin=origin)
+            self.assertEqual(caught.exception.args[0], 403, origin)
+        Socket(self.view.port, origin=f"http://{own}").__exit__()
+        self.assert_said_once("another origin")
+
+    def test_no_token_or_a_wrong_one(self):
+        for token in ("", "x", self.view.token[:-1], self.view.token + "0", self.view.token[:-1] + "g", "{}"):
+            with Socket(self.view.port) as stranger:
+                stranger.send(token)
+                with self.assertRaises(ConnectionError):
+                    stranger.receive()
+        with Socket(self.view.port) as silent:
+            begin = time.monotonic()
+            with self.assertRaises(ConnectionError):
+                silent.receive()
+            self.assertLess(time.monotonic() - begin, 15)
+        self.assert_said_once("without the right token")
+
+    def test_a_token_for_looking_commands_nothing(self):
+        with self.view.open(self.view.look_token) as looker:
+            self.assertFalse(looker.hello["may_steer"])
+            for message in ({"do": "pause"}, {"do": "move", "robot": "red", "pose": [0, -3, 0, 0]}, {"do": "remove", "robot": "red"}):
+                self.assertEqual(looker.ask(**message), {"type": "refused", "id": 1, "reason": "this address is for looking only"})
+            self.assertEqual(looker.ask(do="inspect", robot="red")["type"], "done")
+            self.assertTrue(looker.state()["playing"])
+        self.assert_said_once("may only look")
+        self.assertEqual(self.view.session.read_text().count("\n"), 1, "nothing was done")
+
+    def test_large_and_binary_messages(self):
+        for data in ("x" * 10_000_000, b"abc"):
+            for token in (None, self.view.token):
+                with Socket(self.view.port) as stranger:
+                    if token:
+                        stranger.send(token)
+                        stranger.receive()
+                    with self.assertRaises(ConnectionError):
+                        stranger.send(data)
+                        while True:
+                            stranger.receive()
+        self.assert_said_once("a message of more than 64 kB")
+        self.assert_said_once("a binary message")
+
+    def test_messages_that_make_no_sense(self):
+        for text in ("", "{", "[]", "7", '{"do": 5}', '{"do": []}', '{"id": -1}', "\x00", "[" * 60000, '{"do":"play","do":"pause"}',
+                     '{"do": "step", "ticks": -1}', '{"do": "step", "ticks": 1e300}', '{"do": "rate", "rate": "x"}',
+                     '{"do": "inspect", "robot": 5}', '{"do": "inspect", "robot": "nobody"}', '{"do": "plot", "measure": "x"}',
+                     '{"do": "move", "robot": "red"}', '{"do": "move", "robot": "red", "pose": [1e999, 0, 0, 0]}', '{"do": "end"}',
+                     '{"do": "command", "robot": "red", "device": "eye", "values": {"x": 1}}', '{"do": "fly", "id": 18446744073709551616}'):
+            with self.view.open() as client:
+                client.send(text)
+                try:
+                    answer = client.receive()
+                    while not isinstance(answer, dict) or answer["type"] == "state":
+                        answer = client.receive()
+                    self.assertEqual(answer["type"], "refused" if "play" not in text else answer["type"], text)
+                except ConnectionError:
+                    pass  # what is no UTF-8, or is cut off
+
+    def test_half_open_connections(self):
+        strangers = [socket.create_connection(("127.0.0.1", self.view.port)) for _ in range(300)]
+        for stranger in strangers[::2]:
+            try:
+                stranger.sendall(b"GET / HTTP/1.1\r\nHost: loc")
+            except OSError:
+                pass  # it made room for others
+        self.assertEqual(self.get()[0], 200)
+        with self.view.open() as other:
+            self.assertEqual(other.hello["type"], "hello")
+        time.sleep(6)
+        descriptors = len(os.listdir(f"/proc/{self.view.process.pid}/fd"))
+        self.assertLess(descriptors, 40, "those that say nothing are cut off")
+        for stranger in strangers:
+            stranger.close()
+        self.assert_said_once("connections that show no token")
+
+    def test_other_requests(self):
+        self.assertEqual(self.get("/../../etc/passwd")[0], 404)
+        self.assertEqual(self.get("/rooms.json")[0], 404)
+        self.assertEqual(self.get(method="POST")[0], 405)
+        request(self.view.port, b"\x16\x03\x01\x02\x00" + os.urandom(200))
+        request(self.view.port, "GET / HTTP/1.1\r\n" + "x: y\r\n" * 5000 + "\r\n")
+        status, answer = self.get()
+        self.assertEqual(status, 200)
+        self.assertIn(b"connect-src ws://127.0.0.1;", answer)
+        self.assertNotIn(self.view.token.encode(), answer)
+
+
+@unittest.skipIf(PROGRAM is None, "no Chromium (scripts/setup --checks installs it)")
+class InABrowser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.view = View("--rate", 1)
+        cls.addClassCleanup(cls.view.__exit__)
+        cls.page = Page(PROGRAM, SIZE)
+        cls.addClassCleanup(cls.page.__exit__)
+
+    def keep(self, name):
+        if PICTURES:
+            (PICTURES / f"{name}.png").write_bytes(self.page.screenshot())
+
+    def state(self):
+        return self.page.run("(({scriptMs, ...rest}) => rest)(troupe.state())")
+
+    def place(self, name):
+        return self.page.run(f"troupe.screenPlace('{name}', [0, 0, 0])")
+
+    def press_button(self, selector):
+        box = self.page.run(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])"
+                            f"(document.querySelector('{selector}').getBoundingClientRect())")
+        self.page.click(*box)
+
+    def paused(self):
+        self.page.wait("!troupe.state().playing && troupe.state().line")
+        return self.state()
+
+    def drag_to(self, name, x, y):
+        """Drags the selected robot to a place of the floor; returns what the page says."""
+        start = self.place(name)
+        here = self.page.run(f"troupe.pose('{name}')")
+        end = self.page.run(f"troupe.screenPlace('{name}', [{x - here[0]}, {y - here[1]}, 0])")
+        self.page.run("document.getElementById('told').hidden = true")
+        self.page.drag(start, end)
+
+    def test_a_person_uses_it(self):
+        view, page = self.view, self.page
+        page.open_address(view.address)
+        page.wait("window.troupe && troupe.state().tick > 5")
+        self.assertEqual(page.run("location.hash"), "", "the token is out of sight")
+        x = page.run("troupe.pose('red')")
+        page.wait(f"troupe.pose('red')[0] !== {x[0]}")
+        self.keep("running")
+
+        self.press_button("#play")
+        before = self.paused()
+        page.wait("document.getElementById('line').textContent === troupe.state().line")
+        self.press_button("#step")
+        page.wait(f"troupe.state().tick > {before['tick']} && !troupe.state().playing")
+        after = self.paused()
+        self.assertEqual(after["tick"], before["tick"] + 1)
+
+        page.run("troupe.select('red')")
+        page.wait("troupe.inspected() && troupe.state().scanned")
+        self.assertIn("condition", page.run("document.getElementById('panel').innerText"))
+        self.keep("inspected")
+
+        self.drag_to("red", 3, -2)  # into the other room
+        page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05 && Math.abs(troupe.pose('red')[1] + 2) < 0.05")
+        self.drag_to("red", 0, 2)  # into the wall
+        page.wait("!document.getElementById('told').hidden")
+        self.assertIn("a wall or another body is there", page.run("document.getElementById('told').textContent"))
+        self.keep("refused")
+        page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05")
+        heading = page.run("troupe.pose('red')[3]")
+        page.press("q", "KeyQ")
+        page.wait(f"Math.abs(troupe.pose('red')[3] - {heading}) > 0.2")
+
+        page.run("troupe.follow(true)")
+        page.run("(rate => { rate.selectedIndex = 5; rate.onchange({target: rate}); })(document.getElementById('rate'))")
+        page.wait("troupe.state().rate === 5")
+        page.run("(measure => { measure.value = 'displacement'; measure.onchange({target: measure}); })"
+                 "(document.getElementById('measure'))")
+        self.press_button("#play")
+        page.wait("document.querySelector('#plot path').getAttribute('d').split('L').length > 10")
+        self.keep("plotted")
+
+        page.press("m", "KeyM")
+        page.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowLeft", code="ArrowLeft")
+        page.wait("troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0] === 1.2")
+        page.call("Input.dispatchKeyEvent", type="keyUp", key="ArrowLeft", code="ArrowLeft")
+        self.keep("driven")
+        page.press("m", "KeyM")
+        self.press_button("#disable")
+        page.wait("document.getElementById('disable').textContent === 'enable'")
+        page.run("troupe.theme('dark')")
+        self.keep("dark")
+
+        self.press_button("#play")
+        shown = self.paused()
+        self.assertEqual(page.problems, [])
+        view.end()
+        page.wait("document.getElementById('problem').innerText.startsWith('The program has ended')")
+        log = view.replayed()
+        for state in (before, after, shown):
+            self.assertEqual(log[state["tick"]], state["line"])
+
+    def test_one_may_only_look(self):
+        with View() as view, Page(PROGRAM, SIZE) as page:
+            page.open_address(view.looking)
+            page.wait("window.troupe")
+            self.assertEqual(page.run("getComputedStyle(document.getElementById('play')).display"), "none")
+            with view.open():
+                page.wait("troupe.state().tick > 3")
+
+
+if __name__ == "__main__":
+    TROUPE = str(Path(sys.argv.pop(1)).resolve())
+    if len(sys.argv) > 1 and "/" in sys.argv[1]:
+        PICTURES = Path(sys.argv.pop(1)).resolve()
+        PICTURES.mkdir(parents=True, exist_ok=True)
+    unittest.main()

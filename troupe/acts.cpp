@@ -1,0 +1,205 @@
+#include "troupe/acts.hpp"
+
+#include "engine/world.hpp"
+#include "troupe/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+namespace troupe {
+namespace {
+
+using Kind = Act::Kind;
+using engine::Element;
+using engine::StateField;
+
+constexpr double k_most_speed = 1e6;  // m/s and rad/s: beyond it a command is a mistake
+
+[[noreturn]] void refuse(const std::string& reason) { throw ActRefused(reason); }
+
+/// A body of this name that is in the world.
+Model body_of(Simulation& simulation, const Act& act) {
+  const BodyId id = simulation.world().find(act.whom);
+  if (!id.valid()) refuse(fmt::format("there is no body \"{}\"", act.whom));
+  Model model = simulation.model(id);
+  if (!model.is_alive()) refuse(fmt::format("\"{}\" is not in the world", act.whom));
+  return model;
+}
+
+void check_finite(const Pose& pose) {
+  for (const double x : {pose.x, pose.y, pose.z, pose.heading})
+    if (!std::isfinite(x)) refuse("the pose is not made of finite numbers");
+}
+
+void move(Model& model, const Pose& pose) {
+  check_finite(pose);
+  if (!model.is_free(pose))
+    refuse(fmt::format(
+        "\"{}\" cannot stand at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
+        "outside the world's bounds",
+        model.name(), pose.x, pose.y));
+  model.set_pose(pose);
+}
+
+template <class T>
+void store(std::byte* to, double x) {
+  const auto value = static_cast<T>(x);
+  std::memcpy(to, &value, sizeof value);
+}
+
+/// Whether an element can hold a number without loss; floats round.
+bool holds(Element element, double x) {
+  const auto within = [&](double least, double end) { return x >= least && x < end && std::trunc(x) == x; };
+  switch (element) {
+    case Element::f64: return true;
+    case Element::f32: return std::abs(x) <= static_cast<double>(std::numeric_limits<float>::max());
+    case Element::i64: return within(-0x1p53, 0x1p53);
+    case Element::i32: return within(-0x1p31, 0x1p31);
+    case Element::u64: return within(0, 0x1p53);
+    case Element::u32: return within(0, 0x1p32);
+    case Element::u8: break;
+  }
+  return within(0, 256);
+}
+
+void put(Element element, std::byte* to, double x) {
+  switch (element) {
+    case Element::f64: return store<double>(to, x);
+    case Element::f32: return store<float>(to, x);
+    case Element::i64: return store<std::int64_t>(to, x);
+    case Element::i32: return store<std::int32_t>(to, x);
+    case Element::u64: return store<std::uint64_t>(to, x);
+    case Element::u32: return store<std::uint32_t>(to, x);
+    case Element::u8: return store<std::uint8_t>(to, x);
+  }
+}
+
+void command(Model& model, const Act& act) {
+  const Model::Asked asked = model.asked(act.device);
+  const auto field_of = [&](const std::string& name) -> const StateField& {
+    const auto found = std::ranges::find(asked.fields, name, &StateField::name);
+    if (found == asked.fields.end()) {
+      std::string known;
+      for (const StateField& field : asked.fields) known += (known.empty() ? "" : ", ") + field.name;
+      refuse(fmt::format("\"{}\" takes no command \"{}\"; known: {}", act.device, name, known));
+    }
+    return *found;
+  };
+  for (const auto& [name, numbers] : act.values) {  // all are checked before any is written
+    const StateField& field = field_of(name);
+    if (numbers.size() != field.columns)
+      refuse(fmt::format("\"{}\" of \"{}\" takes {} numbers, not {}", name, act.device, field.columns,
+                         numbers.size()));
+    for (const double x : numbers)
+      if (!std::isfinite(x) || !holds(field.element, x))
+        refuse(fmt::format("\"{}\" of \"{}\" is {}, which cannot be {:.17g}", name, act.device,
+                           engine::element_name(field.element), x));
+  }
+  for (const auto& [name, numbers] : act.values) {
+    const StateField& field = field_of(name);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      put(field.element, asked.bytes.data() + field.offset + i * engine::element_size(field.element),
+          numbers[i]);
+  }
+}
+
+void check_speed(const Act& act) {
+  for (const double x : act.speed)
+    if (!(std::abs(x) <= k_most_speed))
+      refuse(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed,
+                         k_most_speed));
+}
+
+void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
+  if (act.kind == Kind::add) {
+    check_finite(act.pose);
+    if (simulation.unborn(act.whom) == 0) refuse(fmt::format("the reserve of \"{}\" is used up", act.whom));
+    if (!simulation.spawn(act.whom, act.pose))
+      refuse(fmt::format(
+          "nothing of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
+          "or it is outside the world's bounds",
+          act.whom, act.pose.x, act.pose.y));
+    return;
+  }
+  Model model = body_of(simulation, act);
+  switch (act.kind) {
+    case Kind::move: return move(model, act.pose);
+    case Kind::speed: check_speed(act); return model.set_speed(act.speed[0], act.speed[1], act.speed[2]);
+    case Kind::hold:
+      check_speed(act);
+      model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws where it has no drive
+      return holds.set(model.id().value, act.speed);
+    case Kind::release:
+      if (!holds.release(model.id().value)) refuse(fmt::format("\"{}\" is not held", act.whom));
+      return;
+    case Kind::command: return command(model, act);
+    case Kind::remove: return simulation.remove(model);
+    case Kind::disable:
+      if (!simulation.disable(model)) refuse(fmt::format("\"{}\" is disabled already", act.whom));
+      return;
+    case Kind::enable:
+      if (!simulation.enable(model)) refuse(fmt::format("\"{}\" is not disabled", act.whom));
+      return;
+    case Kind::add: break;
+  }
+}
+
+}  // namespace
+
+void Holds::apply(Simulation& simulation) {
+  std::erase_if(speeds_, [&](const auto& hold) {
+    Model model = simulation.model(BodyId(hold.first));
+    if (!model.is_alive()) return true;
+    const auto& [forward, left, turn] = hold.second;
+    model.set_speed(forward, left, turn);
+    return false;
+  });
+}
+
+std::vector<std::byte> Holds::memory() const {
+  std::vector<std::byte> memory;
+  const auto add = [&](const auto& value) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+    memory.insert(memory.end(), bytes, bytes + sizeof value);
+  };
+  for (const auto& [body, speed] : speeds_) {
+    add(body);
+    for (const double x : speed) add(x);
+  }
+  return memory;
+}
+
+bool Holds::remember(std::span<const std::byte> memory, std::size_t bodies) {
+  constexpr std::size_t k_entry = sizeof(std::uint32_t) + 3 * sizeof(double);
+  speeds_.clear();
+  if (memory.size() % k_entry != 0) return false;
+  for (; !memory.empty(); memory = memory.subspan(k_entry)) {
+    std::uint32_t body = 0;
+    std::array<double, 3> speed{};
+    std::memcpy(&body, memory.data(), sizeof body);
+    std::memcpy(speed.data(), memory.data() + sizeof body, sizeof speed);
+    if (body >= bodies || !std::ranges::all_of(speed, [](double x) { return std::isfinite(x); })) {
+      speeds_.clear();
+      return false;
+    }
+    speeds_[body] = speed;
+  }
+  return true;
+}
+
+void carry_out(Simulation& simulation, const Act& act, Holds& holds) {
+  try {
+    carry_out_checked(simulation, act, holds);
+  } catch (const ActRefused&) {
+    throw;
+  } catch (const std::logic_error& error) {  // what the operations of programs throw
+    throw ActRefused(error.what());
+  }
+}
+
+}  // namespace troupe

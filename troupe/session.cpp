@@ -1,0 +1,163 @@
+#include "troupe/session.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "troupe/acts.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/json/session_json.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace troupe {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int k_most_sessions = 100000;  // of one name in a folder
+
+/// Options that change no result.
+constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
+
+std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
+
+std::string value_of(const std::vector<std::pair<std::string, std::string>>& options, std::string_view key) {
+  for (const auto& [name, value] : options)
+    if (name == key) return value;
+  return "not given";
+}
+
+/// The options that the two do not have in common, in words; empty where there is none.
+std::string difference(const worldio::SessionHeader& header, const Simulation& simulation) {
+  const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
+  std::string text;
+  const auto compare = [&](const std::string& key) {
+    const std::string then = value_of(header.options, key);
+    const std::string now = value_of(here, key);
+    if (then != now) text += fmt::format("{}{} is {}, here {}", text.empty() ? "" : "; ", key, then, now);
+  };
+  const auto is_free = [](const std::string& key) { return std::ranges::find(k_free, key) != k_free.end(); };
+  for (const auto& [key, value] : header.options)
+    if (!is_free(key)) compare(key);
+  for (const auto& [key, value] : here)
+    if (!is_free(key) &&
+        std::ranges::none_of(header.options, [&k = key](const auto& o) { return o.first == k; }))
+      compare(key);
+  return text;
+}
+
+}  // namespace
+
+struct SessionLog::Impl {
+  fs::path file;
+  int descriptor = -1;
+  std::uint64_t acts = 0;
+
+  void write(std::string line) const {
+    line += '\n';
+    for (std::string_view left = line; !left.empty();) {
+      const ssize_t written = ::write(descriptor, left.data(), left.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0)
+        throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(),
+                                             std::generic_category().message(errno)));
+      left.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+};
+
+SessionLog::SessionLog(const fs::path& folder, const Simulation& simulation)
+    : impl_(std::make_unique<Impl>()) {
+  const auto options = simulation.effective_options();
+  const std::string stem = fs::path(value_of(options, "world")).stem().string();
+  for (int i = 1; impl_->descriptor < 0; ++i) {
+    impl_->file = folder / (i == 1 ? stem + ".session.jsonl" : fmt::format("{}.session-{}.jsonl", stem, i));
+    impl_->descriptor = ::open(impl_->file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (impl_->descriptor < 0 && (errno != EEXIST || i == k_most_sessions))
+      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", impl_->file.string(),
+                                           std::generic_category().message(errno)));
+  }
+  impl_->write(worldio::header_line({.version = version_line(),
+                                     .tick = simulation.tick(),
+                                     .hash = hex(simulation.state_hash()),
+                                     .options = options}));
+}
+
+SessionLog::~SessionLog() {
+  if (impl_->descriptor >= 0) ::close(impl_->descriptor);
+}
+
+const fs::path& SessionLog::file() const { return impl_->file; }
+
+void SessionLog::add(const Simulation& simulation, const engine::Act& act) {
+  impl_->write(worldio::act_line(simulation.tick(), ++impl_->acts, act));
+}
+
+void SessionLog::end(const Simulation& simulation) {
+  impl_->write(worldio::end_line(simulation.tick(), impl_->acts + 1));
+}
+
+struct SessionReplay::Impl {
+  fs::path file;
+  worldio::Session session;
+  std::size_t next = 0;
+
+  [[noreturn]] void fail(std::uint32_t line, std::string_view message) const {
+    throw InputError(fmt::format("{}:{}: error: {}", file.string(), line, message));
+  }
+  void check_state(const Simulation& simulation) const {
+    const worldio::SessionHeader& header = session.header;
+    if (simulation.tick() < header.tick)
+      fail(1, fmt::format(
+                  "the session began at tick {}, from a checkpoint: resume that (troupe resume --session)",
+                  header.tick));
+    if (simulation.tick() > header.tick) return;
+    if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
+      fail(1, fmt::format(
+                  "the session began at tick {} from the state {}, here it is {}: this is another world, or "
+                  "another run of it",
+                  header.tick, header.hash, hash));
+  }
+};
+
+SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->file = file;
+  impl_->session = worldio::load_session(file);
+  const worldio::SessionHeader& header = impl_->session.header;
+  const std::string here = version_line();
+  if (const std::string_view then = program_of(header.version), now = program_of(here); then != now)
+    impl_->fail(1, fmt::format("{} wrote this session, this is {}: other versions may go on with other bits",
+                               then, now));
+  if (const std::string unlike = difference(header, simulation); !unlike.empty())
+    impl_->fail(1, fmt::format("the session is of another run: {}", unlike));
+  impl_->check_state(simulation);
+  while (left() > 0 && impl_->session.acts[impl_->next].tick < simulation.tick()) ++impl_->next;
+}
+
+SessionReplay::~SessionReplay() = default;
+
+void SessionReplay::act(Simulation& simulation) {
+  for (; left() > 0 && impl_->session.acts[impl_->next].tick == simulation.tick(); ++impl_->next) {
+    const worldio::LoggedAct& logged = impl_->session.acts[impl_->next];
+    try {
+      simulation.act(logged.act);
+    } catch (const ActRefused& error) {
+      impl_->fail(logged.where.line, fmt::format("at tick {}: {}", logged.tick, error.what()));
+    }
+  }
+}
+
+std::optional<std::uint64_t> SessionReplay::end_tick() const { return impl_->session.end; }
+std::size_t SessionReplay::left() const { return impl_->session.acts.size() - impl_->next; }
+const std::vector<std::string>& SessionReplay::warnings() const { return impl_->session.warnings; }
+
+}  // namespace troupe

@@ -1,0 +1,264 @@
+#include "worldio/json/session_json.hpp"
+
+#include "worldio/files.hpp"
+#include "worldio/json/json_document.hpp"
+#include "worldio/json/json_reader.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::Act;
+using Json = nlohmann::ordered_json;
+using Kind = Act::Kind;
+
+constexpr std::string_view k_end = "end";
+
+std::string line_of(const Json& json) {
+  try {
+    return json.dump();
+  } catch (const Json::type_error&) {
+    throw std::invalid_argument("a name that is no UTF-8 cannot be logged");
+  }
+}
+
+Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
+
+std::optional<double> number_of(const JsonNode& node) {
+  if (const auto* x = std::get_if<double>(&node.value)) return *x;
+  if (const auto* x = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*x);
+  if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return static_cast<double>(*x);
+  return {};
+}
+
+std::uint64_t read_count(JsonObject& object, std::string_view key, std::string_view hint) {
+  const JsonNode* node = object.require(key, hint);
+  if (!node) return 0;
+  const auto* x = std::get_if<std::int64_t>(&node->value);
+  if (x && *x >= 0) return static_cast<std::uint64_t>(*x);
+  JsonCursor(object.at(), key, *node).expected("a whole number from 0 on");
+  return 0;
+}
+
+std::string read_name(JsonObject& object, std::string_view key, std::string_view what) {
+  const JsonNode* node = object.require(key, what);
+  const std::string* text = node ? read_text(JsonCursor(object.at(), key, *node), what) : nullptr;
+  return text ? *text : std::string();
+}
+
+void read_numbers(JsonObject& object, std::string_view key, std::string_view what, std::span<double> into) {
+  const JsonNode* node = object.require(key, what);
+  if (!node) return;
+  const JsonNode::List* list = node->list();
+  bool is_good = list && list->size() == into.size();
+  for (std::size_t i = 0; is_good && i < into.size(); ++i) {
+    const std::optional<double> x = number_of((*list)[i]);
+    is_good = x && std::isfinite(*x);
+    if (is_good) into[i] = *x;
+  }
+  if (!is_good) JsonCursor(object.at(), key, *node).expected(what);
+}
+
+void read_pose(JsonObject& object, Act& act) {
+  std::array<double, 4> pose{};
+  read_numbers(object, "pose", "[x, y, z, heading], m and rad", pose);
+  act.pose = {pose[0], pose[1], pose[2], pose[3]};
+}
+
+void read_values(JsonObject& object, Act& act) {
+  constexpr std::string_view k_expected =
+      "an object: fields of the command with a number, or a list of numbers, each";
+  const JsonNode* node = object.require("values", k_expected);
+  if (!node) return;
+  const JsonCursor at(object.at(), "values", *node);
+  if (!node->object() || node->object()->empty()) return at.expected(k_expected);
+  for (const JsonMember& member : *node->object()) {
+    std::vector<double>& numbers = act.values.emplace_back(member.key, std::vector<double>()).second;
+    const auto add = [&](const JsonNode& one) {
+      const std::optional<double> x = number_of(one);
+      const auto* flag = std::get_if<bool>(&one.value);
+      if (x && std::isfinite(*x))
+        numbers.push_back(*x);
+      else if (flag)
+        numbers.push_back(*flag ? 1 : 0);
+      else
+        JsonCursor(at, member.key, one).expected("a number");
+    };
+    if (const JsonNode::List* list = member.node.list())
+      std::ranges::for_each(*list, add);
+    else
+      add(member.node);
+  }
+}
+
+/// The members of an act but for `do`.
+void read_members(JsonObject& object, Act& act) {
+  act.whom = act.kind == Kind::add ? read_name(object, "population", "the name of a population")
+                                   : read_name(object, "robot", "the name of a body");
+  switch (act.kind) {
+    case Kind::move:
+    case Kind::add: read_pose(object, act); break;
+    case Kind::speed:
+    case Kind::hold: read_numbers(object, "speed", "[forward, left, turn], m/s and rad/s", act.speed); break;
+    case Kind::command:
+      act.device = read_name(object, "device", "the name of a device");
+      read_values(object, act);
+      break;
+    case Kind::release:
+    case Kind::remove:
+    case Kind::disable:
+    case Kind::enable: break;
+  }
+}
+
+/// Nothing, with errors, for what is no act.
+std::optional<Act> act_of(JsonObject& object, std::string_view what) {
+  const std::vector<std::string_view> known(engine::k_acts.begin(), engine::k_acts.end());
+  const auto kind = std::ranges::find(known, what);
+  if (kind == known.end()) {
+    object.at().error(unknown_name("act", what, known));
+    return {};
+  }
+  Act act{.kind = static_cast<Kind>(kind - known.begin())};
+  read_members(object, act);
+  return act;
+}
+
+std::string read_do(JsonObject& object) { return read_name(object, "do", "what is done"); }
+
+SessionHeader read_header(JsonObject& object) {
+  SessionHeader header;
+  if (const std::uint64_t format = read_count(object, "troupe_session", "the version of the format");
+      format != k_session_format && object.is_object())
+    object.at().error(fmt::format("version {} of the format of sessions is unknown: this program reads {}",
+                                  format, k_session_format));
+  header.version = read_name(object, "version", "the version of the program that wrote it");
+  header.tick = read_count(object, "tick", "the tick at which it began");
+  header.hash = read_name(object, "hash", "the hash of the state with which it began");
+  if (const JsonNode* node = object.require("options", "the options of the run")) {
+    const JsonCursor at(object.at(), "options", *node);
+    if (!node->object()) at.expected("an object of texts");
+    for (const JsonMember& member : node->object() ? *node->object() : JsonNode::Object())
+      if (const std::string* text = member.node.text())
+        header.options.emplace_back(member.key, *text);
+      else
+        JsonCursor(at, member.key, member.node).expected("a text");
+  }
+  object.finish();
+  return header;
+}
+
+/// Reads one act, or the end, into the session.
+void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
+  const std::size_t before = diagnostics.findings().size();
+  LoggedAct logged{.tick = read_count(object, "tick", "the tick that had ended"),
+                   .n = read_count(object, "n", "the number of the act, from 1"),
+                   .act = {},
+                   .where = object.at().where()};
+  const std::string what = read_do(object);
+  const std::optional<Act> act = what.empty() || what == k_end ? std::nullopt : act_of(object, what);
+  object.finish();
+  if (diagnostics.findings().size() > before) return;
+  const std::uint64_t last = session.acts.empty() ? session.header.tick : session.acts.back().tick;
+  if (session.end)
+    object.at().error("the session has ended in the line before");
+  else if (logged.tick < last)
+    object.at().error(fmt::format("tick {} comes before tick {} of the line before", logged.tick, last));
+  else if (logged.n != session.acts.size() + 1)
+    object.at().error(fmt::format("act {} follows act {}", logged.n, session.acts.size()));
+  else if (what == k_end)
+    session.end = logged.tick;
+  else if (act) {
+    logged.act = *act;
+    session.acts.push_back(std::move(logged));
+  }
+}
+
+}  // namespace
+
+std::string header_line(const SessionHeader& header) {
+  Json json{{"troupe_session", k_session_format},
+            {"version", header.version},
+            {"tick", header.tick},
+            {"hash", header.hash},
+            {"options", Json::object()}};
+  for (const auto& [key, value] : header.options) json["options"][key] = value;
+  return line_of(json);
+}
+
+std::string act_line(std::uint64_t tick, std::uint64_t n, const Act& act) {
+  Json json{{"tick", tick}, {"n", n}, {"do", engine::k_acts[static_cast<std::size_t>(act.kind)]}};
+  json[act.kind == Kind::add ? "population" : "robot"] = act.whom;
+  if (act.kind == Kind::move || act.kind == Kind::add) json["pose"] = pose_json(act.pose);
+  if (act.kind == Kind::speed || act.kind == Kind::hold) json["speed"] = act.speed;
+  if (act.kind == Kind::command) {
+    json["device"] = act.device;
+    json["values"] = Json::object();
+    for (const auto& [name, numbers] : act.values) json["values"][name] = numbers;
+  }
+  return line_of(json);
+}
+
+std::string end_line(std::uint64_t tick, std::uint64_t n) {
+  return line_of(Json{{"tick", tick}, {"n", n}, {"do", k_end}});
+}
+
+std::optional<Act> read_act(std::string_view json, const std::vector<std::string_view>& also, Where where,
+                            Diagnostics& diagnostics) {
+  const std::optional<JsonNode> document = parse_json(json, where, true, diagnostics);
+  if (!document) return {};
+  const std::size_t before = diagnostics.findings().size();
+  const JsonCursor root(*document, diagnostics);
+  JsonObject object(root);
+  for (const std::string_view key : also) object.find(key);
+  const std::string what = read_do(object);
+  std::optional<Act> act = what.empty() ? std::nullopt : act_of(object, what);
+  object.finish();
+  return diagnostics.findings().size() > before ? std::nullopt : act;
+}
+
+Session load_session(const std::filesystem::path& file) {
+  if (const Result<> readable = check_readable(file, k_most_input_bytes); !readable)
+    throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
+  const std::optional<std::string> text = read_file(file);
+  if (!text) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  Diagnostics diagnostics;
+  Where where{diagnostics.files()->add(file.string()), 0};
+  Session session;
+  for (std::size_t begin = 0; begin < text->size();) {
+    ++where.line;
+    const std::size_t end = text->find('\n', begin);
+    if (end == text->npos) {
+      if (where.line > 1) {
+        session.warnings.push_back(fmt::format("{}:{}: warning: the last line was cut off, and is left out",
+                                               file.string(), where.line));
+        break;
+      }
+    }
+    const std::string_view line = std::string_view(*text).substr(begin, end - begin);
+    begin = end == text->npos ? text->size() : end + 1;
+    const std::optional<JsonNode> document = parse_json(line, where, true, diagnostics);
+    if (document) {
+      const JsonCursor root(*document, diagnostics);
+      JsonObject object(root);
+      if (where.line == 1)
+        session.header = read_header(object);
+      else
+        read_line(object, session, diagnostics);
+    }
+    if (where.line == 1) diagnostics.throw_if_errors();
+  }
+  if (where.line == 0) diagnostics.error(where, "is empty: a session begins with a header");
+  diagnostics.throw_if_errors();
+  return session;
+}
+
+}  // namespace troupe::worldio
