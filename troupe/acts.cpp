@@ -20,26 +20,26 @@ using engine::StateField;
 
 constexpr double k_most_speed = 1e6;  // m/s and rad/s: beyond it a command is a mistake
 
-[[noreturn]] void refuse(const std::string& reason) { throw ActRefused(reason); }
+[[noreturn]] void refuse_act(const std::string& reason) { throw ActRefused(reason); }
 
 /// A body of this name that is in the world.
 Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
-  if (!id.valid()) refuse(fmt::format("there is no body \"{}\"", act.whom));
+  if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));
   Model model = simulation.model(id);
-  if (!model.is_alive()) refuse(fmt::format("\"{}\" is not in the world", act.whom));
+  if (!model.is_alive()) refuse_act(fmt::format("\"{}\" is not in the world", act.whom));
   return model;
 }
 
 void check_finite(const Pose& pose) {
   for (const double x : {pose.x, pose.y, pose.z, pose.heading})
-    if (!std::isfinite(x)) refuse("the pose is not made of finite numbers");
+    if (!std::isfinite(x)) refuse_act("the pose is not made of finite numbers");
 }
 
 void move(Model& model, const Pose& pose) {
   check_finite(pose);
   if (!model.is_free(pose))
-    refuse(fmt::format(
+    refuse_act(fmt::format(
         "\"{}\" cannot stand at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
         "outside the world's bounds",
         model.name(), pose.x, pose.y));
@@ -86,19 +86,19 @@ void command(Model& model, const Act& act) {
     if (found == asked.fields.end()) {
       std::string known;
       for (const StateField& field : asked.fields) known += (known.empty() ? "" : ", ") + field.name;
-      refuse(fmt::format("\"{}\" takes no command \"{}\"; known: {}", act.device, name, known));
+      refuse_act(fmt::format("\"{}\" takes no command \"{}\"; known: {}", act.device, name, known));
     }
     return *found;
   };
   for (const auto& [name, numbers] : act.values) {  // all are checked before any is written
     const StateField& field = field_of(name);
     if (numbers.size() != field.columns)
-      refuse(fmt::format("\"{}\" of \"{}\" takes {} numbers, not {}", name, act.device, field.columns,
-                         numbers.size()));
+      refuse_act(fmt::format("\"{}\" of \"{}\" takes {} numbers, not {}", name, act.device, field.columns,
+                             numbers.size()));
     for (const double x : numbers)
       if (!std::isfinite(x) || !holds(field.element, x))
-        refuse(fmt::format("\"{}\" of \"{}\" is {}, which cannot be {:.17g}", name, act.device,
-                           engine::element_name(field.element), x));
+        refuse_act(fmt::format("\"{}\" of \"{}\" is {}, which cannot be {:.17g}", name, act.device,
+                               engine::element_name(field.element), x));
   }
   for (const auto& [name, numbers] : act.values) {
     const StateField& field = field_of(name);
@@ -111,16 +111,17 @@ void command(Model& model, const Act& act) {
 void check_speed(const Act& act) {
   for (const double x : act.speed)
     if (!(std::abs(x) <= k_most_speed))
-      refuse(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed,
-                         k_most_speed));
+      refuse_act(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed,
+                             k_most_speed));
 }
 
 void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
   if (act.kind == Kind::add) {
     check_finite(act.pose);
-    if (simulation.unborn(act.whom) == 0) refuse(fmt::format("the reserve of \"{}\" is used up", act.whom));
+    if (simulation.unborn(act.whom) == 0)
+      refuse_act(fmt::format("the reserve of \"{}\" is used up", act.whom));
     if (!simulation.spawn(act.whom, act.pose))
-      refuse(fmt::format(
+      refuse_act(fmt::format(
           "nothing of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
           "or it is outside the world's bounds",
           act.whom, act.pose.x, act.pose.y));
@@ -135,15 +136,15 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
       model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws where it has no drive
       return holds.set(model.id().value, act.speed);
     case Kind::release:
-      if (!holds.release(model.id().value)) refuse(fmt::format("\"{}\" is not held", act.whom));
+      if (!holds.release(model.id().value)) refuse_act(fmt::format("\"{}\" is not held", act.whom));
       return;
     case Kind::command: return command(model, act);
     case Kind::remove: return simulation.remove(model);
     case Kind::disable:
-      if (!simulation.disable(model)) refuse(fmt::format("\"{}\" is disabled already", act.whom));
+      if (!simulation.disable(model)) refuse_act(fmt::format("\"{}\" is disabled already", act.whom));
       return;
     case Kind::enable:
-      if (!simulation.enable(model)) refuse(fmt::format("\"{}\" is not disabled", act.whom));
+      if (!simulation.enable(model)) refuse_act(fmt::format("\"{}\" is not disabled", act.whom));
       return;
     case Kind::add: break;
   }
