@@ -61,7 +61,7 @@ bool is_loopback(std::string_view host) {
 
 /// In a time that does not tell how much of it is right.
 bool same_token(std::string_view a, std::string_view b) {
-  unsigned char differs = a.size() == b.size() ? 0 : 1;
+  unsigned differs = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
     differs |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
   return differs == 0;
