@@ -26,9 +26,9 @@ engine::DeviceKind ranger_kind();
 /// What a ranger is made of (engine/device_kind.hpp): for kinds that make more of it, which have its Params
 /// as a part of their own.
 struct Ranger {
-  using Params = engine::RangerParams;
+  using Params = engine::RangerParams;  ///< of each such part
 
-  RangerBeams beams;
+  RangerBeams beams;  ///< what it casts
 
   /// What the kind declares: its beams and percepts; `data` is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);

@@ -32,14 +32,14 @@ class Holds {
   void set(std::uint32_t body, const std::array<double, 3>& speed) { speeds_[body] = speed; }
   /// False where it was not held.
   bool release(std::uint32_t body) { return speeds_.erase(body) > 0; }
-  void clear() { speeds_.clear(); }
-  bool empty() const { return speeds_.empty(); }
+  void clear() { speeds_.clear(); }               ///< releases all
+  bool empty() const { return speeds_.empty(); }  ///< nobody is held
   /// Commands all of them, by id; a hold of a robot that is gone ends.
   void apply(Simulation& simulation);
 
   /// For a checkpoint, and back; false for what is no such memory of this simulation.
   std::vector<std::byte> memory() const;
-  bool remember(std::span<const std::byte> memory, std::size_t bodies);
+  bool remember(std::span<const std::byte> memory, std::size_t bodies);  ///< bodies: of the world
 
  private:
   std::map<std::uint32_t, std::array<double, 3>> speeds_;  // by BodyId

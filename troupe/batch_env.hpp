@@ -152,7 +152,7 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< numbers a robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns of them
   };
-  Array array(std::size_t team, std::string_view name) const;
+  Array array(std::size_t team, std::string_view name) const;  ///< see Array
   /// Of an array of float32.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
   std::span<double> actions(std::size_t team);           ///< copies x robots x actions: to be filled

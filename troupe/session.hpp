@@ -26,7 +26,7 @@ class SessionLog {
   SessionLog(const SessionLog&) = delete;
   SessionLog& operator=(const SessionLog&) = delete;
 
-  const std::filesystem::path& file() const;
+  const std::filesystem::path& file() const;  ///< that it writes
   /// An act that was done at the simulation's tick. Throws std::runtime_error where it cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
   /// The session is over at the simulation's tick.
