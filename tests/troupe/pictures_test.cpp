@@ -77,8 +77,8 @@ TEST_F(PicturesTest, TheyShowWhatTheWorldHas) {
     const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(simulation));
     ASSERT_EQ(rgba.size(), 160U * 120 * 4);
     int colored = 0;
-    for (std::size_t i = 0; i < rgba.size(); i += 4) colored += rgba[i] > rgba[i + 2] + 60;
-    EXPECT_GT(colored, 10) << camera;  // the robots are red
+    for (std::size_t i = 0; i < rgba.size(); i += 4) colored += rgba[i + 2] > rgba[i] + 60;
+    EXPECT_GT(colored, 10) << camera;  // the robots are blue
   }
 }
 
