@@ -14,7 +14,6 @@
 namespace troupe::sensors {
 namespace {
 
-using engine::RangerParams;
 using engine::TransducerParams;
 
 /// Whether the second half of the beams looks in the opposite directions of the first.

@@ -14,7 +14,6 @@ namespace {
 
 using engine::Field;
 using engine::FieldTable;
-using engine::Value;
 
 /// Reads one object by its table.
 class ObjectReader {

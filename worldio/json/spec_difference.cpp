@@ -17,7 +17,6 @@ using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::MemberType;
-using engine::Record;
 using engine::Value;
 using engine::WorldSpec;
 

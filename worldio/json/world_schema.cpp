@@ -26,7 +26,6 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Unit;
 using engine::UnitSuffix;
-using engine::Value;
 using Members = JsonNode::Object;
 
 JsonNode object_of(std::initializer_list<std::pair<std::string_view, JsonNode>> members) {

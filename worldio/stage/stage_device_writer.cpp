@@ -19,7 +19,6 @@ namespace {
 
 using engine::DeviceKind;
 using engine::DeviceSpec;
-using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Value;
