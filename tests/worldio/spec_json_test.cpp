@@ -313,15 +313,16 @@ WorldSpec full_spec() {
   type.parts = {part, part, part};
   type.parts[2].parent = 1;
   type.drive = engine::DriveSpec{"omni", registry.drive("omni")->params.defaults(), 0.25, {file, 8}};
-  const auto set = [](const engine::FieldTable& table, engine::Record& record, std::string_view name,
-                      engine::Value value) {
+  const auto give = [](const engine::FieldTable& table, engine::Record& record, std::string_view name,
+                       engine::Value value) {
     record.at(static_cast<std::size_t>(table.find(name))) = std::move(value);
   };
-  set(registry.drive("omni")->params, type.drive->params, "velocity_min_x", -1.0 / 3);
+  give(registry.drive("omni")->params, type.drive->params, "velocity_min_x", -1.0 / 3);
   engine::DeviceSpec sensor{
       .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
   const engine::Record fan = engine::described<engine::TransducerParams>().defaults();
-  set(registry.device("ranger")->params, sensor.params, "transducers", std::vector{fan, fan});
+  give(registry.device("ranger")->params, sensor.params, "transducers",
+       std::vector<engine::Record>{fan, fan});
   sensor.part = 2;
   sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
@@ -330,11 +331,11 @@ WorldSpec full_spec() {
   type.devices = {sensor};
   type.controllers = {{"script", 0, registry.controller("script")->params.defaults(), 0, {file, 10}},
                       {"expand", 1, registry.controller("expand")->params.defaults(), 0.7, {file, 11}}};
-  set(registry.controller("script")->params, type.controllers[0].params, "legs",
-      std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}});
+  give(registry.controller("script")->params, type.controllers[0].params, "legs",
+       std::vector<engine::Record>{{1.5, 0.1, 0.2, -0.3}, {2.5, 0.1, 0.2, -0.3}});
   const engine::FieldTable& expand = registry.controller("expand")->params;
-  set(expand, type.controllers[1].params, "clearances", std::vector<double>{0.1, 0.2});
-  set(expand, type.controllers[1].params, "invert", true);
+  give(expand, type.controllers[1].params, "clearances", std::vector<double>{0.1, 0.2});
+  give(expand, type.controllers[1].params, "invert", true);
   spec.types.push_back(type);
   spec.bodies.push_back({.name = spec.names.add("r", 17),
                          .type = TypeId(1),
@@ -354,7 +355,7 @@ WorldSpec full_spec() {
   engine::Record faster(registry.drive("omni")->params.fields.size());
   faster[1] = 2.0 / 3;
   engine::Record named(registry.device("ranger")->params.fields.size());
-  named[0] = std::vector<engine::Record>{fans.defaults()};
+  named[0] = std::vector<engine::Record>{fan};
   using enum engine::InterventionSpec::Action;
   using By = engine::GroupSpec::By;
   Box region;
