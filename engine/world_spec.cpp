@@ -62,14 +62,17 @@ class TypeRules {
 void check_bodies(const WorldSpec& spec, const Report& report) {
   if (spec.bodies.empty()) report({}, "bodies: there is none: the first of every world is the ground");
   const std::size_t words = spec.names.words().size();
-  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const BodySpec& body = spec.bodies[b];
-    if (body.type.index() >= spec.types.size())
-      return report(body.where, fmt::format("bodies[{}].type: the world has {} types; here is {}", b,
-                                            spec.types.size(), body.type.value));
-    if (body.name.word >= words)
-      return report(body.where, fmt::format("bodies[{}].name: the world has {} words; here is {}", b, words,
-                                            body.name.word));
+  const std::size_t types = spec.types.size();
+  const auto bad = std::ranges::find_if(spec.bodies, [types, words](const BodySpec& body) {
+    return body.type.value >= types || body.name.word >= words;
+  });
+  if (bad != spec.bodies.end()) {
+    const auto b = bad - spec.bodies.begin();
+    return report(
+        bad->where,
+        bad->type.value >= types
+            ? fmt::format("bodies[{}].type: the world has {} types; here is {}", b, types, bad->type.value)
+            : fmt::format("bodies[{}].name: the world has {} words; here is {}", b, words, bad->name.word));
   }
   for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
     if (spec.aliases[a].name.word >= words)

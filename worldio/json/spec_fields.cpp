@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -41,10 +40,6 @@ std::string SpecPath::text() const {
 
 std::string key_of(const Field& field) {
   return fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix);
-}
-
-bool is_within(const Field& field, double x) {
-  return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
 }
 
 bool is_listed(const FieldTable& table) {

@@ -5,6 +5,7 @@
 #include "engine/kinds.hpp"
 #include "engine/spec_description.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -27,7 +28,9 @@ struct SpecPath {
 std::string key_of(const engine::Field& field);
 
 /// Whether a number is finite and within the limits of a field.
-bool is_within(const engine::Field& field, double x);
+inline bool is_within(const engine::Field& field, double x) {
+  return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
+}
 
 /// Whether a struct consists of numbers alone, as a pose does: a stored world has it as a list of these.
 bool is_listed(const engine::FieldTable& table);

@@ -78,6 +78,7 @@ Json value_json(const Value& value, const Field& field) {
     case FieldType::numbers:
     case FieldType::color: {
       Json list = Json::array();
+      list.get_ref<Json::array_t&>().reserve(value.numbers().size());
       for (const double x : value.numbers()) list.push_back(finite(x));
       return list;
     }
@@ -184,6 +185,7 @@ std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable
 Json SpecWriter::list_json(const Field& field, const engine::MemberType& type, const void* list) const {
   Json json = Json::array();
   const std::size_t size = type.size(list);
+  json.get_ref<Json::array_t&>().reserve(size);
   for (std::size_t i = 0; i < size; ++i) {
     const void* entry = block_of(type, list, i);
     if (type.each == nullptr)
@@ -238,6 +240,12 @@ void SpecWriter::write_experiment(Json& json) const {
 
 BodyColumns body_columns(const engine::WorldSpec& spec) {
   BodyColumns columns;
+  const std::size_t count = spec.bodies.size();
+  for (auto* column : {&columns.word, &columns.number, &columns.type, &columns.file, &columns.line})
+    column->reserve(count);
+  columns.pose.reserve(4 * count);
+  columns.color.reserve(4 * count);
+  columns.fiducial.reserve(count);
   for (const engine::BodySpec& body : spec.bodies) {
     const auto& [name, type, pose_world_body, color, fiducial, where] = body;
     const auto& [x, y, z, heading] = pose_world_body;
