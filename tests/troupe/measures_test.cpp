@@ -80,7 +80,7 @@ TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
 /// The greatest x of all robots.
 class Front : public engine::Measure {
  public:
-  Front(const engine::World&, const engine::Record&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+  Front(const engine::World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
   double value(engine::World& world) override {
     double front = -1e9;
     for (const Row row : robots_) front = std::max(front, world.transform(row).position.x());
