@@ -75,34 +75,35 @@ class Fact {
  public:
   /// What is said.
   enum class Kind : std::uint8_t {
-    text,
-    unit,
-    at_least,
-    above,
-    at_most,
-    choices,
-    columns,
-    required,
-    counts_readings,
-    fixed,
-    provenance,
-    sparse,
-    look,
+    text,             ///< `words`: Field::text
+    unit,             ///< `unit`
+    at_least,         ///< `number`, and at most `high`
+    above,            ///< `number`, which is refused itself
+    at_most,          ///< `number`
+    choices,          ///< `choices`
+    columns,          ///< `number`
+    required,         ///< it has no default
+    counts_readings,  ///< Field::counts_readings
+    fixed,            ///< Field::fixed
+    provenance,       ///< Field::provenance
+    sparse,           ///< StateField::sparse
+    look,             ///< StateField::look
   };
 
   constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
   constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
   constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
+  /// Of a kind that says a number, or none.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
   /// Field::choices; the list is read before the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
-  Kind kind;
-  Unit unit = Unit::none;
-  double number = 0;
+  Kind kind;                                              ///< what is said
+  Unit unit = Unit::none;                                 ///< of Kind::unit
+  double number = 0;                                      ///< see Kind
   double high = std::numeric_limits<double>::infinity();  ///< of `at_least`: an upper limit beside it
-  std::string_view words;
-  std::span<const std::string_view> choices;
+  std::string_view words;                                 ///< of Kind::text
+  std::span<const std::string_view> choices;              ///< of Kind::choices
 };
 
 /// What can be said of a member, besides its unit.
@@ -121,6 +122,7 @@ constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
+/// The same of a list that there is already.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
 /// Of a std::vector<double>: it has so many numbers. Arrays and Eigen vectors have the columns of their type.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
@@ -136,7 +138,7 @@ inline constexpr Fact is_look{Fact::Kind::look};      ///< of state: StateField:
 
 /// How members of one C++ type are read and written by code that does not know the type.
 struct MemberType {
-  FieldType type = FieldType::number;
+  FieldType type = FieldType::number;                     ///< Field::type
   std::size_t columns = 0;                                ///< Field::columns
   double min = -std::numeric_limits<double>::infinity();  ///< the least that it holds
   double max = std::numeric_limits<double>::infinity();   ///< the most
