@@ -77,17 +77,17 @@ class Fact {
  public:
   /// What is said.
   enum class Kind : std::uint8_t {
-    text,             ///< Field::text
-    unit,             ///< Field::unit
-    at_least,         ///< Field::min, and Field::max where given
-    above,            ///< Field::min and Field::above_min
-    at_most,          ///< Field::max
-    choices,          ///< Field::choices
-    columns,          ///< Field::columns
-    required,         ///< no Field::fallback
+    text,             ///< `words`: Field::text
+    unit,             ///< `unit`
+    at_least,         ///< `number`, and at most `high`
+    above,            ///< `number`, which is refused itself
+    at_most,          ///< `number`
+    choices,          ///< `choices`
+    columns,          ///< `number`
+    required,         ///< it has no default
     counts_readings,  ///< Field::counts_readings
     fixed,            ///< Field::fixed
-    provenance,       ///< stored, and not compared
+    provenance,       ///< Field::provenance
     sparse,           ///< StateField::sparse
     look,             ///< StateField::look
   };
@@ -95,13 +95,14 @@ class Fact {
   constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
   constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
   constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
-  constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}  ///< a limit
+  /// Of a kind that says a number, or none.
+  constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
   /// Field::choices; the list is read before the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
-  Kind kind;                                              ///< which of these
+  Kind kind;                                              ///< what is said
   Unit unit = Unit::none;                                 ///< of Kind::unit
-  double number = 0;                                      ///< the limit, or how many columns
+  double number = 0;                                      ///< see Kind
   double high = std::numeric_limits<double>::infinity();  ///< of `at_least`: an upper limit beside it
   std::string_view words;                                 ///< of Kind::text
   std::span<const std::string_view> choices;              ///< of Kind::choices
@@ -123,7 +124,8 @@ constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
-constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }  ///< the same
+/// The same of a list that there is already.
+constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
 /// Of a std::vector<double>: it has so many numbers. Arrays and Eigen vectors have the columns of their type.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
 /// It has no default.

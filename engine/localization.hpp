@@ -50,7 +50,11 @@ constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return 
 /// The parameters that say it: a part of those of drives. None of them changes while a world runs, since with
 /// them would the state.
 struct LocalizationParams {
-  /** Along which. */ enum class Heading : std::uint8_t { old /**< before */, changed /**< after */ };
+  /// Along which a tick's way is laid: by the names "old" and "new".
+  enum class Heading : std::uint8_t {
+    old,      ///< the heading before its turn
+    changed,  ///< the heading after it
+  };
   friend constexpr std::array<std::string_view, 2> names_of(Heading) { return {"old", "new"}; }
 
   Localization::Kind localization = Localization::Kind::gps;

@@ -153,17 +153,17 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   if (beams.intensity)
     out.percepts.push_back(
         {"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
-  out.data = Ranger{std::move(beams)};
+  out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams))};
   return out;
 }
 
 std::uint64_t Ranger::sense(const engine::DeviceBatch& batch) const {
   if (batch.world.ray_grid())
-    cast_grid(batch, beams);
+    cast_grid(batch, *beams);
   else
-    cast_exact(batch, beams);
-  if (!beams.extras.empty()) add_extras(batch, beams);
-  return batch.rows.size() * beams.count;
+    cast_exact(batch, *beams);
+  if (!beams->extras.empty()) add_extras(batch, *beams);
+  return batch.rows.size() * beams->count;
 }
 
 engine::DeviceKind ranger_kind() {

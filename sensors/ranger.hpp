@@ -2,9 +2,9 @@
 
 #include "engine/kinds.hpp"
 #include "engine/sensor_params.hpp"
-#include "sensors/ranger_beams.hpp"
 
 #include <cstdint>
+#include <memory>
 
 namespace troupe::sensors {
 
@@ -23,12 +23,14 @@ namespace troupe::sensors {
 ///         through cells, partition/ray_grid.hpp
 engine::DeviceKind ranger_kind();
 
+struct RangerBeams;
+
 /// What a ranger is made of (engine/device_kind.hpp): for kinds that make more of it, which have its Params
 /// as a part of their own.
 struct Ranger {
-  using Params = engine::RangerParams;  ///< of each such part
+  using Params = engine::RangerParams;  ///< its parameters
 
-  RangerBeams beams;  ///< what it casts
+  std::shared_ptr<const RangerBeams> beams;  ///< what it casts
 
   /// What the kind declares: its beams and percepts; `data` is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);

@@ -3,6 +3,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/world.hpp"
 #include "sensors/ranger.hpp"
+#include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
@@ -201,7 +202,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
                         const Heights& visible) {
   const auto* its_ranger = std::any_cast<sensors::Ranger>(&sensor.prepared.data);
   if (!its_ranger) return;
-  const sensors::RangerBeams* ranger = &its_ranger->beams;
+  const sensors::RangerBeams* ranger = its_ranger->beams.get();
   const engine::BodyType& body = world_.types()[type];
   const std::string called = called_text(sensor.name, body.name);
   if (ranger->count == 0) {
