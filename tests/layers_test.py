@@ -97,6 +97,11 @@ WORDS = [
     (r"(Neg)?Mul(Add|Sub)\w*|Approximate\w*", "does not round the same on every processor"),
     (r"hwy::HWY_NAMESPACE", "goes around partition/simd.inl, which lists the operations that kernels may use"),
 ]
+# Parameters are read by name: from_record(), get(). A place in a record is what its table says today.
+_VALUE = r"(?:given|boolean|integer|number|text|numbers|records|texts)\(\)"
+_PLACE = r"(?:\d+|k_\w+|[^\]\[]*\bsize\(\)[^\]\[]*)"
+BY_POSITION = re.compile(rf"\[\s*{_PLACE}\s*\]\s*(?:\.|->)\s*{_VALUE}|\b(?:\w+_)?(?:params|record)\s*\[\s*{_PLACE}\s*\]")
+
 WORDS_ALLOWED = {"base/assert.hpp"}  # TROUPE_ASSERT says which invariant broke, and stops
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
@@ -183,8 +188,11 @@ def findings(root):
                 tbb_users.append(path)
                 if len(tbb_users) == 2:
                     report(match.start(1), f"<{match[2]}>: {tbb_users[0].as_posix()} is the one file that knows oneTBB")
+        code = without_comments(text, texts_too=True)
+        for match in BY_POSITION.finditer(code):
+            report(match.start(), f"`{match[0]}` reads a parameter by its position: describe the parameters "
+                                  "(engine/description.hpp), or use engine::get()")
         if folder in LIBRARY and path.as_posix() not in WORDS_ALLOWED:
-            code = without_comments(text, texts_too=True)
             code = INCLUDE.sub(lambda match: " " * len(match.group()), code)
             for pattern, what in WORDS:
                 for match in re.finditer(rf"(?<![\w.>])(?:std::)?({pattern})\b", code):
@@ -211,7 +219,8 @@ class PlantedFaults(unittest.TestCase):
         "partition/grid.hpp": '#include "base/pose.hpp"\n',
         "partition/parallel.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
         "engine/world.hpp": '#include "partition/grid.hpp"\n// exit(1), and #include "troupe/troupe.hpp"\n',
-        "sensors/ranger.hpp": '#include "engine/world.hpp"\n',
+        "sensors/ranger.hpp": '#include "engine/world.hpp"\n// params[3].number()\n'
+                              "auto x = get(table, params, name); auto y = record[i].given(); auto z = rows[3];\n",
         "models/model_kinds.hpp": '#include "models/drives/drives.hpp"\n',
         "models/drives/drives.hpp": '#include "engine/world.hpp"\n',
         "models/devices/lamp.hpp": '#include "models/drives/drives.hpp"\n#include "sensors/ranger.hpp"\n',
@@ -281,6 +290,12 @@ class PlantedFaults(unittest.TestCase):
             ("models/dice.cpp", "#include <random>\n", "<random> draws random numbers"),
             ("sensors/own_pool.cpp", "#include <thread>\n", "<thread> is parallel"),
             ("partition/kernel.cpp", "auto f = MulAdd(a, b, c);\n", "`MulAdd` does not round the same"),
+            ("sensors/compass.cpp", "\nauto x = Compass{params[0].number()};\n",
+             "sensors/compass.cpp:2: `params[0]` reads a parameter by its position"),
+            ("models/devices/pack.cpp", "auto x = p[12].text();\n", "`[12].text()` reads a parameter by its position"),
+            ("engine/odometry.cpp", "auto x = params[k_kind].text();\n", "`params[k_kind]` reads a parameter by its position"),
+            ("apps/examples/far.cpp", "auto x = &params[ranger().params.fields.size()];\n", "by its position"),
+            ("tests/base/fan_test.cpp", "auto x = device.params[0];\n", "by its position"),
             ("partition/kernel.cpp", "namespace hn = hwy::HWY_NAMESPACE;\n", "goes around partition/simd.inl"),
         ]:
             with self.subTest(text=text, file=name):
