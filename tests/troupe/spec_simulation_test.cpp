@@ -55,11 +55,13 @@ engine::WorldSpec by_hand() {
   bot.drive = engine::DriveSpec{.kind = "diff", .params = registry.drive("diff")->params.defaults()};
   engine::DeviceSpec eye{
       .name = "eye", .kind = "ranger", .params = registry.device("ranger")->params.defaults()};
-  const engine::FieldTable& beams = *registry.device("ranger")->params.fields[0].record;
+  const engine::FieldTable& ranger = registry.device("ranger")->params;
+  const auto transducers = static_cast<std::size_t>(ranger.find("transducers"));
+  const engine::FieldTable& beams = *ranger.fields[transducers].record;
   engine::Record fan = beams.defaults();
   fan[static_cast<std::size_t>(beams.find("samples"))] = 9;
   fan[static_cast<std::size_t>(beams.find("fov"))] = 1.5;
-  eye.params[0] = std::vector<engine::Record>{fan};
+  eye.params[transducers] = std::vector<engine::Record>{fan};
   bot.devices.push_back(eye);
   bot.controllers.push_back({.kind = "wander", .params = registry.controller("wander")->params.defaults()});
   spec.types.push_back(wall);
@@ -148,8 +150,8 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: the kind has ");
-  expect([](Spec& s) { s.types[2].drive->params[0] = "fast"; }, "is not of the type of the parameter");
-  expect([](Spec& s) { s.types[2].devices[0].params[0].v = std::vector<engine::Record>{{}}; },
+  expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; }, "is not of the type of the parameter");
+  expect([](Spec& s) { s.types[2].devices[0].params.front().v = std::vector<engine::Record>{{}}; },
          "error: types[2].sensors[0].params.transducers[0]: the kind has ");
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },
          "error: bodies[3].pose.x: must be from -1000000 to 1000000, found nan");

@@ -350,7 +350,8 @@ TEST(WorldDocument, IsWhatTheFileSays) {
       << "parameters have no place of their own";
   ASSERT_EQ(bot.controllers.size(), 2u);
   EXPECT_EQ(bot.controllers[0].kind, "expand") << "of which expand_swarm is a preset";
-  EXPECT_EQ(bot.controllers[0].params[0], engine::Value(2.5));
+  EXPECT_EQ(engine::get(registry.controller("expand")->params, bot.controllers[0].params, "gain"),
+            engine::Value(2.5));
   EXPECT_EQ(document->types[1].second.blocks->front().contours->size(), 2u);
   ASSERT_EQ(document->populations.size(), 5u);
   const PopulationDocument& grid = document->populations[0];

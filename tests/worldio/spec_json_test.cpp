@@ -210,7 +210,7 @@ TEST(SpecJson, ADifferenceSaysWhereItIs) {
   EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].parts[1].returns.pushable = true; }),
             "types[1].parts[1].pushable");
   EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].drive.reset(); }), "types[1].drive");
-  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].devices[0].params[0] = 1.0; }),
+  EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].devices[0].params.front() = 1.0; }),
             "types[1].sensors[0].params");
   EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[1].pose_world_body.y = 0.0; }), "bodies[1].pose.y");
   EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[2].name = s.names.add("c", 0); }), "bodies[2].name");
