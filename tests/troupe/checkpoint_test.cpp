@@ -322,7 +322,7 @@ TEST_F(Checkpoint, HoldsTheMemoriesOfControllersThatOnlyTheProgramKnows) {
   Simulation resumed = Simulation::resume(file_, {}, registry());
   EXPECT_EQ(log_of(resumed, 5), log_of(straight, 5));
   EXPECT_THAT(error_of(file_),
-              HasSubstr("run.h5: error: /types/1/controllers/0/params: unknown controller \"counter\""));
+              HasSubstr("run.h5: error: /types/1/controllers/0: unknown controller \"counter\""));
 }
 
 TEST_F(Checkpoint, OfAnotherVersionIsResumedOnlyWhereThatIsWanted) {
