@@ -91,7 +91,7 @@ CPP_BEFORE = {
         #include <engine/measure_kind.hpp>
         #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
-          Crowding(const troupe::engine::World&, const troupe::engine::Record&, std::vector<troupe::Row>) {}
+          Crowding(const troupe::engine::World&, std::vector<troupe::Row>) {}
           double value(troupe::engine::World&) override { return 0; }
         };""",
 }
@@ -117,6 +117,7 @@ SHOWN_ONLY = [
     ("docs/ground.md", "brightness =", "a formula"),
     ("docs/install.md", "== the program", "scripts/check-package prints it, after minutes"),
     ("docs/install.md", "Bootstrap:", "a recipe for Apptainer"),
+    ("docs/library.md", "error: types[0]", "of a spec with a fault: tests/troupe/spec_simulation_test.cpp"),
     ("docs/library.md", "room.json:14", "of a world with a fault: tests/troupe/library_test.cpp"),
     ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
     ("docs/live.md", "cave", "what troupe view prints: tests/view_test.py"),

@@ -13,8 +13,9 @@ for that:
 - A block with lines that begin with `$ ` shows a session: commands, and what they print. One that prints an error must
   not end with 0.
 - Another block is text that the page shows: it must have been printed by a command further up, or stand in a file
-  that one has written, or be the list of such files. A line `...` stands for any lines, `...` in a line for any text.
-  Numbers must be equal but where they tell wall time, memory or versions.
+  that one has written, or be the list of such files; in a fence that says `text` it may look like JSON. A line `...`
+  stands for any lines, `...` in a line for any text. Numbers must be equal but where they tell wall time, memory or
+  versions.
 - JSON, C++, Python, CMake and Stage's `world` stand in fences that say so (JSON also indented). A world loads, a
   fragment parses; C++ compiles, or is part of a file of apps/examples; Python runs, the listings of a page in one
   interpreter. If the paragraph before a listing names a file, as "save this as `swarm.json`:", the listing is saved
@@ -92,6 +93,8 @@ class Block:
     def kind(self):
         if self.language in LANGUAGES:
             return "cpp" if self.language == "c++" else self.language
+        if self.language == "text":
+            return "shown"
         if any(line.startswith("$ ") for line in self.lines):
             return "session"
         if COMMAND.match(self.lines[0]):
