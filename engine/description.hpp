@@ -170,13 +170,15 @@ struct MemberType {
 namespace detail {
 
 struct Anything {
+  std::size_t
+      at;  // so that each use is an expression of its own: clang is slow with one that all templates share
   template <class T>
   operator T() const;
 };
 
 template <class T, std::size_t... I>
 constexpr bool takes(std::index_sequence<I...>) {
-  return requires { T{(static_cast<void>(I), Anything{})...}; };
+  return requires { T{Anything{I}...}; };
 }
 
 /// Members of an aggregate: the largest number of initialisers it takes.

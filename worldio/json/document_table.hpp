@@ -37,13 +37,13 @@ enum class Form : std::uint8_t {
   names,            ///< std::vector<std::string>: a list of such texts
   model_kind,       ///< std::string: a name of Registry::models
   color,            ///< Color
-  color_or_random,  ///< PopulationDocument::BodyColor
-  heading,          ///< PlaceDocument::Heading
+  color_or_random,  ///< ColorDocument
+  heading,          ///< HeadingDocument
   points,           ///< std::vector<Vec2>
   box,              ///< Box
   contours,         ///< std::vector<Ring>
   joint,            ///< JointName: a text or null
-  comparison,       ///< ConditionDocument::Comparison: `>= 0.9`
+  comparison,       ///< ComparisonDocument: `>= 0.9`
   kept,             ///< JsonNode: as it is, of what is described elsewhere
   kind,             ///< std::string: a name of DocumentTable::kinds
   parameters,       ///< engine::Record: keys of the kind's own beside the others
@@ -190,7 +190,7 @@ struct DocumentTable {
 };
 
 /// `>= 0.9`. Empty, and reported, where the text is something else.
-std::optional<ConditionDocument::Comparison> read_comparison(const JsonCursor& at, std::string_view text);
+std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
 /// What the schema says of such texts.
 std::string comparison_pattern();
 
@@ -198,7 +198,7 @@ std::string comparison_pattern();
 template <class T>
 const DocumentTable& document_table();
 
-/// Of PlaceDocument::Heading, in radians or degrees: that of poses.
+/// Of HeadingDocument, in radians or degrees: that of poses.
 const engine::Field& heading_field();
 /// The field of a key, for objects of a kind with these parameters (null: of no kind).
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);

@@ -179,7 +179,7 @@ void ObjectReader::read_heading(const DocumentKey& key) {
   if (word && word->text() && *word->text() == "random") {
     keys_.find(key.field.name);
     note(key, word->where);
-    member<PlaceDocument::Heading>(key).is_random = true;
+    member<HeadingDocument>(key).is_random = true;
     for (const engine::UnitSuffix& suffix : engine::unit_suffixes(angle.unit))
       if (keys_.find(fmt::format("{}{}", angle.name, suffix.suffix)))
         at_.error_at(word->where,
@@ -188,7 +188,7 @@ void ObjectReader::read_heading(const DocumentKey& key) {
   }
   const FoundField found = find_field(keys_, angle);
   if (found.where) note(key, *found.where);
-  if (found.value.given()) member<PlaceDocument::Heading>(key).rad = found.value.number();
+  if (found.value.given()) member<HeadingDocument>(key).rad = found.value.number();
 }
 
 void ObjectReader::read_faults(const DocumentKey& key) {
@@ -239,9 +239,9 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::color_or_random: {
       const std::string* word = at.node().text();
       if (word && *word == "random")
-        member<PopulationDocument::BodyColor>(key).is_random = true;
+        member<ColorDocument>(key).is_random = true;
       else if (const auto color = read_color(at))
-        member<PopulationDocument::BodyColor>(key).color = *color;
+        member<ColorDocument>(key).color = *color;
       return;
     }
     case Form::points: {
@@ -261,8 +261,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
       return;
     case Form::comparison:
       if (const std::string* text = read_text(at, key.expects))
-        if (const auto comparison = read_comparison(at, *text))
-          member<ConditionDocument::Comparison>(key) = *comparison;
+        if (const auto comparison = read_comparison(at, *text)) member<ComparisonDocument>(key) = *comparison;
       return;
     case Form::kept: member<JsonNode>(key) = at.node(); return;
     case Form::block: {

@@ -189,7 +189,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// `>= 0.9`; nothing where it is none.
-std::optional<ConditionDocument::Comparison> comparison_of(std::string_view text) {
+std::optional<ComparisonDocument> comparison_of(std::string_view text) {
   std::optional<std::size_t> longest;
   for (std::size_t i = 0; i < engine::k_comparisons.size(); ++i)
     if (text.starts_with(engine::k_comparisons[i]) &&
@@ -201,7 +201,7 @@ std::optional<ConditionDocument::Comparison> comparison_of(std::string_view text
   const auto [end, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (number.empty() || fault != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
     return std::nullopt;
-  return ConditionDocument::Comparison{static_cast<engine::Comparison>(*longest), value};
+  return ComparisonDocument{static_cast<engine::Comparison>(*longest), value};
 }
 
 JsonNode schema_of_texts(const std::string& pattern) {
@@ -520,7 +520,7 @@ void check_model(const ModelDocument& model, const JsonCursor& at) {
 
 }  // namespace
 
-std::optional<ConditionDocument::Comparison> read_comparison(const JsonCursor& at, std::string_view text) {
+std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text) {
   const auto comparison = comparison_of(trimmed(text));
   if (!comparison)
     at.error(fmt::format("\"{}\" is no comparison with a number: one of <, <=, >, >=, ==, != and the number",
@@ -658,8 +658,8 @@ void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
 }
 
 void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
-  constexpr auto bit = [](engine::PlacementRule::Kind rule) { return 1u << static_cast<unsigned>(rule); };
   using Rule = engine::PlacementRule::Kind;
+  constexpr auto bit = [](Rule one) { return 1u << static_cast<unsigned>(one); };
   d.table().variant = "rule";
   d.choice<&PlaceDocument::rule>("rule", k_rules)
       .require("grid, uniform, gaussian, poisson_disc or free_floor");

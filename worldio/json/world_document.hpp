@@ -189,13 +189,20 @@ struct ModelDocument : Placed {
   static void describe(DocumentKeys<ModelDocument>& d);  ///< its keys
 };
 
+/// The heading of a population's bodies.
+struct HeadingDocument {
+  bool is_random = false;  ///< each body draws its own
+  double rad = 0;          ///< else of all bodies
+};
+
+/// The colour of a population's bodies.
+struct ColorDocument {
+  bool is_random = false;  ///< each body draws its own
+  Color color;             ///< else of all bodies
+};
+
 /// How a population is placed.
 struct PlaceDocument : Placed {
-  /// Of all bodies.
-  struct Heading {
-    bool is_random = false;  ///< each body draws its own
-    double rad = 0;          ///< else of all bodies
-  };
   std::optional<engine::PlacementRule::Kind> rule;  ///< required
   std::optional<Box> region;                        ///< of the origins, m
   std::optional<Ring> polygon;                      ///< of the origins, m
@@ -207,23 +214,18 @@ struct PlaceDocument : Placed {
   std::optional<double> distance;                   ///< poisson_disc: how near two may be, m
   std::optional<std::array<double, 2>> from;        ///< free_floor: from where it is reached, m
   std::optional<double> cell;                       ///< free_floor: how finely it is looked at, m
-  std::optional<Heading> heading;                   ///< not given: 0 on a grid, else random
+  std::optional<HeadingDocument> heading;           ///< not given: 0 on a grid, else random
   double z = 0;                                     ///< height of the origins, m
   static void describe(DocumentKeys<PlaceDocument>& d);  ///< its keys
 };
 
 /// Bodies of one type that a rule places.
 struct PopulationDocument : Placed {
-  /// Of all bodies.
-  struct BodyColor {
-    bool is_random = false;  ///< each body draws its own
-    Color color;             ///< else of all bodies
-  };
   std::string name;                                           ///< bodies are called NAME0, NAME1, ...
   std::string type;                                           ///< a key of WorldDocument::types
   std::optional<std::int64_t> count;                          ///< required
   std::int64_t reserve = 0;                                   ///< how many more may be born
-  std::optional<BodyColor> color;                             ///< not given: the type's
+  std::optional<ColorDocument> color;                         ///< not given: the type's
   std::optional<PlaceDocument> place;                         ///< required
   static void describe(DocumentKeys<PopulationDocument>& d);  ///< its keys
 };
@@ -239,15 +241,16 @@ struct MeasureDocument : Placed {
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< its keys
 };
 
+/// `>= 0.9`.
+struct ComparisonDocument {
+  engine::Comparison how = engine::Comparison::below;  ///< how the measure is compared
+  double with = 0;                                     ///< a number, in the unit of the measure
+};
+
 /// A condition on a measure.
 struct ConditionDocument : Placed {
-  /// `>= 0.9`.
-  struct Comparison {
-    engine::Comparison how = engine::Comparison::below;  ///< how the measure is compared
-    double with = 0;                                     ///< a number, in the unit of the measure
-  };
   std::optional<MeasureDocument> measure;                    ///< required
-  std::optional<Comparison> is;                              ///< required
+  std::optional<ComparisonDocument> is;                      ///< required
   static void describe(DocumentKeys<ConditionDocument>& d);  ///< its keys
 };
 

@@ -91,7 +91,7 @@ void ObjectWriter::write_key(const DocumentKey& key) {
       return;
     case Form::heading:
       if (is_missing(key)) return;
-      if (const auto& heading = member<PlaceDocument::Heading>(key); heading.is_random)
+      if (const auto& heading = member<HeadingDocument>(key); heading.is_random)
         add_member(written_, key.field.name, std::string("random"));
       else
         write_field(heading_field(), heading.rad, written_);
@@ -141,7 +141,7 @@ JsonNode ObjectWriter::node(const DocumentKey& key) const {
     }
     case Form::color: return color_node(member<Color>(key));
     case Form::color_or_random: {
-      const auto& color = member<PopulationDocument::BodyColor>(key);
+      const auto& color = member<ColorDocument>(key);
       return color.is_random ? json_node(std::string("random")) : color_node(color.color);
     }
     case Form::points: return points_node(member<Ring>(key));
@@ -159,7 +159,7 @@ JsonNode ObjectWriter::node(const DocumentKey& key) const {
       return joint.name ? json_node(*joint.name) : json_node(std::monostate());
     }
     case Form::comparison: {
-      const auto& is = member<ConditionDocument::Comparison>(key);
+      const auto& is = member<ComparisonDocument>(key);
       return json_node(
           fmt::format("{} {}", engine::k_comparisons[static_cast<std::size_t>(is.how)], is.with));
     }
