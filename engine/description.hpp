@@ -170,15 +170,20 @@ struct MemberType {
 namespace detail {
 
 struct Anything {
-  std::size_t
-      at;  // so that each use is an expression of its own: clang is slow with one that all templates share
   template <class T>
   operator T() const;
 };
 
+// A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and take a
+// time that is quadratic in how often an expression that depends on nothing, as Anything{}, stands there.
+template <class T, std::size_t... I>
+concept Takes = requires {
+  T{(static_cast<void>(I), Anything{})...};
+};
+
 template <class T, std::size_t... I>
 constexpr bool takes(std::index_sequence<I...>) {
-  return requires { T{Anything{I}...}; };
+  return Takes<T, I...>;
 }
 
 /// Members of an aggregate: the largest number of initialisers it takes.
