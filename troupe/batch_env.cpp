@@ -79,7 +79,7 @@ void put_number(std::byte* at, engine::Element element, double value) {
   }
 }
 
-[[noreturn]] void refuse(std::string text) { throw std::invalid_argument(std::move(text)); }
+[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
 
 template <class Named>
 const Named& named(const std::vector<Named>& all, std::string_view what, std::string_view name) {

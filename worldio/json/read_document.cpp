@@ -98,12 +98,12 @@ bool ObjectReader::find_kind() {
   const std::string* name = read_text(
       at, kinds.expects.empty() ? fmt::format("the name of a {}", kinds.what) : std::string(kinds.expects));
   if (!name) return false;
-  auto found = kinds.find(registry, *name);
+  const auto found = kinds.find(registry, *name);
   if (!found) {
     at.error(found.error().text);
     return false;
   }
-  kind_ = std::move(*found);
+  kind_ = *found;
   return true;
 }
 

@@ -146,8 +146,7 @@ class ObjectSchema {
 
   /// Another schema for a key that is there.
   ObjectSchema& replace(std::string_view key, JsonNode schema) {
-    for (JsonMember& member : properties_)
-      if (member.key == key) member.node = std::move(schema);
+    std::ranges::find(properties_, key, &JsonMember::key)->node = std::move(schema);
     return *this;
   }
 

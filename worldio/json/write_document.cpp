@@ -52,7 +52,7 @@ class ObjectWriter {
   void find_kind() {
     for (const DocumentKey& key : table_.keys)
       if (key.form == Form::kind) name_ = &member<std::string>(key);
-    if (auto kind = table_.kinds->find(registry_, *name_)) kind_ = std::move(*kind);
+    if (const auto kind = table_.kinds->find(registry_, *name_)) kind_ = *kind;
   }
 
   void write_key(const DocumentKey& key);
