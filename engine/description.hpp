@@ -212,9 +212,12 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// One for each member, whose address tells it from the others in constant expressions.
+/// A text for each member that tells it from the others in constant expressions. (Addresses of variables do
+/// not, where gcc instruments null pointers.)
 template <auto k_member>
-TROUPE_OF_TYPE inline constexpr char k_tag = 0;
+constexpr std::string_view tag() {
+  return __PRETTY_FUNCTION__;
+}
 
 /// The class and the type of a pointer to a member.
 template <class M>
@@ -417,7 +420,7 @@ constexpr MemberType optional_type() {
   static_assert(TypeOf<M>::value.type != FieldType::records, "a list may be empty: it need not be optional");
   type.optional = true;
   type.is_state = false;
-  if constexpr (TypeOf<M>::value.table != nullptr) {
+  if constexpr (TypeOf<M>::value.type == FieldType::record && !std::is_same_v<M, Record>) {
     type.size = [](const void* m) {
       return std::size_t{static_cast<const std::optional<M>*>(m)->has_value()};
     };
@@ -473,7 +476,7 @@ class Description {
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
     if (table_ == nullptr)
-      count(&detail::k_tag<k_member>, detail::TypeOf<Type>::value.is_state);
+      count(detail::tag<k_member>(), detail::TypeOf<Type>::value.is_state);
     else
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
@@ -484,14 +487,14 @@ class Description {
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
     if (table_ == nullptr)
-      count(&detail::k_tag<k_member>, false);
+      count(detail::tag<k_member>(), false);
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
   /// A member that is worked out from the others: no field, neither stored nor compared.
   template <auto k_member>
   constexpr void derived() {
-    if (table_ == nullptr) count(&detail::k_tag<k_member>, false);
+    if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
   /// A member for which visitors have code of their own: a field without a Field::member, which keeps its
@@ -499,7 +502,7 @@ class Description {
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
-      count(&detail::k_tag<k_member>, false);
+      count(detail::tag<k_member>(), false);
     else
       detail::add_apart(*table_, name);
   }
@@ -514,7 +517,7 @@ class Description {
  private:
   static constexpr std::size_t k_most_members = 128;
 
-  constexpr void count(const char* tag, bool can_be_state) {
+  constexpr void count(std::string_view tag, bool can_be_state) {
     for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
     seen_[count_++] = tag;
     is_state_ = is_state_ && can_be_state;
@@ -525,7 +528,7 @@ class Description {
   std::size_t count_ = 0;
   bool repeats_ = false;
   bool is_state_ = true;
-  std::array<const char*, k_most_members> seen_{};
+  std::array<std::string_view, k_most_members> seen_{};
 };
 
 namespace detail {

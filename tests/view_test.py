@@ -95,7 +95,7 @@ class View:
         """Ends it as Ctrl-C does, and returns what it printed last: a line of the hash log."""
         self.process.send_signal(signal.SIGINT)
         printed = self.process.stdout.read()
-        assert self.process.wait(20) == 3, self.said()
+        assert self.process.wait(20) == 3, (self.process.returncode, self.said())
         return printed.strip().split("\n")[-1]
 
     def replayed(self, *arguments, command=("run", "rooms.json")):
