@@ -22,10 +22,10 @@ struct FollowWall {
   Params params;
 
   static constexpr std::string_view text = "keep a wall at the left";
-  static constexpr std::array k_uses{std::string_view("ranger")};  // one that looks ahead and to the left
+  static constexpr std::array k_uses{std::string_view("ranger")};  // one that faces ahead and to the left
 
   struct Memory {
-    std::uint32_t corners = 0;  // times that the wall ahead was near
+    std::uint32_t corners = 0;  // number of walls met ahead
     bool turning = false;
     TROUPE_FIELDS(corners, turning)
   };

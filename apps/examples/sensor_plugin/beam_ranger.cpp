@@ -11,7 +11,7 @@
 namespace {
 
 struct BeamRanger {
-  /// Of the beams, some shares are cut short by what is in no map, come back from nowhere, or say anything.
+  /// Fractions of the beams are cut short by unmapped objects, return no echo, or read random values.
   struct Params {
     troupe::Ranger::Params ranger;
     double short_share = 0.05;
@@ -22,20 +22,20 @@ struct BeamRanger {
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
       d.part<&Params::ranger>();  // the parameters of Troupe's ranger, and then our own
-      d.member<&Params::short_share>("short_share", within(0, 1), "of beams that are cut short");
+      d.member<&Params::short_share>("short_share", within(0, 1), "fraction of beams that are cut short");
       d.member<&Params::short_rate>(
           "short_rate", above(0),
-          "1/m: they end after an exponentially distributed way, 1/short_rate on average");
-      d.member<&Params::max_share>("max_share", within(0, 1), "of beams that do not come back");
-      d.member<&Params::random_share>("random_share", within(0, 1), "of readings that are anything");
+          "1/m: cut beams end at exponentially distributed ranges of mean 1/short_rate");
+      d.member<&Params::max_share>("max_share", within(0, 1), "fraction of beams without an echo");
+      d.member<&Params::random_share>("random_share", within(0, 1), "fraction of readings that are random");
     }
   };
 
   Params params;
-  troupe::Ranger ranger;        // which finds the true ranges
+  troupe::Ranger ranger;        // computes the true ranges
   std::vector<float> farthest;  // range_max of each beam, m
 
-  /// Called once for each type that has the sensor. The parameters are checked, and in SI units.
+  /// Called once per type that has the sensor. The parameters are checked and in SI units.
   static troupe::DeviceKind::Prepared prepare(const Params& params, const troupe::Pose& pose_body_sensor) {
     troupe::DeviceKind::Prepared prepared = troupe::Ranger::prepare(params.ranger, pose_body_sensor);
     BeamRanger made{params, std::any_cast<troupe::Ranger>(std::move(prepared.data)), {}};
@@ -45,14 +45,13 @@ struct BeamRanger {
     return prepared;
   }
 
-  /// Whether the parameters fit together; else an error at the sensor's line of the world file.
+  /// Checks the parameters together. An error refers to the sensor's line of the world file.
   troupe::Result<> mount(const troupe::TypeSpec&, std::uint32_t) const {
     if (params.short_share + params.max_share + params.random_share <= 1) return {};
     return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
   }
 
-  /// Called in the sense phase, on several threads at once: writes the rows that it is given, and nothing
-  /// else.
+  /// Called in the sense phase, on several threads at once: writes only the rows that it is given.
   std::uint64_t sense(const troupe::DeviceBatch& batch) const {
     const std::uint64_t rays = ranger.sense(batch);
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
@@ -75,8 +74,8 @@ struct BeamRanger {
 };
 
 troupe::DeviceKind beam_ranger() {
-  return troupe::make_device_kind<BeamRanger>(
-      "beam_ranger", "a ranger some of whose beams are cut short, lost, or anything");
+  return troupe::make_device_kind<BeamRanger>("beam_ranger",
+                                              "a ranger some of whose beams are cut short, lost or random");
 }
 
 }  // namespace
