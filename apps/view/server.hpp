@@ -29,7 +29,7 @@ class ViewBackend {
   virtual void refused(const std::string& what) = 0;
 };
 
-/// Serves one page and its WebSocket on 127.0.0.1, on a thread of its own (docs/live.md, "The wire").
+/// Serves one page and its WebSocket on 127.0.0.1, on a thread of its own (docs/live.md, "Wire protocol").
 class ViewServer {
  public:
   struct Options {
