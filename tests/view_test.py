@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -201,6 +202,22 @@ class Steered(unittest.TestCase):
             except TimeoutError:
                 pass
             self.assertEqual(pictures, 2, "so many are on their way at most")
+
+    def test_it_ends_while_viewers_send(self):
+        for _ in range(10):
+            with View("--rate", 0) as view, view.open() as viewer:
+                message = json.dumps({"do": "drawn", "with": [1] * 15000})  # takes the server a while to parse
+
+                def flood():
+                    try:
+                        while True:
+                            viewer.send(message)
+                    except OSError:
+                        pass
+                flooding = threading.Thread(target=flood)
+                flooding.start()
+                view.end()
+                flooding.join()
 
 
 class OfTheDocumentation(unittest.TestCase):

@@ -312,11 +312,17 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
     throw std::runtime_error(
         fmt::format("127.0.0.1:{}: error: cannot listen there: {}", options.port, error.code().message()));
   }
+}
+
+ViewServer::~ViewServer() { stop(); }
+
+void ViewServer::start() {
   impl_->accept();
   impl_->thread = std::thread([this] { impl_->context.run(); });
 }
 
-ViewServer::~ViewServer() {
+void ViewServer::stop() {
+  if (!impl_->thread.joinable()) return;
   asio::post(impl_->context, [this] {
     impl_->acceptor.close();
     const auto all = impl_->connections;  // closing takes them out

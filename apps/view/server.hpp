@@ -38,14 +38,17 @@ class ViewServer {
     std::string token;       ///< that opens everything
     std::string look_token;  ///< that opens looking
   };
-  /// Listens when this returns; `backend` outlives it. Throws std::runtime_error where the port cannot be
-  /// had, and in builds without TROUPE_VIEW.
+  /// Listens when this returns, and accepts nothing before start(). `backend` outlives it. Throws
+  /// std::runtime_error where the port cannot be had, and in builds without TROUPE_VIEW.
   ViewServer(const Options& options, ViewBackend& backend);
-  /// Closes every connection.
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
 
+  /// Accepts connections, and calls the backend from a thread of its own, until stop().
+  void start();
+  /// Closes every connection; the backend is not called any more when this returns.
+  void stop();
   std::uint16_t port() const;
   /// Sends a text, from any thread. A client that does not read is cut off when too many wait.
   void send(std::uint64_t client, std::string text);

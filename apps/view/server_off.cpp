@@ -12,6 +12,8 @@ ViewServer::ViewServer(const Options&, ViewBackend&) {
   throw std::runtime_error("troupe view: error: this program was built without the live view (TROUPE_VIEW)");
 }
 ViewServer::~ViewServer() = default;
+void ViewServer::start() {}
+void ViewServer::stop() {}
 std::uint16_t ViewServer::port() const { return 0; }
 // NOLINTNEXTLINE(performance-unnecessary-value-param): the server that serves keeps it
 void ViewServer::send(std::uint64_t, std::string) {}

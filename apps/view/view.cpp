@@ -107,10 +107,11 @@ View::View(Simulation& simulation, const Options& options, std::function<bool()>
       ViewServer::Options{options.port, std::string(k_view_page), token_, look_token_},
       static_cast<ViewBackend&>(*this));
   simulation_.before_tick([this](Simulation&) { before_tick(); });
+  server_->start();  // not in its constructor: what it calls uses server_
 }
 
 View::~View() {
-  server_.reset();
+  server_->stop();
   simulation_.before_tick(nullptr);
 }
 
