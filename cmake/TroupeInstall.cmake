@@ -1,7 +1,7 @@
 # cmake --install: the program, the libraries with their headers as they lie in the source tree (under
 # include/troupe, so that `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` both mean
-# one file), the worlds, and a package for find_package(troupe). What a program of one's own needs is the component
-# `development`, all else is `program`; cpack makes a Debian package of each.
+# one file), the worlds, the documentation, and a package for find_package(troupe). What users' own programs need is the
+# component `development`, all else is `program`; cpack makes a Debian package of each.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -47,6 +47,9 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE
         PATTERN "scenes.json" EXCLUDE)  # what tests and benchmarks do with the worlds
+# The pages in the folders of the source tree, so that their links lead somewhere; pictures are left out.
+install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md" PATTERN "images" EXCLUDE)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)

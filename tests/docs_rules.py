@@ -136,6 +136,8 @@ SHOWN_ONLY = [
     ("docs/scenes.md", "harvest: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "perception: ", "scripts/scenes prints it, after minutes"),
     ("docs/scenes.md", "flock: ", "scripts/scenes prints it, after minutes"),
+    ("docs/science.md", "@software", "a reference in BibTeX"),
+    ("docs/science.md", "@article", "a reference in BibTeX"),
     ("docs/stage-worlds.md", "maze.world:12", "of a world with faults: tests/worldio/stage_world_test.cpp"),
 ]
 

@@ -25,7 +25,8 @@ if(NOT output MATCHES "libosmesa6.*libc6.*libhdf5" AND NOT output MATCHES "libtb
 endif()
 foreach(file share/man/man1/troupe.1 share/bash-completion/completions/troupe share/zsh/site-functions/_troupe
              share/fish/vendor_completions.d/troupe.fish share/troupe/world.schema.json include/troupe/troupe/troupe.hpp
-             lib/cmake/troupe/troupeConfig.cmake)
+             lib/cmake/troupe/troupeConfig.cmake share/doc/troupe/README.md share/doc/troupe/LICENSE
+             share/doc/troupe/CITATION.cff share/doc/troupe/docs/tutorial.md)
   if(NOT EXISTS ${SCRATCH}/root/usr/${file})
     message(FATAL_ERROR "no package holds ${file}")
   endif()
