@@ -15,7 +15,7 @@ class CsvFile {
   /// Makes the file, whatever was there, and begins it with the line of names. Throws OutputError.
   CsvFile(const std::filesystem::path& file, std::string_view header);
   /// Goes on with a table of an earlier run: keeps its lines whose tick is below `keep_before`, and drops
-  /// what follows, a line that was cut off too. Makes it anew where there is none. Throws OutputError, and
+  /// what follows, a line that was cut off too. Makes a new file where there is none. Throws OutputError, and
   /// leaves the file as it is, where it is no such table.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 

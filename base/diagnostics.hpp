@@ -60,7 +60,7 @@ class InputError : public std::runtime_error {
 class Diagnostics {
  public:
   /// thorough: as a lint wants it. A warning that a load reports once for many places is listed at each of
-  /// them, and readers also look for what no run cares about (definitions that nobody uses, ...).
+  /// them, and readers also look for what no run cares about (unused definitions, ...).
   explicit Diagnostics(bool thorough = false);
   /// Of places in files that are known already: what a spec's places point into. May be null.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);

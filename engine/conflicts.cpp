@@ -202,10 +202,10 @@ class Conflicts::Settling {
     wait(conflicts_.waiting_.get(), waiting);
   }
 
-  /// Further rounds: whoever waits only for bodies that earlier rounds settled is settled now, and so is who
-  /// is refused whatever the others do. The body of highest priority among those who wait always is, so this
-  /// ends. A round reads only what earlier rounds settled, so that the number of rounds, too, is the same on
-  /// any number of threads.
+  /// Further rounds: resolves each body that waits only for bodies that earlier rounds resolved, and each
+  /// that is blocked whatever the others do. Among the waiting bodies the one of highest priority is always
+  /// resolved, so this ends. A round reads only what earlier rounds resolved, so the number of rounds is the
+  /// same on any number of threads, too.
   void look_again(const Waiting& waiting) {
     if (waiting.count == k_in_zone) return look_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
@@ -261,7 +261,7 @@ class Conflicts::Settling {
         zone = Zone::pushes;
     });
   }
-  /// Whether somebody may push a body into the zone of a row that has none in it.
+  /// Whether any robot may push a body into the zone of a row that has none in it.
   void widen_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     if (zone != Zone::plain || !is_mover(row)) return;
@@ -515,7 +515,7 @@ class Conflicts::Settling {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// True where the row's free circle holds the whole motion. The circle is made anew when that may help.
+  /// True where the row's free circle holds the whole motion. Searches for the circle again if that may help.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -575,7 +575,7 @@ class Conflicts::Settling {
       return false;
     };
     index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
-      // Sifted without branches, which nobody could predict; hardly any come through.
+      // Sifted without branches, which would be unpredictable; hardly any circle passes.
       std::array<std::uint32_t, 64> near;
       while (!run.empty()) {
         const std::size_t some = std::min(run.size(), near.size());

@@ -63,7 +63,7 @@ struct Pushables {
 ///         spaced poses. At each of them it, and then each body that it pushes, in the order in which they
 ///         were first met, shifts whatever it overlaps, in the order of their ids, by partition::way_out and
 ///         k_rounding_m more: without a turn, and without going on by itself. Earlier ones push later ones,
-///         never the other way round. That is gone through until nobody overlaps, at most k_push_passes
+///         never the other way round. That is repeated until nothing overlaps, at most k_push_passes
 ///         times. The motion is refused where it takes more bodies than the limit, or more passes; where one
 ///         of them would be shifted from one pose to the next by more than half of its thinnest part; and
 ///         where its new place is not within the bounds, not free of the static scene, or not free of every
@@ -95,7 +95,7 @@ class Conflicts {
     std::uint64_t seed = 1;    ///< of the world, for priorities
     std::uint64_t tick = 0;    ///< the one under way, for priorities
     Box bounds;                ///< motions that end outside are refused
-    Pushables pushables = {};  ///< nobody pushes where it is empty
+    Pushables pushables = {};  ///< empty: no robot pushes
   };
 
   /// A row that was pushed, and where it is now; it has kept its height and heading.
@@ -124,9 +124,9 @@ class Conflicts {
     return settled_[row] / k_outcomes > base_ ? static_cast<Outcome>(settled_[row] % k_outcomes)
                                               : Outcome::stands;
   }
-  /// Rounds of the last settling: 1 where nobody had to wait.
+  /// Rounds of the last resolution: 1 where no body had to wait.
   std::uint64_t rounds() const { return rounds_; }
-  /// No body's origin went farther in the last settling, by itself or pushed, m.
+  /// No body's origin went farther in the last resolution, by itself or pushed, m.
   double longest() const { return longest_; }
   /// All pushes of the last settling, in any order; of one row perhaps several, of which one is_last.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
@@ -155,7 +155,7 @@ class Conflicts {
   std::uint64_t rounds_ = 0;
   double longest_ = 0;
 
-  // Lists that threads append to, in any order: no outcome depends on it. Not touched where nobody waits.
+  // Lists that threads append to, in any order: no outcome depends on it. Not touched where no body waits.
   std::size_t reserved_ = 0;
   std::unique_ptr<Waiting[]> waiting_;
   std::unique_ptr<Waiting[]> still_waiting_;

@@ -15,7 +15,7 @@
 namespace troupe::engine {
 namespace {
 
-// What storage holds that nobody has set; and what it holds the other time.
+// What storage that was never set holds, and what it holds the other time.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
 // No divisor of the step's own batches, so that each robot finds itself among others.

@@ -62,7 +62,7 @@ class ControllerCheck {
   ControllerCheck(const ControllerCheck&) = delete;
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
-  /// Fields of memories that their controllers' `start` leaves as it found them, or sets anew each time.
+  /// Fields of memories that their controllers' `start` leaves as it found them, or sets to other values.
   std::vector<Finding> start_twice() const;
   /// Takes the decisions of the last step twice more, and tells what came out otherwise: each field of each
   /// controller once. An exception of a controller comes out.

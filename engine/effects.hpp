@@ -20,15 +20,15 @@ enum class BirthStatus : std::uint8_t {
   unasked,   ///< none was asked for yet
   born,      ///< it is there: Birth::body
   occupied,  ///< something stands there, or it lies outside of the world
-  used_up,   ///< nobody of the reserve is left
+  used_up,   ///< no body of the reserve remains
 };
 /// How a birth ended, as DeviceKind::born is told and World::spawn() returns it.
 struct Birth {
-  BirthStatus status = BirthStatus::unasked;  ///< why there is nobody, where nobody was born
-  BodyId body;                                ///< who was born; else not valid
+  BirthStatus status = BirthStatus::unasked;  ///< why no body was born, where none was
+  BodyId body;                                ///< that was born; else not valid
 };
 
-/// What one body does to another in a tick: grips it, feeds it, drops it. A record, because nobody writes
+/// What one body does to another in a tick: grips it, feeds it, drops it. A record, because no body writes
 /// into another's rows: it is emitted while all decide, in any order and on any thread, and applied when all
 /// have moved, one by one, in an order that is a property of the world.
 struct Effect {

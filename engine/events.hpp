@@ -62,9 +62,9 @@ class EventWatch {
 
   std::uint64_t tick_ = 0;
   std::vector<Stall> stalls_;     // a row each
-  std::vector<BodyId> carriers_;  // a row each; not valid: nobody carries it
-  std::vector<Presence> lives_;   // a row each; empty where nobody comes and goes
-  std::vector<bool> outs_;        // a row each; empty where nobody fails
+  std::vector<BodyId> carriers_;  // a row each; not valid: it is not carried
+  std::vector<Presence> lives_;   // a row each; empty where no body is born or dies
+  std::vector<bool> outs_;        // a row each; empty where no robot fails
   std::vector<Event> events_;
 };
 

@@ -175,7 +175,7 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     } else {
       std::vector<std::string_view> known;
       for (const ReserveSpec& each : spec_.reserves) known.push_back(each.population);
-      error(known.empty() ? fmt::format("nobody can be added to \"{}\": no population has a \"reserve\"",
+      error(known.empty() ? fmt::format("no body can be added to \"{}\": no population has a \"reserve\"",
                                         spec.whom.name)
                           : unknown_name("population with a reserve", spec.whom.name, known));
     }
@@ -350,7 +350,7 @@ void World::intervene() {
   index_bodies();
 }
 
-/// True where somebody has come or gone since all were indexed.
+/// True where a body was born or has died since all were indexed.
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   if (spec.action == Action::set) {
@@ -419,7 +419,7 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   return {all.data(), count};
 }
 
-/// Where one finds no free place in so many draws nobody more is added.
+/// Stops adding bodies when one finds no free place in so many draws.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   const std::uint32_t trials = spec.pose ? 1 : k_trials;
@@ -469,8 +469,8 @@ std::uint64_t World::next_strike(std::uint32_t fault, BodyId body, std::uint64_t
   return from + std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.ailment.per_s, spec_.tick_s));
 }
 
-/// Takes the earliest, and puts in what follows it. Whoever is dead by then goes on failing, unnoticed: so
-/// nothing of it depends on the state.
+/// Takes the earliest, and inserts the one that follows it. A body that is dead by then goes on failing,
+/// without effect, so that nothing here depends on the state.
 Experiment::Strike World::take_strike() {
   std::vector<Strike>& heap = experiment_.strikes;
   const Strike now = heap.front();

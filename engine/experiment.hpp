@@ -18,7 +18,7 @@ namespace troupe::engine {
 struct Condition {
   /// Why all of a body has stopped; both may be.
   enum Out : std::uint8_t {
-    k_disabled = 1,     ///< somebody disabled it; until it is enabled again
+    k_disabled = 1,     ///< it was disabled; until it is enabled again
     k_dropped_out = 2,  ///< a fault; until that passes, if ever
   };
   double speed = 0;        ///< what its drive gives is multiplied by this; 0: it is not slow
@@ -50,13 +50,13 @@ struct Experiment {
   std::vector<Intervention> interventions;  ///< by tick; of one tick as the file has them
   std::size_t next = 0;                     ///< of them
 
-  /// One ailment of a FaultSpec, for the bodies that it may befall.
+  /// One impairment of a FaultSpec, for the bodies that may have it.
   struct Fault {
     Ailment ailment;           ///< what it does to a body
     std::uint32_t stream = 0;  ///< of its random numbers
   };
   std::vector<Fault> faults;  ///< those of all specs, one after another
-  /// That a fault befalls a body, or leaves it.
+  /// A fault event: a fault begins or ends in a body.
   struct Strike {
     std::uint64_t tick = 0;   ///< when this one has ended
     std::uint32_t fault = 0;  ///< index into `faults`

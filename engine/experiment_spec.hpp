@@ -104,7 +104,7 @@ struct FaultSpec {
     std::string kind;  ///< of Registry::faults
     Record params;     ///< by the kind's field table
   };
-  std::vector<Ailment> ailments;  ///< each befalls them by itself
+  std::vector<Ailment> ailments;  ///< each occurs independently of the others
   Where where;                    ///< for messages
 };
 

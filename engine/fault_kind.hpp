@@ -15,8 +15,8 @@ struct Ailment {
   std::uint32_t dead = 0;  ///< devices that do nothing any more: a bit each, in the order of the type's
   double speed = 1;        ///< what its drive gives is multiplied by this; above 0, at most 1
   bool drops_out = false;  ///< all of it stops: devices, controllers, drive
-  double per_s = 0;        ///< how often it strikes, in the mean, once it may; 0: at once
-  double lasts_s = 0;      ///< of dropping out: how long; then it may strike again. 0: for good
+  double per_s = 0;        ///< mean rate at which it occurs, once it may; 0: at once
+  double lasts_s = 0;      ///< of dropping out: how long; then it may occur again. 0: for good
 };
 
 /// The devices that can be dead: Ailment::dead has no more bits.

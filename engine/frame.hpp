@@ -30,7 +30,7 @@ struct FrameType {
 /// A body to be drawn.
 struct FrameBody {
   std::uint32_t type = 0;  ///< index into FrameScene::types; from their number on, into Frame::types
-  Pose pose_world_body;    ///< of the instant; of what never moves, for good
+  Pose pose_world_body;    ///< of the instant; of static bodies, for the whole run
   Color color;             ///< of shapes without one of their own
   bool stalled = false;    ///< its last motion was refused
   std::uint32_t id = 0;    ///< BodyId
@@ -55,7 +55,7 @@ struct FrameRanger {
 /// What never changes during a run.
 struct FrameScene {
   std::vector<FrameType> types;      ///< by TypeId
-  std::vector<FrameBody> fixed;      ///< what never moves
+  std::vector<FrameBody> fixed;      ///< static bodies
   Box bounds;                        ///< of everything at the start, m
   std::string title;                 ///< of the world
   std::vector<FrameRanger> rangers;  ///< those that some scan may be of
@@ -107,7 +107,7 @@ struct FrameTie {
 struct FrameSquare {
   std::int32_t x = 0;   ///< edges east of the origin
   std::int32_t y = 0;   ///< edges north of it
-  float freshness = 1;  ///< from 0, when watching began, to 1, now: when somebody was there last
+  float freshness = 1;  ///< from 0, when watching began, to 1, now: when a robot was there last
 };
 
 /// Where a body was before.

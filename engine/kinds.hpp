@@ -220,7 +220,7 @@ struct DeviceKind {
 
   /// Of a kind that supplies others, as a power pack does: whether a row has nothing left, so that what runs
   /// on it stops. The part that carries it runs on it and what stands on that, down to parts with a supply of
-  /// their own; so does the drive, where the root carries it. Null: it supplies nobody.
+  /// their own; so does the drive, where the root carries it. Null: it supplies no other device.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< it is of no use where nothing supplies it
@@ -333,7 +333,7 @@ struct Percept {
   std::uint32_t body = 0;  ///< id of its own body
   /// The sensors and other devices it asked for in `prepare`, in that order.
   std::span<const Readings> devices;
-  /// Where it believes to be: engine/localization.hpp.
+  /// Its estimated pose: engine/localization.hpp.
   Pose estimate;
 
   /// Of a ranger, m.
@@ -350,8 +350,8 @@ struct Actions {
   std::span<const std::uint32_t> switches;
 
   /// Switches a device that it chose on or off, from the next tick on: one that is off does nothing, draws
-  /// nothing and keeps its readings. It stays off for as long as the command stands: whoever gives another
-  /// one, as set_speed does, switches all on. Of kinds of controllers that say so (ControllerKind::switches).
+  /// nothing and keeps its readings. It stays off as long as the command holds: another command, as set_speed
+  /// gives one, switches all on. Of kinds of controllers that say so (ControllerKind::switches).
   void switch_device(std::size_t chosen, bool on) const {
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }
@@ -388,7 +388,7 @@ struct DecideBatch {
   std::span<const BodyId> ids;           ///< a row each, as are:
   std::span<const std::uint32_t> slots;  ///< of each row: where it lies in the tables of its type
   std::span<Command> commands;           ///< of each row: what is asked of its body's drive
-  Estimates estimates;                   ///< where they believe to be
+  Estimates estimates;                   ///< estimated poses
 
   /// A row of a table each slot.
   struct Rows {
@@ -417,7 +417,7 @@ struct DecideBatch {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
-  /// Where robot i believes to be: as that drive has it, or else the body.
+  /// Estimated pose of robot i: that of its drive on a joint where it has one, or else that of the body.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);

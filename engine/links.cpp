@@ -146,7 +146,7 @@ bool World::links_hold() const {
     if (!by.valid() || !type(by).carries || link.joint > type(by).joints.size() || !is_finite(link.pose))
       return false;
   }
-  // Whoever goes up from carrier to carrier arrives, or has been everywhere: two steps against one.
+  // Finds cycles of carriers: one walk takes two steps up where the other takes one.
   for (std::uint32_t r = 0; r < rows(); ++r) {
     Row slow(r);
     for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
@@ -317,8 +317,8 @@ void World::for_roots(Work&& work) {
 
 /// Joints of one device of every body settle in one round: those that others stand on come before these. What
 /// moves of a tree must be free of the static scene, and of every other tree where that one is now, both with
-/// its joints as they are and as they would be: so it does not matter who of two is asked first, and nobody
-/// overlaps whichever of them may move.
+/// its joints as they are and as they would be: so it does not matter which of two is asked first, and
+/// nothing overlaps, whichever of them may move.
 void World::settle_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;

@@ -10,7 +10,7 @@
 
 namespace troupe::engine {
 
-/// A row of the component `carrier`: all zero where nobody carries the body.
+/// A row of the component `carrier`: all zero where the body is not carried.
 struct Carried {
   std::uint32_t carrier = 0;  ///< its id + 1
   std::uint32_t joint = 0;    ///< of the carrier's type, from which the body hangs: its index + 1; 0: none
@@ -18,7 +18,7 @@ struct Carried {
 };
 
 /// What hangs together: the joints of bodies, and the *trees* of bodies that carry one another, each under
-/// its root, the one that nobody carries. All of it is derived from the components `joint/...` and `carrier`;
+/// its root, the one that is not carried. All of it is derived from the components `joint/...` and `carrier`;
 /// the lists are empty where no type of the world has joints or picks up others.
 ///
 /// A body whose shape changes, because it has joints or may carry, is *composite*. The shape of a root is
@@ -56,10 +56,10 @@ struct Links {
   std::vector<std::uint8_t> refused;   ///< of this round: 1 where something is in the way
 
   // A row each; empty where there are no composites.
-  std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own where nobody carries it
+  std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own where it is not carried
   std::vector<std::uint32_t> first_cargo;  ///< of lowest id that it carries itself; k_none: nothing
   std::vector<std::uint32_t> next_cargo;   ///< of the next higher id on the same carrier; k_none: the last
-  std::size_t carried = 0;                 ///< rows that somebody carries
+  std::size_t carried = 0;                 ///< rows that are carried
 
   std::vector<double> lifts;  ///< m, of each outline that the grid ray engine draws
 

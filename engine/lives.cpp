@@ -195,7 +195,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
   restore_fp_environment();  // as before a step
   if (!is_finite(pose))
-    throw std::invalid_argument(fmt::format("nobody of \"{}\" can be born at a pose that is not finite",
+    throw std::invalid_argument(fmt::format("no body of \"{}\" can be born at a pose that is not finite",
                                             spec_.reserves[reserve].population));
   const Completion completion(*this);
   const Birth birth = bear(reserve, pose);
@@ -208,7 +208,7 @@ void World::remove(Row row) {
   restore_fp_environment();  // as before a step
   if (!life_table_)
     throw std::logic_error(
-        "nobody may be removed from this world: \"mortal\": true allows it, and so does a reserve");
+        "no body may be removed from this world: \"mortal\": true allows it, and so does a reserve");
   if (!is_there(row)) return;
   die(row);
   count_stalls();

@@ -103,11 +103,11 @@ Pose relative_to(const Pose& origin, const Pose& pose);
 
 /// The estimated poses of robots of one type.
 struct Estimates {
-  const Localization* how = nullptr;     ///< null: nobody knows
+  const Localization* how = nullptr;     ///< null: there are no estimates
   std::span<const Pose> poses;           ///< a row each
   std::span<const Odometry> odometries;  ///< a slot each, where they have odometry
 
-  /// That of one robot, m and rad; all 0 where nobody knows.
+  /// That of one robot, m and rad; all 0 without estimates.
   Pose of(Row row, std::size_t slot) const;
 };
 

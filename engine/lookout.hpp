@@ -48,7 +48,7 @@ class Lookout {
   double reach_ = 0;
   Row own_;
   std::optional<double> z_;
-  partition::CircleArrays circles_;  // relative to the origin: of bodies, then of pieces of what never moves
+  partition::CircleArrays circles_;  // relative to the origin: of bodies, then of pieces of the static scene
   std::size_t bodies_ = 0;
   std::size_t size_ = 0;
   double fixed_reach_ = 0;  // how far out pieces are known, m; negative: not at all

@@ -26,7 +26,8 @@ class MeasureSet {
   /// `displacement_m`, `stalls:leaders`: names with the units of SI behind them, like the keys of JSON
   /// worlds.
   std::span<const std::string> columns() const { return columns_; }
-  /// To be called after every step. A tick that does not follow the last one (after a reset) begins anew.
+  /// To be called after every step. After a tick that does not follow the last one (after a reset) measures
+  /// begin again.
   void see();
   /// A number a column, of the state that was seen last; NaN where there is none.
   std::vector<double> values();

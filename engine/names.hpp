@@ -53,7 +53,7 @@ class Names {
 /// Who has a name.
 struct NamedBody {
   Name name;    ///< of one table, the world's
-  BodyId body;  ///< not valid: nobody
+  BodyId body;  ///< not valid: no body
 };
 
 /// Bodies by their names: a hash table with open addressing.
@@ -62,11 +62,11 @@ class NameMap {
   std::size_t size() const { return size_; }  ///< names that bodies have
   /// Makes room for so many names.
   void reserve(std::size_t names);
-  /// The body that has the name: `body` where nobody had it before.
+  /// The body that has the name: `body` where no other had it before.
   BodyId add(Name name, BodyId body);
-  /// Gives the name to the body, whoever had it.
+  /// Gives the name to the body, even where another one had it.
   void set(Name name, BodyId body);
-  /// Not valid where nobody has the name.
+  /// Not valid where no body has the name.
   BodyId find(Name name) const;
 
  private:

@@ -49,7 +49,7 @@ class Candidates {
   /// Whether a pose depends on the body and the trial, and not on the cell alone.
   bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
 
-  /// The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves nobody.
+  /// The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves no body.
   Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
     const bool spilt = is_grid_ && cell >= region_cells_;
     const Box& box = spilt ? rule_.spill : rule_.region;

@@ -64,7 +64,7 @@ Sighting first_met(const World& world, const SightRay& ray) {
   Nearest nearest(world, ray);
   const auto wanted = [&](const partition::BodyCircle& circle) { return nearest.reaches(circle); };
   const auto meet = [&](const OutlineChain& chain) { nearest.meet(chain); };
-  // What never moves first: where there is a wall, nobody asks for the bodies behind it.
+  // The static scene first: bodies behind a wall are then not looked up.
   nearest.walk(world.scene().outlines().geometry().cell_m,
                [&](const Box& box) { for_each_fixed_chain(world, box, wanted, meet); });
   nearest.walk(2 * world.geometry().cell_m,

@@ -28,7 +28,7 @@ void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
 }
 
-/// A piece of the outlines of what never moves, as a chain.
+/// A piece of the outlines of the static scene, as a chain.
 inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
                                 std::uint32_t piece) {
   const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
@@ -36,7 +36,7 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// visit(chain) for the outlines of what never moves whose circles may touch the box and are `wanted`
+/// visit(chain) for the outlines of the static scene whose circles may touch the box and are `wanted`
 /// (circle -> bool), each once or more.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
@@ -80,7 +80,7 @@ struct SightRay {
   Vec2 origin = Vec2::Zero();               ///< world frame, m
   Vec2 direction = Vec2::UnitX();           ///< of length 1
   double length = 0;                        ///< m; what is as far or farther is not met
-  Row own;                                  ///< it passes all of this tree; not valid: it passes nobody
+  Row own;                                  ///< it passes all of this tree; not valid: it passes no body
   std::optional<double> z;                  ///< its height, world frame; none: it meets bodies of any height
   bool (*stops)(const Returns&) = nullptr;  ///< whether it ends at such a part; null: at all of them
 };

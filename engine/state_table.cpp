@@ -121,7 +121,7 @@ std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
 std::uint64_t StateTable::Sparse::hash_rows(std::span<const BodyId> ids, const std::byte* data,
                                             std::size_t first, std::size_t last) const {
   const std::byte* const begin = data + place.start;
-  // Nearly always nobody has it: a column of a field is looked at in one go.
+  // Nearly always it is 0 in all rows: a column of a field is compared in one call.
   if (place.stride == place.bytes && is_zero(begin + first * place.stride, (last - first) * place.bytes))
     return 0;
   std::uint64_t sum = 0;

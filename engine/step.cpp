@@ -135,8 +135,8 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
   }
 }
 
-/// work(rows) for those of the rows whose device runs: all, or where nobody reads it the subscribed ones; but
-/// not those that have nothing left to run on, nor those that are broken.
+/// work(rows) for those of the rows whose device runs: all, or where no controller reads it the subscribed
+/// ones; but not those whose supply is spent, nor those that are broken.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {

@@ -27,7 +27,7 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Cells an eighth of how far robots see, in the mean, so that what a body looks up, and its own width, end
+/// Cells an eighth of how far robots see on average, so that what a body looks up, and its own width, end
 /// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
 /// runs over few of them. A few far-sighted robots among many do not coarsen them.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
@@ -119,7 +119,7 @@ void World::check_size(Diagnostics& diagnostics) const {
   if (fixed_vertices > k_most_vertices)
     diagnostics.error(
         where,
-        fmt::format("too large: with this body the outlines of what never moves have more than {} corners",
+        fmt::format("too large: with this body the outlines of the static scene have more than {} corners",
                     k_most_vertices));
   if (bytes > k_most_bytes)
     diagnostics.error(
@@ -156,7 +156,7 @@ std::vector<BodyId> World::rows_by_place() const {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!types_[body.type.index()].runs()) continue;
-    if (!spec_.starts(BodyId(b))) {  // nobody knows where it will be
+    if (!spec_.starts(BodyId(b))) {  // it is not known where it will be
       places.push_back({~std::uint64_t{0}, BodyId(b)});
       continue;
     }
@@ -295,12 +295,11 @@ void World::build_tables() {
     }
     if (auto& drive = types_[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
       drive->odometry_table = tables_.size();
-      tables_.emplace_back(
-          "odometry", HashGroup::memory, Layout::rows,
-          std::vector<StateField>{{"x", Element::f64, 1, "m", "where the robot believes to be"},
-                                  {"y", Element::f64, 1, "m", ""},
-                                  {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
-          bodies[t]);
+      tables_.emplace_back("odometry", HashGroup::memory, Layout::rows,
+                           std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
+                                                   {"y", Element::f64, 1, "m", ""},
+                                                   {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
+                           bodies[t]);
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();

@@ -103,7 +103,7 @@ class World {
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< of this run so far
   /// Finds every byte of the tables 0, and sets every field of every row.
   using Fill = std::function<void(std::span<StateTable>)>;
-  /// Goes to the state of a later tick, as somebody kept it; what is derived from the tables follows them.
+  /// Goes to a saved state of a later tick; what is derived from the tables is derived again.
   /// False where the state then has not this hash, or a body stands nowhere: the world is at S(0) again, as
   /// it is when `fill` throws.
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
@@ -131,7 +131,7 @@ class World {
   // ---- what it is made of
   const WorldSpec& spec() const { return spec_; }                 ///< what it was built from
   std::span<const BodyType> types() const { return types_; }      ///< by TypeId
-  const partition::StaticScene& scene() const { return scene_; }  ///< what never moves
+  const partition::StaticScene& scene() const { return scene_; }  ///< static bodies
   /// Where the rows are now; of the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
   /// What of the static scene fiducial finders find.
@@ -177,10 +177,10 @@ class World {
   bool stalled(Row row) const;
   /// Whether its last motion would have left the world's bounds.
   bool held(Row row) const;
-  /// Where a robot believes to be: engine/localization.hpp.
+  /// Estimated pose of a robot: engine/localization.hpp.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< of all robots of a type
-  /// From now on a robot with odometry believes to be there. Throws std::logic_error for one without.
+  /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry.
   void set_estimate(Row row, const Pose& pose);
   /// Commands a robot from outside, between steps.
   void set_command(Row row, const Command& command) {
@@ -200,7 +200,7 @@ class World {
   }
   /// Where a joint is, relative to its rest.
   const Pose& joint_state(Row row, std::size_t joint) const;
-  /// Who carries a body; nothing where nobody does.
+  /// The body that carries it; none where it is not carried.
   std::optional<BodyId> carrier(Row row) const;
   /// How many are carried.
   std::size_t carried_count() const { return links_.carried; }
@@ -243,11 +243,11 @@ class World {
   }
   /// Bears the next body of a reserve, between steps, at a pose where it touches nothing solid: its life
   /// begins as that of others at tick 0. Throws std::invalid_argument for a pose that is not finite. Indexes
-  /// all bodies anew.
+  /// all bodies again.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Ends a life, between steps: what the body carries stays where it is, and so does what it was. Does
-  /// nothing to who is not there. Throws std::logic_error where nobody may come and go. Indexes all bodies
-  /// anew.
+  /// nothing to a body that is not there. Throws std::logic_error where no body may be born or die. Indexes
+  /// all bodies again.
   void remove(Row row);
 
   // ---- experiments: engine/experiment.cpp
@@ -276,11 +276,11 @@ class World {
     Pose pose;  ///< world frame; the heading is wrapped
   };
   /// Puts bodies elsewhere, between steps; of a row that is named twice the last pose counts. That is no
-  /// motion: odometry does not see it, speeds stay, and who was stalled no longer is. Nothing is asked of the
-  /// place: whoever overlaps there may move apart, but not closer, as bodies that overlap at the start.
-  /// What a body carries goes with it. Throws std::invalid_argument, and moves nobody, for a body that is
+  /// motion: odometry does not see it, speeds stay, and stalled robots no longer are. The place is not
+  /// checked: bodies that overlap there may move apart, but not closer, as bodies that overlap at the start.
+  /// What a body carries goes with it. Throws std::invalid_argument, and moves no body, for a body that is
   /// carried or not there, and for a pose that is not finite or not within the world's bounds. Each call
-  /// indexes all bodies anew: move many at once.
+  /// indexes all bodies again: move many at once.
   void set_poses(std::span<const Placed> placed);
   /// Who was put elsewhere between the last step and the one before it, with all that was carried along, and
   /// where each stood when the last step began: for who counts ways. No state.
@@ -303,11 +303,11 @@ class World {
     const BodyType::Device& device = type(row).devices[*supply];
     return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
   }
-  /// Whether nobody has switched the row's device off.
+  /// Whether the row's device has not been switched off.
   bool is_on(Row row, const BodyType::Device& device) const {
     return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
   }
-  /// Whether it runs when it is due: somebody wants it, it is on, works, and has something to run on.
+  /// Whether it runs when it is due: it is read or subscribed to, is on, works, and its supply is not spent.
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
   }
@@ -437,7 +437,7 @@ class World {
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// By id; none, and reported, where nobody is called so.
+  /// By id; none, and an error, where no body has that name.
   std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// What was to be done before the last tick had ended is done, and what is to be done now is not.
   void derive_experiment();
@@ -535,7 +535,7 @@ class World {
   std::vector<std::uint8_t> row_push_limits_;
   Pushables pushables_;
   std::vector<std::size_t> outline_begins_;
-  std::vector<Localization::Error> row_odometry_errors_;  // empty where nobody has odometry
+  std::vector<Localization::Error> row_odometry_errors_;  // empty where no robot has odometry
   std::size_t robots_at_start_ = 0;
   std::optional<std::size_t> carrier_table_;
   std::optional<std::size_t> life_table_;

@@ -53,7 +53,7 @@ struct JointSpec {
 struct ImageSpec {
   std::string file;               ///< as it was found; of a map of ROS its YAML
   bool keeps_margins = false;     ///< the whole image fills the part's size, not only what of it is solid
-  bool unknown_is_solid = false;  ///< of a map: cells that nobody has seen
+  bool unknown_is_solid = false;  ///< of a map: cells that are unknown
   bool boundary = false;          ///< four walls stand just inside its edges
   Pose origin;                    ///< of the image's middle, or of a map's frame, in the part's frame
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
@@ -183,7 +183,7 @@ struct WorldSpec {
   std::vector<NamedBody> aliases;
   /// Parts with names of their own (Stage's `name "/x"` in a child).
   std::unordered_map<std::string, PartName> part_aliases;
-  /// What is measured where a run is measured at all and nobody says otherwise, and how often.
+  /// What a run measures, and how often, unless its options say otherwise.
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;    ///< seconds between two lines of measures
   WatchSpec watch;               ///< how it wants to be watched

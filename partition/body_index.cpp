@@ -137,7 +137,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
-  // Room for all, whoever is there now.
+  // Room for all rows, also those whose bodies are not there now.
   tile_rows_.reserve(rows);
   circles_.reserve(rows + k_read_beyond);
   order_.reserve(rows);

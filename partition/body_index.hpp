@@ -12,7 +12,7 @@ namespace troupe::partition {
 
 /// Where a body is, for queries: a circle, in metres and the world's frame, that certainly contains the one
 /// about the body's origin that encloses it. Floats, so that four entries fill a cache line and kernels can
-/// load them as they are: whoever needs the place itself finds it by the row.
+/// load them as they are: code that needs the place itself finds it by the row.
 struct BodyCircle {
   float x;            ///< of its centre, east
   float y;            ///< of its centre, north

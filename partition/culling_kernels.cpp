@@ -190,7 +190,7 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
       return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));
     };
     // Two vectors of beams, from the first one on and up to the last, are all that most circles span: they
-    // are looked at without a branch that nobody could foretell.
+    // are looked at without an unpredictable branch.
     const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
     const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
     Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));

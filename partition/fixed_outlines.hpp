@@ -16,7 +16,7 @@ struct FixedEdge {
   std::uint32_t solid;  ///< index into StaticScene::solids()
 };
 
-/// The outlines of what never moves, for rangers: cut into short chains of a few edges, each with a circle
+/// The outlines of the static scene, for rangers: cut into short chains of a few edges, each with a circle
 /// that encloses it, and the circles by the cell of their centre. To a ranger a piece is like a body: a
 /// circle that it may leave out, and edges. An edge longer than a piece has several circles, and is never
 /// cut itself: that would change bits.

@@ -24,7 +24,7 @@ struct ObstacleShape {
   double thinnest = 0;               ///< smallest width of any piece, m
   ZInterval z;                       ///< of all pieces
 
-  bool empty() const { return pieces.empty(); }  ///< whether it blocks nobody
+  bool empty() const { return pieces.empty(); }  ///< whether it blocks no body
 };
 
 /// What bounds are widened by, m, so that no cull leaves out what the predicate would find: well above the

@@ -310,7 +310,7 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   std::size_t ends = 0;
   std::size_t between = 0;
   const auto end_of_edges = Set(k_i, static_cast<std::int32_t>(count - 1));
-  auto edge = Iota(k_i, 0);  // counted up: made anew it would go through memory, on some targets
+  auto edge = Iota(k_i, 0);  // counted up: made again it would go through memory, on some targets
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats a = Load(k_f, angle + i);
     const Floats b = LoadU(k_f, angle + i + 1);

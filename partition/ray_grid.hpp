@@ -57,13 +57,13 @@ struct GridHit {
 /// The cells of one world; the text above tells how they are drawn and walked.
 class RayGrid {
  public:
-  /// Draws what never moves. `outlines` are those of bodies that may, body after body, `vertices` as redraw()
-  /// is given them. Outlines whose ranger_return is negative are left out. Throws std::length_error, with a
-  /// text that names a resolution that would do, where the cells would take more than k_most_bytes or could
-  /// not be counted.
+  /// Draws the static scene. `outlines` are those of bodies that may move, body after body, `vertices` as
+  /// redraw() is given them. Outlines whose ranger_return is negative are left out. Throws std::length_error,
+  /// with a text that names a resolution that would do, where the cells would take more than k_most_bytes or
+  /// could not be counted.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
-  static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< of the cells of what never moves
+  static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< of the cells of the static scene
 
   /// What else there is to know of bodies with moving parts, and of those that move as one.
   struct Linked {
@@ -73,7 +73,7 @@ class RayGrid {
     std::span<const std::uint8_t> absent;   ///< of each body: it is not drawn where this is not 0; empty:
                                             ///< all are there
   };
-  /// Draws the moving bodies anew: `vertices` in the world's frame, and the pose of each body, of which only
+  /// Draws the moving bodies again: `vertices` in the world's frame, and the pose of each body, of which only
   /// z counts. Sizes are those the grid was made for. What is drawn depends on neither threads nor order.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
@@ -179,7 +179,7 @@ class RayGrid {
   std::span<const std::uint32_t> groups_;
   std::vector<Share> shares_;
   Drawing drawing_;
-  // Memory for the worst case; what is not used is never touched. What never moves comes first.
+  // Memory for the worst case; what is not used is never touched. The static scene comes first.
   std::unique_ptr<std::uint32_t[]> marks_;
   std::unique_ptr<Link[]> links_;
   std::uint32_t fixed_marks_ = 0;

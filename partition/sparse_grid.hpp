@@ -62,7 +62,7 @@ class TileDirectory {
   static constexpr std::uint32_t k_none = ~0u;  ///< no slot
 
   TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< of no tiles
-  /// No tiles are left; their slots are given anew.
+  /// Removes all tiles; slots are given from 0 again.
   void clear() {
     std::ranges::fill(slots_, k_none);
     tiles_.clear();

@@ -51,7 +51,7 @@ class EdgeGrid {
   std::vector<FixedEdge> edges_;       // in (tile, cell) order
 };
 
-/// What never moves. Answers rays, overlap and point-in-solid.
+/// The static geometry. Answers rays, overlap and point-in-solid.
 class StaticScene {
  public:
   StaticScene() = default;
@@ -60,7 +60,7 @@ class StaticScene {
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< in the order in which they were given
   const Box& bounds() const { return bounds_; }                   ///< of all of them; empty without any
-  std::size_t edge_count() const { return edge_count_; }          ///< edges of all solids, whoever meets them
+  std::size_t edge_count() const { return edge_count_; }          ///< edges of all solids
 
   /// What rangers see.
   const FixedOutlines& outlines() const { return outlines_; }

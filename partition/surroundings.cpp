@@ -64,7 +64,7 @@ void Surroundings::gather(std::size_t band) {
       runs_[runs++] = run;
       size += run.size();
     };
-    // A hair less, so that a band that ends at the border of a cell does not touch the next.
+    // Slightly less, so that a band that ends at the border of a cell does not touch the next.
     const auto around = [&](double radius) {
       const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
       return std::pair(grid.geometry().cell(box.min), grid.geometry().cell(box.max));

@@ -71,8 +71,8 @@ class Surroundings {
   }
   /// Those of all bands looked up so far; grows when the next is.
   const CircleArrays& circles() const { return circles_; }
-  /// What to look at first in the first band, m: a distance within which some k_at_hand circles lie in the
-  /// mean, but no more than radius(0). Infinite where there are so few that one look is best.
+  /// What to look at first in the first band, m: a distance within which some k_at_hand circles lie on
+  /// average, but no more than radius(0). Infinite where there are so few that one look is best.
   double at_hand() const { return at_hand_; }
   static constexpr double k_at_hand = 20;  ///< see at_hand()
   /// Where no more circles than these are near, one look is best: at_hand() is infinite.

@@ -29,7 +29,7 @@ struct ChildTiming {
 /// In the child: loads `scene`, runs it, and prints the report on standard output.
 void report_child(const Scene& scene, const engine::Registry& registry);
 
-/// In the parent: starts this program anew `repeat` times with `--child INDEX` and what else is given, and
+/// In the parent: starts this program `repeat` times with `--child INDEX` and what else is given, and
 /// reads the reports. Throws std::runtime_error when a child fails.
 ChildTiming time_child(const Child& child, const std::vector<std::string>& arguments, std::size_t repeat);
 

@@ -125,7 +125,7 @@ void bind_models(py::module_& module) {
       .def("is_alive", [](HeldModel& m) { return m.use().is_alive(); })
       .def("stalled", [](HeldModel& m) { return m.use().stalled(); })
       .def(
-          "estimate", [](HeldModel& m) { return m.use().estimate(); }, "Where it believes to be.")
+          "estimate", [](HeldModel& m) { return m.use().estimate(); }, "Its estimated pose.")
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"))
       .def(

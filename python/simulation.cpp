@@ -433,7 +433,7 @@ SimulationClass bind_simulation(py::module_& module) {
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
           py::arg("model"), "Runs every sensor of a robot; before the first step.")
       .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
-           "Bears the next of a population's reserve; None where that place is taken, or nobody is left.")
+           "Spawns the next body of a population's reserve; None where that place is taken, or none is left.")
       .def(
           "unborn", [](const Holder& held, const std::string& p) { return held->use().unborn(p); },
           py::arg("population"))

@@ -131,7 +131,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "n x 4: x, y, z (m), heading (rad), world frame.")
       .def(
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
-          "Where each believes to be: n x 4, as poses().")
+          "Estimated poses: n x 4, as poses().")
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
           "Of the last tick, body frame: n x 3: forward, left (m/s), turn (rad/s).")

@@ -17,8 +17,8 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Robots narrower than this, strokes, are dots: nobody could see more of them, and a hundred thousand of
-/// them take their time.
+/// Robots narrower than this, strokes, are dots: no more of them could be seen, and drawing a hundred
+/// thousand shapes takes long.
 constexpr double k_smallest_shaped = 5;
 
 /// How much the bodies of each type are enlarged to be seen.

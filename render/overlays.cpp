@@ -35,7 +35,7 @@ constexpr double k_least_opacity = 5;
 constexpr std::uint8_t k_beam_opacity = 110;
 constexpr std::uint8_t k_heat_opacity = 150;
 constexpr std::uint8_t k_blob_opacity = 90;
-// Of squares where somebody was long ago, and of those where somebody is.
+// Of squares where a robot was long ago, and of those where a robot is.
 constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
 
 constexpr double k_grid_strokes = 48;      // between two lines, at least

@@ -38,8 +38,8 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 
 /// From elsewhere: both in the order in which they must be drawn, their shadows first. `on_floor` is what
-/// lies on the floor, above the shadows and below the bodies. `in_air` is hidden by what never moves and
-/// never hides what moves: a hundred scans one upon another would leave nothing of the robots below.
+/// lies on the floor, above the shadows and below the bodies. `in_air` is hidden by static bodies and
+/// never hides moving ones: a hundred scans one upon another would leave nothing of the robots below.
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);

@@ -157,7 +157,7 @@ class Painter {
   }
 
   /// Whether the camera stands above or below the region: of a body from its chains, which are all here; of
-  /// what never moves from the solid itself.
+  /// the static scene from the solid itself.
   void find_around(const OutlineChain& chain, Region& region) {
     if (region.z.contains(0)) return;  // its top and underside cannot be seen
     if (chain.closed) {

@@ -430,7 +430,7 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// What never moves and may hide any of the links: far ones are looked at one by one.
+/// Finds the static pieces that may hide any of the links: far links are looked at one by one.
 void Listener::find_walls() {
   has_walls_ = false;
   if (links_.empty() || world_->scene().edge_count() == 0) return;
@@ -537,7 +537,7 @@ bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, co
   return false;
 }
 
-/// visit(circle of a piece of an outline) -> stop? for those of what never moves that the line may cross,
+/// visit(circle of a piece of an outline) -> stop? for those of the static scene that the line may cross,
 /// each once or more.
 template <class Visit>
 bool Listener::any_wall(const Line& line, Visit&& visit) const {

@@ -133,7 +133,7 @@ class RadioPort {
 /// heard     who says something, is not of its own tree, and is no farther than the sender's `range` and the
 ///           listener's `hears`; whose strength, by the listener's law, is no less than its sensitivity; and
 ///           whom nothing hides
-/// hides     with `walls` what never moves, with `bodies` other bodies, where rangers see it: an outline that
+/// hides     with `walls` the static scene, with `bodies` other bodies, where rangers see it: an outline that
 ///           the straight line between the two radios crosses, at the height that the line has there. What a
 ///           line only touches hides it if it lies on its right, seen from the lower id. Both directions have
 ///           one answer

@@ -17,7 +17,7 @@ TROUPE = pathlib.Path(sys.argv[1]).resolve()
 PAGES = [
     ("    troupe describe ranger\n", None),
     ("    $ troupe describe lightindicator\n    device lightindicator: a light that controllers switch\n    ...\n", None),
-    ("    $ troupe describe lightindicator\n    device lightindicator: a light that nobody switches\n", "does not print the line"),
+    ("    $ troupe describe lightindicator\n    device lightindicator: a light that no controller switches\n", "does not print the line"),
     ("    troupe describe rangre\n", "ended with 2"),
     ("    $ troupe describe rangre\n    troupe describe: error: unknown kind \"rangre\" (did you mean \"ranger\"?); ...\n", None),
     ("    $ troupe describe ranger\n    error: \n", "ended with 0"),
@@ -31,7 +31,7 @@ PAGES = [
     ("    $ troupe run worlds/minimal.world --for 1 | grep -E 'ticks|wall'\n      ticks 11 of 0.1 s\n      ...\n",
      "does not print the line"),
     ("    scripts/quickstart\n", "none of its commands is run"),
-    ("A text.\n\n    that nobody prints\n", "has these lines"),
+    ("A text.\n\n    that no command prints\n", "has these lines"),
     ("Save this as `w.json`:\n\n```json\n{\"troupe\": 1, \"types\": {}}\n```\n\n    troupe lint w.json\n", None),
     ("```json\n{\"troupe\": 1, \"types\": {\"a\": {}}}\n```\n", "does not load"),
     ("```json\n\"devices\": [1, 2\n```\n", "is no JSON"),

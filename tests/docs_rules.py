@@ -22,7 +22,7 @@ NOT_RUN = [
     (r"^apptainer ", "needs Apptainer"),
     (r"^(sbatch|squeue) ", "needs SLURM"),
     (r"^xdg-open ", "opens a window"),
-    (r"/usr/bin/python3$", "waits for somebody to type"),
+    (r"/usr/bin/python3$", "waits for input from a terminal"),
     (r"perf_kernels|perf_paper --only", "takes minutes"),
     (r"perf_paper --quick", "is the test perf.paper"),
     (rf"\bworlds/({'|'.join(Scenes().slow()).replace('.', chr(92) + '.')})", "takes minutes of one core"),

@@ -585,7 +585,7 @@ def main():
     arguments = parser.parse_args()
 
     if not shutil.which("bash") or not shutil.which("cmake"):
-        print("SKIPPED: no bash or no cmake: nobody has run the documentation")
+        print("SKIPPED: no bash or no cmake: the documentation was not run")
         return 77
     pages = arguments.pages or ["README.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
     scratch = arguments.keep or pathlib.Path(tempfile.mkdtemp(prefix="troupe_docs_"))

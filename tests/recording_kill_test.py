@@ -4,7 +4,7 @@
     recording_kill_test.py TROUPE [KILLS] [SEED]    KILLS: 20 unless given; the long form is 200
 
 Of each killed run, every frame whose batch had been flushed must be there with swmr=True, complete and equal to that of
-a run that nobody disturbed; after `troupe repair` the same frames must be there for plain tools. A hash log that is
+a run that nothing disturbed; after `troupe repair` the same frames must be there for plain tools. A hash log that is
 written beside the recording is the witness of how far the run had come. One more run is read while it goes on.
 """
 
@@ -27,7 +27,7 @@ except ImportError:
     if os.path.exists(system) and os.environ.get("TROUPE_SYSTEM_PYTHON") is None:
         os.execve(system, [system, *sys.argv], {**os.environ, "TROUPE_SYSTEM_PYTHON": "1"})
     print("SKIPPED: no h5py (scripts/setup --checks installs python3-h5py): "
-          "nobody has looked at what a killed recording leaves")
+          "what a killed recording leaves was not checked")
     sys.exit(SKIPPED)
 
 TROUPE = Path(sys.argv[1]).resolve()
@@ -74,7 +74,7 @@ def run(arguments, **options):
 
 
 class Reference:
-    """A run that nobody disturbed, as long as any killed one so far."""
+    """A run that nothing disturbed, as long as any killed one so far."""
 
     def __init__(self, fields):
         self.fields = fields

@@ -245,7 +245,7 @@ class APage(Used):
         self.page.press("Escape")
         self.assertIsNone(self.state()["selected"])
         self.assertTrue(self.page.run("document.getElementById('panel').hidden"))
-        self.page.click(*self.page.run("troupe.screenPlace('red', [4, 0, 0])"))  # nobody is there
+        self.page.click(*self.page.run("troupe.screenPlace('red', [4, 0, 0])"))  # no robot is there
         self.assertIsNone(self.state()["selected"])
 
     def test_colour_by_field(self):
@@ -319,7 +319,7 @@ class APage(Used):
         self.assertGreater(min(light), 200)
         self.assertLess(max(self.pixel(empty)), 60)
         self.assertEqual(self.pixel(self.spot("red"))[0] > 150, True)
-        for theme in ("dark", "light"):  # as somebody sets it in the browser: the page follows
+        for theme in ("dark", "light"):  # the page follows the setting of the browser
             self.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
             self.shown()
         self.page.wait("document.documentElement.dataset.theme === 'light'")
@@ -471,6 +471,6 @@ if __name__ == "__main__":
         suite = unittest.defaultTestLoader.loadTestsFromTestCase(TheBundle)
         if not unittest.TextTestRunner().run(suite).wasSuccessful():
             sys.exit(1)
-        print("SKIPPED: no Chromium (scripts/setup --checks installs it): nobody has looked at the replay page")
+        print("SKIPPED: no Chromium (scripts/setup --checks installs it): the replay page was not tested")
         sys.exit(SKIPPED)
     unittest.main()

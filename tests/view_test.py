@@ -327,7 +327,7 @@ class Attacked(unittest.TestCase):
     def test_messages_that_make_no_sense(self):
         for text in ("", "{", "[]", "7", '{"do": 5}', '{"do": []}', '{"id": -1}', "\x00", "[" * 60000, '{"do":"play","do":"pause"}',
                      '{"do": "step", "ticks": -1}', '{"do": "step", "ticks": 1e300}', '{"do": "rate", "rate": "x"}',
-                     '{"do": "inspect", "robot": 5}', '{"do": "inspect", "robot": "nobody"}', '{"do": "plot", "measure": "x"}',
+                     '{"do": "inspect", "robot": 5}', '{"do": "inspect", "robot": "missing"}', '{"do": "plot", "measure": "x"}',
                      '{"do": "move", "robot": "red"}', '{"do": "move", "robot": "red", "pose": [1e999, 0, 0, 0]}', '{"do": "end"}',
                      '{"do": "command", "robot": "red", "device": "eye", "values": {"x": 1}}', '{"do": "fly", "id": 18446744073709551616}'):
             with self.view.open() as client:

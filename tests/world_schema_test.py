@@ -4,7 +4,7 @@
     world_schema_test.py TROUPE [SPOILT]    SPOILT: how many faults of a sort in each world, 6 unless given
 
 The schema is the one that `troupe describe --schema` prints. All worlds in JSON beside the sources fit it, and so does
-what `troupe convert` makes of those in Stage's format. What is spoilt in a world (a key that nobody knows, a value of
+what `troupe convert` makes of those in Stage's format. What is spoilt in a world (an unknown key, a value of
 another type, a required key that is missing) is refused by the schema and by the program alike.
 """
 
@@ -31,8 +31,8 @@ except ImportError:
     system = "/usr/bin/python3"  # where Debian's jsonschema is, whatever stands first on the path
     if os.path.exists(system) and os.environ.get("TROUPE_SYSTEM_PYTHON") is None:
         os.execve(system, [system, *sys.argv], {**os.environ, "TROUPE_SYSTEM_PYTHON": "1"})
-    print("SKIPPED: no jsonschema (scripts/setup --checks installs python3-jsonschema): nobody has held the schema of "
-          "worlds against its reader")
+    print("SKIPPED: no jsonschema (scripts/setup --checks installs python3-jsonschema): the schema of worlds was "
+          "not compared with their reader")
     sys.exit(SKIPPED)
 
 TROUPE = pathlib.Path(sys.argv[1]).resolve()

@@ -33,7 +33,7 @@ class Holds {
   /// False where it was not held.
   bool release(std::uint32_t body) { return speeds_.erase(body) > 0; }
   void clear() { speeds_.clear(); }               ///< releases all
-  bool empty() const { return speeds_.empty(); }  ///< nobody is held
+  bool empty() const { return speeds_.empty(); }  ///< no robot is held
   /// Commands all of them, by id; a hold of a robot that is gone ends.
   void apply(Simulation& simulation);
 

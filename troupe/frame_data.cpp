@@ -165,7 +165,7 @@ std::vector<FrameRanger> frame_rangers(const World& world) {
 }
 
 void add_scans(const World& world, Frame& frame) {
-  if (world.tick() == 0) return;  // nobody has looked yet
+  if (world.tick() == 0) return;  // no sensor has run yet
   const std::vector<Ranger> rangers = rangers_of(world);
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
     const Row row = world.row(BodyId(std::size_t{frame.mobile[i].id}));

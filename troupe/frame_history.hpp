@@ -11,7 +11,7 @@
 namespace troupe {
 
 /// Where bodies have been in the last seconds. Frames come in the order of their ticks; one of an earlier
-/// tick begins anew.
+/// tick begins a new history.
 class Trails {
  public:
   static constexpr double k_seconds = 20;

@@ -273,7 +273,7 @@ void Lint::check_floor_plans() {
   if (!open.empty()) check_who_stands_in(open);
 }
 
-/// Who stands in a wall that stops nobody: engine::World reports those in walls that do.
+/// Robots in walls that block none: engine::World reports those in walls that do block.
 void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
   std::vector<partition::FixedSolid> solids;
   for (const BodyId plan : plans) {

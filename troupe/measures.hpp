@@ -33,7 +33,7 @@ class Measures {
   Measures& operator=(Measures&&) noexcept;  ///< as that
 
   /// To be called after every step: some measures remember where robots have been. After a reset they begin
-  /// anew.
+  /// again.
   void see();
   /// Names with their units behind them: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;

@@ -40,8 +40,8 @@ inline constexpr std::uint32_t k_interface = 4;
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
-/// A mixture of the sizes of all that passes between the two: headers of another state of Troupe are found
-/// out even where nobody has given them another version.
+/// A mixture of the sizes of all that passes between the two: headers of another state of Troupe are
+/// detected even where their version is the same.
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),

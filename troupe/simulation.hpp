@@ -151,18 +151,18 @@ class Model {
   bool is_alive() const;
   /// True when the last motion was refused.
   bool stalled() const;
-  /// Where it believes to be, m and rad: its true pose with localization `gps`, what its wheels counted with
+  /// Estimated pose, m and rad: its true pose with localization `gps`, what its wheels counted with
   /// `odom`, in the frame of the world's localization_origin.
   Pose estimate() const;
-  /// From now on it believes to be there. Throws std::logic_error where it has no `odom`.
+  /// Overwrites the odometry estimate. Throws std::logic_error if the robot has no odometry.
   void set_estimate(const Pose& pose);
 
   /// Puts it elsewhere in the world's frame, between two steps. That is no motion: its odometry does not see
   /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
   /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
   /// What it carries goes with it. Throws std::invalid_argument for a pose that is not finite or outside the
-  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model, for what
-  /// never moves, and within Swarm::for_each(), as all do that change more than one robot. To move many at
+  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model, for a
+  /// static body, and within Swarm::for_each(), as all do that change more than one robot. To move many at
   /// once, see Simulation::set_poses.
   void set_pose(const Pose& pose);
   /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
@@ -423,20 +423,20 @@ class Simulation {
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
   /// Bears the next body of a population's reserve, between two steps, at a pose in the world's frame, m and
   /// rad, where it touches nothing solid: sensors see it from the next step on, in which its life begins as
-  /// that of others at tick 0. Nothing where that place is taken or outside of the world, or nobody of the
+  /// that of others at tick 0. Nothing where that place is taken or outside of the world, or no body of the
   /// reserve is left. Throws std::out_of_range for a population without a reserve, and std::invalid_argument
   /// for a pose that is not finite. Costs the indexing of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
   /// How many of a population's reserve are still to be born.
   std::size_t unborn(std::string_view population) const;
-  /// Ends a life, between two steps: nobody meets or sees the body any more, what it carried lies where it
-  /// was, and its id is never used again. Does nothing to who is not there. Throws std::logic_error for a
-  /// part of a model, for what never moves, and in a world in which nobody comes and goes: a world with a
-  /// reserve, or with `"mortal": true`, is another. Costs the indexing of all bodies.
+  /// Ends a life, between two steps: the body is no longer met or seen, what it carried lies where it
+  /// was, and its id is never used again. Does nothing to a body that is not there. Throws std::logic_error
+  /// for a part of a model, for a static body, and in a world in which no body is born or dies: a world with
+  /// a reserve, or with `"mortal": true`, is another. Costs the indexing of all bodies.
   void remove(const Model& model);
   /// Stops all of a body, between two steps: controllers, drive, sensors, which keep their readings, and
   /// other devices. It stands where it is, and is met and seen. False where it is disabled already, or not in
-  /// the world. Throws std::logic_error for a part of a model, for what never moves, and in a world in which
+  /// the world. Throws std::logic_error for a part of a model, for a static body, and in a world in which
   /// nothing is ever disabled: one with faults, with `disable` in its `at`, or with `"mortal": true`, is
   /// another.
   bool disable(const Model& model);

@@ -51,7 +51,7 @@ class Swarm {
   void stalled(std::span<std::uint8_t> out) const;
   /// Global poses, m and rad.
   void poses(std::span<Pose> out) const;
-  /// Where each believes to be: Model::estimate().
+  /// Estimated poses: Model::estimate().
   void estimates(std::span<Pose> out) const;
   /// Velocities of the last tick, body frame, m/s and rad/s.
   void speeds(std::span<Model::Speed> out) const;

@@ -9,8 +9,8 @@
 
 namespace troupe {
 
-/// A name of a field and its column, `COMPONENT.FIELD` or `COMPONENT.FIELD.COLUMN`, as somebody may have
-/// meant it: components may have dots in their names, too. Empty where it can be none.
+/// A name of a field and its column, `COMPONENT.FIELD` or `COMPONENT.FIELD.COLUMN`, in every way that it can
+/// be read: components may have dots in their names, too. Empty where it can be none.
 std::vector<ChosenValue> readings_of(const std::string& name);
 
 /// "velocity.x (m/s)".

@@ -24,7 +24,7 @@ class PartialFile {
   ~PartialFile();
 
   const std::filesystem::path& path() const { return partial_; }
-  /// Open for writing. Whoever inherits it holds the lock as well.
+  /// Open for writing. A process that inherits it holds the lock as well.
   int descriptor() const { return descriptor_; }
   void write(std::span<const std::byte> bytes);
   /// Hands what was written to the disk.

@@ -337,13 +337,13 @@ def patient(pen, w, d):
 
 def rooms(bitmap, y_wall, into, x, depth, plan):
     """A row of rooms along a corridor wall at y_wall: (kind, width, door's place, ajar); returns the end."""
-    for furnish, width, place, ajar in plan:
+    for fill, width, place, ajar in plan:
         pen = Pen(bitmap, (x, y_wall), (1, 0), (0, into))
         pen.rect(-PARTITION / 2, 0, PARTITION / 2, depth)
         pen.rect(width - PARTITION / 2, 0, width + PARTITION / 2, depth)
         inside = pen.moved(PARTITION / 2)
-        furnish(inside, width - PARTITION, depth)
-        door(inside, place, 1.2 if furnish is not lavatories else 1.0, INNER + 0.02, ajar)
+        fill(inside, width - PARTITION, depth)
+        door(inside, place, 1.2 if fill is not lavatories else 1.0, INNER + 0.02, ajar)
         x += width
     return x
 
@@ -380,15 +380,15 @@ def street(bitmap):
     for start, end, parts in spans:
         stretch = (end - start) / sum(width for _, width in parts)
         at = start
-        for i, (furnish, width) in enumerate(parts):
+        for i, (fill, width) in enumerate(parts):
             width *= stretch
-            if furnish is None:
+            if fill is None:
                 pen.clear(at + PARTITION, south, at + width - PARTITION, STREET[0])
                 waiting(bitmap, at, STREET[0] - 0.2, width, depth, -1)
                 column(pen, at + 0.2, STREET[0] - 0.12, 0.28)
                 column(pen, at + width - 0.2, STREET[0] - 0.12, 0.28)
             else:
-                rooms(bitmap, south, -1, at, depth, ((furnish, width, 0.5 if i % 2 else 0.7, i % 3 == 0),))
+                rooms(bitmap, south, -1, at, depth, ((fill, width, 0.5 if i % 2 else 0.7, i % 3 == 0),))
             at += width
     u = FACADE + 0.9
     while u < LENGTH - 3:
@@ -436,13 +436,13 @@ def departments(bitmap):
              (124.0, LENGTH - FACADE, ((recovery, 9), (office, 6.64))))
     for start, end, plan in plans:
         x = start
-        for i, (furnish, width) in enumerate(plan):
-            rooms(bitmap, y0, 1, x, depth, ((furnish, width, 0.4, i % 3 == 0),))
+        for i, (fill, width) in enumerate(plan):
+            rooms(bitmap, y0, 1, x, depth, ((fill, width, 0.4, i % 3 == 0),))
             x += width
             # A second door, to the corridor behind.
             if width > 6:
                 back = Pen(bitmap, (x - 0.3, y1), (-1, 0), (0, -1))
-                if furnish in (pharmacy, chapel, recovery):
+                if fill in (pharmacy, chapel, recovery):
                     door(back, 0.3, 1.1, INNER + 0.02, False)
         pen.rect(start - PARTITION, y0, start, y1)
         pen.rect(end, y0, end + PARTITION, y1)

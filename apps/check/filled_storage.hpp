@@ -5,7 +5,7 @@
 namespace troupe::apps {
 
 /// While one lives, whatever `new` hands out in this process is filled with its byte first, on any thread: a
-/// member that nobody sets then has a value that is known to be junk, and another one under another byte.
+/// member that is never set then has a value that is known to be junk, and another one under another byte.
 /// Over-aligned types are left out. One at a time.
 class FilledStorage {
  public:

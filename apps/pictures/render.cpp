@@ -112,7 +112,7 @@ void see_history(RecordedRun& run, Pictures& pictures) {
   }
 }
 
-/// Nobody recorded how fast the run was; a film tells how fast it is itself.
+/// Refuses the layer `speed`: a recording does not have the speed of the run, and a film shows its own.
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;

@@ -168,7 +168,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
   add_simd_option(resume);
   resume
       .add_flag("--across-plugins", options.across_plugins,
-                "Though its plug-ins have been built anew since it was written")
+                "Though its plug-ins have been rebuilt since it was written")
       ->disable_flag_override();
   add_session_option(resume, options);
   add_clock_options(resume, options);

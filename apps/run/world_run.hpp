@@ -18,7 +18,7 @@ namespace troupe::apps {
 
 class Pacer;
 
-/// One world of a run, loaded; whoever holds it steps it.
+/// One world of a run, loaded. Its owner steps it.
 class WorldRun {
  public:
   /// Loads the world, or resumes it, and tells its warnings. `options` names one world, and its outputs as

@@ -28,8 +28,8 @@ Shows the world in a browser: the program prints an address of this machine, whi
 pauses and goes on tick by tick; robots are selected, inspected, dragged, turned, driven, disabled, removed and added.
 It begins with the first page that is opened, at --rate times real time, and ends with Ctrl-C.
 
-The address holds a token: whoever has it may do all of this. A second one is for looking only. Of a machine elsewhere,
-ssh -L 8000:127.0.0.1:PORT HOST, and http://127.0.0.1:8000/#TOKEN here.
+The address holds a token: any client that has it may do all of this. A second one is for looking only. For a world on
+another machine, call ssh -L 8000:127.0.0.1:PORT HOST, and open http://127.0.0.1:8000/#TOKEN here.
 
 A checkpoint (troupe run --checkpoint) is taken up where it was saved; its session is repeated by troupe resume --session.
 Whatever is done is written to WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and

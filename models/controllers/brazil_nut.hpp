@@ -8,7 +8,7 @@ namespace troupe::models {
 /// large that is. Drawn to a light, pushed by one another and shaken, small discs get below large ones.
 ///
 /// goes      along t g + n u + p, robot frame: g is the unit vector towards the light, u a unit vector of any
-///           direction, drawn anew every `shake` s, p the sum over those heard that are nearer than both
+///           direction, drawn again every `shake` s, p the sum over those heard that are nearer than both
 ///           radii together of `push` (1 - range / both radii) away from them
 /// drives    `speed` times the length of that, at most 1, times the cosine of its angle, backwards too; and
 ///           turns by `gain` times the angle to it

@@ -14,8 +14,8 @@ namespace troupe::models {
 ///           last one, in line with the one before it, and with the chance `joins` in a decision stands there
 ///           as the next link
 /// leaves    a link that hears no further one, and not the prey, with the chance `leaves`; one that hears
-///           nobody of the number before its own; and of two of one number in one place the one of the higher
-///           id. It goes back along the chain, round the nest for a while, and explores again
+///           no link of the number before its own; and of two of one number in one place the one of the
+///           higher id. It goes back along the chain, round the nest for a while, and explores again
 /// path      a link that hears the prey, or a next link with a path, has one: it stays
 /// shows     with an LED, where it has one: grey while it explores; as a link blue, green and yellow in turn
 /// needs     a radio with a payload of 2 bytes or more; a robot also a drive and a scanner of more than

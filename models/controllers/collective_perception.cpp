@@ -40,9 +40,9 @@ struct CollectivePerception {
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
       d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
-                                 "for how long it looks at the floor, in the mean");
+                                 "mean time for which it looks at the floor");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "for how long it says an opinion of quality 1, in the mean");
+                               "mean time for which it says an opinion of quality 1");
       d.member<&Params::rule>("rule", "how it decides");
       describe_min_front(d);
     }

@@ -18,7 +18,7 @@ class DeviceChoice {
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
-  /// Claims the first device that nobody has and that fits; false where there is none.
+  /// Claims the first device that is not claimed yet and fits; false where there is none.
   template <class Fits>
   bool take(Fits&& fits) {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -29,7 +29,7 @@ class DeviceChoice {
     }
     return false;
   }
-  /// Claims the first of this kind that nobody has; false where there is none.
+  /// Claims the first of this kind that is not claimed yet; false where there is none.
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }

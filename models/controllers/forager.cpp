@@ -46,7 +46,7 @@ constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on 
 constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
 constexpr double k_aligned = 0.2;      // rad
 constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
-constexpr double k_queue = 1.2;        // m from the charger: nearer nobody waits
+constexpr double k_queue = 1.2;        // m from the charger: no robot waits nearer
 constexpr std::uint32_t k_patience = 50;  // updates of backing off
 constexpr double k_least_zone = 1;        // m: nearer than this it is in the zone, however small that is
 

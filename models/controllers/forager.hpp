@@ -8,8 +8,8 @@ namespace troupe::models {
 /// charges its pack where there are chargers. Two controllers, as in Stage's examples:
 ///
 /// fasr    one source and one sink, named by parameters
-/// fasr2   up to eight pairs: task "red" goes from model red_source to model red_sink. Which one is drawn,
-///         anew after each delivery; now and then a robot that waits gives up and goes elsewhere
+/// fasr2   up to eight pairs: task "red" goes from model red_source to model red_sink. Which one is drawn
+///         after each delivery; now and then a robot that waits gives up and goes elsewhere
 ///
 /// ways     from every cell of a 32 x 32 raster of the floor plan `map`, found by A* when the world is built
 ///          (models/controllers/floor_plan.hpp). Stage's fasr has direction tables made by hand for one cave

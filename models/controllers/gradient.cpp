@@ -36,17 +36,17 @@ struct Gradient {
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon", "it stands, and is where counting begins");
       d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
-                                 "it settles where nobody is settled nearer than this");
+                                 "it settles where no settled robot is nearer than this");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "while it roams");
       describe_min_front(d);
       d.member<&Params::patience>("patience", within(1, 1'000'000),
-                                  "decisions after which a count that nobody has confirmed is forgotten");
+                                  "decisions after which a count that no robot has confirmed is forgotten");
     }
   };
   struct Memory {
     std::uint32_t hops = k_hops_unknown;
-    std::uint32_t unconfirmed = 0;  ///< decisions since somebody said a count that this one follows from
-    std::uint32_t alone = 0;        ///< decisions since it heard somebody who is settled
+    std::uint32_t unconfirmed = 0;  ///< decisions since it heard a count from which its own follows
+    std::uint32_t alone = 0;        ///< decisions since it heard a settled robot
     std::int32_t avoid_updates = 0;
     std::uint8_t settled = 0;
     std::uint8_t halts = 0;  ///< decisions for which it still stands before it settles

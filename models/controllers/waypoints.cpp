@@ -61,7 +61,7 @@ struct Waypoints {
       // Drives come within 0.02 m along both axes.
       d.member<&Params::near>(
           "near", meters, at_least(0.03),
-          "how near it believes to be when it goes on from a goal without `at` and `speed`");
+          "by its estimate, how near it is when it goes on from a goal without `at` and `speed`");
       d.member<&Params::again>("again", "begins again after the last goal; otherwise it stays there");
     }
   };
@@ -205,7 +205,7 @@ struct Waypoints {
 
 engine::ControllerKind waypoints_controller() {
   engine::ControllerKind kind =
-      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by where it believes to be");
+      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by the estimated pose");
   for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
   return kind;
 }

@@ -4,7 +4,7 @@
 
 namespace troupe::models {
 
-/// Goes from goal to goal, each in the frame of the robot's estimate; the next one once it believes to be
+/// Goes from goal to goal, each in the frame of the robot's estimate; the next one once the estimate is
 /// near the last. After the last it stays there, or begins again.
 ///
 /// A goal with a time (`at`) or a `speed` it goes to in a straight line, and is there to 1e-6 m; with a time

@@ -34,8 +34,8 @@ struct ActuatorState {
 /// moves       velocity mode: at the speed asked for, at most max_speed, and to a stop at the limits;
 ///             position mode: towards the goal, kept within the limits, at max_speed, arriving in time
 /// draws       2 W from its supply while it runs
-/// edges       an axis of no length is the x axis; whoever would be overlapped stops it where it is, for this
-///             tick: it is stalled
+/// edges       an axis of no length is the x axis; a body that it would overlap stops it where it is for
+///             this tick: it is stalled
 engine::DeviceKind actuator_kind();
 
 }  // namespace troupe::models

@@ -39,7 +39,7 @@ struct GripperState {
   std::uint8_t paddles = is_open;  ///< one of Paddles
   std::uint8_t lift = is_down;     ///< one of Lift
   std::uint8_t stalled = 0;        ///< 1: something was in the way of its paddles
-  std::uint8_t taken = 0;          ///< 1: somebody else has what it closed on
+  std::uint8_t taken = 0;          ///< 1: another gripper has what it closed on
   std::uint8_t beam_inner = 0;     ///< 1: something that can be gripped breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< or the one near the tips
   std::uint8_t contact_left = 0;   ///< 1: such a thing touches the inner face of the left paddle

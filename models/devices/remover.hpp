@@ -17,7 +17,7 @@ struct RemoverState {
 ///
 /// who    robots (bodies with a drive), or with `of` the bodies of the type of this name, whose origin lies
 ///        within `radius` of its own, whatever their height; but for its own body, and for those that
-///        somebody carries. Of more than k_most_removed in a tick the lowest ids
+///        are carried. Of more than k_most_removed in a tick the lowest ids
 /// when   they die at the end of the tick after the one that brought them (docs/lives.md)
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();

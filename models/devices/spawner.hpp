@@ -31,10 +31,10 @@ struct SpawnerState {
 ///
 /// when    every `every` of its life; for each `per_flags` flags that its body was given; and when a
 ///         controller asks. A birth that is due is owed until it succeeds: one a tick is tried
-/// where   at its own pose; with `within`, anywhere in the circle about it, heading anywhere, drawn anew for
+/// where   at its own pose; with `within`, anywhere in the circle about it, heading anywhere, drawn again for
 ///         each try. Where something solid stands there, or the place lies outside of the world, it is tried
 ///         again in the next tick
-/// who     the next body of the population, docs/lives.md; once nobody is left it asks no more
+/// who     the next body of the population, docs/lives.md; once none is left it asks no more
 /// state   SpawnerState; commands: SpawnerCommand
 engine::DeviceKind spawner_kind();
 

@@ -88,7 +88,7 @@ struct DropOut {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::rate>("rate", per_second, above(0), at_most(1e6), required,
-                              "how often it happens to one robot, in the mean; the probability that it has "
+                              "mean rate at which it happens to one robot; the probability that it has "
                               "happened within t is 1 - exp(-rate t)");
       d.member<&Params::duration>(
           "for", seconds, within(0, 1e9),

@@ -93,7 +93,7 @@ class Coverage : public Measure {
     const std::int64_t y = std::int64_t{cell.y} - low_.y;
     if (x < 0 || y < 0 || x >= static_cast<std::int64_t>(columns_) || y >= static_cast<std::int64_t>(lines_))
       return;
-    // Robots of several tasks may be in one cell; whoever comes first, it has been visited.
+    // Robots of several tasks may be in one cell; whichever comes first, it has been visited.
     std::atomic_ref<std::uint8_t> visited(visited_[static_cast<std::size_t>(y) * columns_ + x]);
     if (visited.load(std::memory_order_relaxed) == 0) visited.store(1, std::memory_order_relaxed);
   }

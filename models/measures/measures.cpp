@@ -127,7 +127,7 @@ class PathLength : public OfRobots {
 
   std::vector<double> lengths_;                         // beside robots(), as are
   std::vector<Vec2> places_;                            // in the state that was seen last
-  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when somebody is placed
+  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when a robot is placed
   std::uint64_t tick_;                                  // that was seen last
 };
 
@@ -359,14 +359,14 @@ engine::MeasureKind held_measure() {
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
-      "displacement", Unit::meters, "how far robots are from where they started, in the mean",
+      "displacement", Unit::meters, "mean distance of robots from where they started",
       "The mean over the robots of the straight distance between their origins now and at tick 0, or where "
       "they were born.");
 }
 
 engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
-      "path_length", Unit::meters, "how far robots have gone, in the mean",
+      "path_length", Unit::meters, "mean length of the paths that robots have gone",
       "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
       "between their origins before and after the tick. Where a program puts a robot between two ticks it "
       "has "
@@ -375,7 +375,7 @@ engine::MeasureKind path_length_measure() {
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
-      "mean_speed", Unit::meters_per_second, "how fast robots moved in the last tick, in the mean",
+      "mean_speed", Unit::meters_per_second, "mean speed of robots in the last tick",
       "The mean over the robots of the speed, in any direction, with which their origins moved in the last "
       "tick; 0 for one that is stalled, and for all before the first tick.");
 }
@@ -390,7 +390,7 @@ engine::MeasureKind order_measure() {
 
 engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
-      "spread", Unit::meters, "how far robots are from their centre, in the mean",
+      "spread", Unit::meters, "mean distance of robots from their centre",
       "The mean over the robots of the distance between their origins and the mean of all their origins.");
 }
 
@@ -402,7 +402,7 @@ engine::MeasureKind share_within_measure() {
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "a number of the robots' state, in the mean",
+      "state_mean", Unit::none, "mean of a number of the robots' state",
       "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
       "sensor reads. Of a field that is 0 or 1 it is a share.");
 }

@@ -131,7 +131,7 @@ class Neighbours : public AmongRobots {
 
 engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
-      "mean_nearest_distance", Unit::meters, "how far the nearest other robot is, in the mean",
+      "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
       "The mean over the robots of the distance between a robot's origin and that of the nearest other one "
       "of those that are measured, walls or not. Not a number for fewer than two robots. Clark and Evans, "
       "Distance to nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
@@ -139,7 +139,7 @@ engine::MeasureKind mean_nearest_distance_measure() {
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
-      "neighbours", Unit::none, "how many other robots are near, in the mean",
+      "neighbours", Unit::none, "mean number of other robots that are near",
       "The mean over the robots of the number of others, of those that are measured, whose origin lies "
       "within `radius` of its own, walls or not: the mean degree of the graph that joins robots within that "
       "distance.");

@@ -6,6 +6,6 @@
 namespace troupe::models {
 
 engine::MeasureKind mean_nearest_distance_measure();  ///< `mean_nearest_distance`, m
-engine::MeasureKind neighbours_measure();             ///< `neighbours`: within a radius, in the mean
+engine::MeasureKind neighbours_measure();             ///< `neighbours`: mean number within a radius
 
 }  // namespace troupe::models

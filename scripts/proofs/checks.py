@@ -1,7 +1,7 @@
 """What is done to a random world that must not change a bit of it, as plain data: a world that fails is run again from these.
 
-A check is {"check": name, ...}. Whoever runs it compares lines of hash logs, one for each tick, with those of the plain run: one
-thread, tiles as chosen, one step after another.
+A check is {"check": name, ...}. The caller compares lines of hash logs, one for each tick, with those of the plain run:
+one thread, tiles as chosen, one step after another.
 """
 
 import random

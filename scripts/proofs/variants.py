@@ -73,7 +73,7 @@ def plugin(base):
 
 
 def observers(base, folder):
-    """With everything that looks on; the files are written anew by each variant."""
+    """With all observers; each variant writes its own files."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
                "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
                "--profile", folder / "profile.json", "--snapshot", folder / "last.png",

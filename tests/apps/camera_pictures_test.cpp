@@ -130,7 +130,7 @@ TEST_F(CameraPicturesOf, CamerasOfOneNameAndSlowOnes) {
   const Outcome outcome =
       troupe({"run", "w.world", "--for", "0.3", "--quiet", "--camera-png", "seen", "--camera-every", "0.1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  // The first reading is that of tick 3; the camera that nobody reads does not run.
+  // The first reading is that of tick 3; the camera that no controller reads does not run.
   EXPECT_THAT(pictures("seen"),
               ElementsAre("a_b.eye#2-000000.300s-color.png", "a_b.eye#2-000000.300s-depth.png",
                           "a_b.eye-000000.300s-color.png", "a_b.eye-000000.300s-depth.png"));

@@ -138,7 +138,7 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
               ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it has no beam",
                           "none.json: 1 finding"));
 
-  // Nobody sees itself; another robot of its kind it does see.
+  // No robot sees itself; it does see another robot of its kind.
   const std::string alone =
       "define bot position( size [0.4 0.4 0.3]\n"
       "  ranger( pose [0 0 -0.2 0] sensor( range [0 5] ) ) )\nbot()\n";
@@ -165,7 +165,7 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
            z + R"(}},
     {"name": "r0", "type": "bot"} ] })";
   };
-  // Nobody finds itself.
+  // No finder finds its own body.
   EXPECT_THAT(findings("none.json", world("", "")),
               ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: no other body has a "
                           "fiducial_return with its key, 0",

@@ -181,8 +181,8 @@ TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {
 
 TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"--snapshot", "p.png", "--camera", "follow:nobody"},
-       "room.world: error: there is no model \"nobody\" to follow"},
+      {{"--snapshot", "p.png", "--camera", "follow:missing"},
+       "room.world: error: there is no model \"missing\" to follow"},
       {{"--snapshot", "p.png", "--color-by", "velocity.q"},
        "room.world: error: unknown value \"velocity.q\"; known: "},
       {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},

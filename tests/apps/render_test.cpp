@@ -213,8 +213,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
               AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
                     HasSubstr("; --record-fields chooses what is recorded\n")));
-  EXPECT_EQ(refusal({"run.h5", "--camera", "follow:nobody"}),
-            "run.h5: error: there is no model \"nobody\" to follow\n");
+  EXPECT_EQ(refusal({"run.h5", "--camera", "follow:missing"}),
+            "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(refusal({"run.h5", "--camera", "window"}),
               HasSubstr("run.h5: error: the world has no window; other cameras"));
   EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),

@@ -214,10 +214,10 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
           "w.json:6: error: /measures/4: \"stalls:\": the name of a type, a population or a robot stands "
           "behind the colon",
           StartsWith("w.json:7: error: /measures/5: missing \"kind\"")));
-  write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:nobody\"]}");
+  write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:missing\"]}");
   EXPECT_THAT(
       lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
-      ElementsAre("w.json:3: error: unknown type or population of robots \"nobody\"; there are none"));
+      ElementsAre("w.json:3: error: unknown type or population of robots \"missing\"; there are none"));
 }
 
 TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {

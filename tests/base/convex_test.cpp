@@ -235,7 +235,7 @@ TEST(ConvexPieces, DuplicateAndStraightVerticesAreHarmless) {
   expect_exact_cover(
       {{{0, 0}, {1, 0}, {1, 0}, {2, 0}, {2, 1}, {1.5, 1}, {1, 1}, {1, 1.5}, {1, 2}, {0, 2}, {0, 1}, {0, 0}}},
       3, 2);
-  // A spike without area, and a hair's breadth between two levels.
+  // A spike without area, and a tiny step between two levels.
   expect_exact_cover({{{0, 0}, {2, 0}, {3, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}}, 3, 2);
   expect_exact_cover({{{0, 0}, {2, 1e-16}, {2, 1}, {1, 1 + 2e-16}, {1, 2}, {0, 2}}}, 3, 2);
 }

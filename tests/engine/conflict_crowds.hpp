@@ -124,7 +124,7 @@ struct TestCrowd {
   std::vector<std::uint32_t> ids;
   std::vector<Motion> motions;
   std::vector<Solid> walls;
-  std::vector<Solid> ghosts;  ///< fixed solids that block nobody
+  std::vector<Solid> ghosts;  ///< fixed solids that block no body
   std::optional<Box> bounds;
   std::uint64_t seed = 1;
   std::uint64_t tick = 0;

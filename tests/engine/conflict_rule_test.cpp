@@ -31,7 +31,7 @@ struct Tally {
   std::size_t refused = 0;
   std::size_t held = 0;
   std::size_t order_matters = 0;  ///< crowds in which another order has another outcome
-  std::size_t deep = 0;           ///< crowds in which somebody waited for one who waited
+  std::size_t deep = 0;           ///< crowds in which a body waited for one that waited
   std::uint64_t deepest = 0;
 };
 
@@ -61,8 +61,8 @@ void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
 
 void report(const Tally& tally) {
   std::printf(
-      "%zu crowds, %zu motions, %.1f %% refused, %zu held; the order matters in %zu; somebody waited for one "
-      "who waited in %zu, "
+      "%zu crowds, %zu motions, %.1f %% refused, %zu held; the order matters in %zu; a body waited for one "
+      "that waited in %zu, "
       "longest chain %zu\n",
       tally.crowds, tally.moving,
       100.0 * static_cast<double>(tally.refused) / static_cast<double>(tally.moving), tally.held,

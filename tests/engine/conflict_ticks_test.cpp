@@ -124,8 +124,8 @@ TEST(ConflictTicks, BodiesThatStartInOneAnotherOnlyPart) {
   EXPECT_GT(parted, at_first / 2 / k_thrift) << "they should get free";
 }
 
-// Stage's floor plans often do not block; one that does holds nobody who starts in it, but anyone who has
-// left.
+// Stage's floor plans often do not block; one that does holds no robot that starts in it, but any robot that
+// has left it.
 TEST(ConflictTicks, ASolidDoesNotHoldWhoIsInIt) {
   TestCrowd crowd;
   crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
@@ -277,7 +277,7 @@ TEST(ConflictTicks, FastBodiesDoNotPassThroughEachOther) {
 TEST(ConflictTicks, BodiesAreHeldAtTheBounds) {
   TestCrowd crowd;
   crowd.kinds.push_back(make_kind({{{rectangle(-0.25, -0.25, 0.25, 0.25)}, {0, 1}}}));
-  crowd.kinds.push_back(make_kind({}));  // blocks nobody
+  crowd.kinds.push_back(make_kind({}));  // blocks no body
   crowd.bounds = Box::around({0, 0}, 1);
   crowd.add(crowd.kinds[0], {0.75, 0, 0, 0});
   crowd.add(crowd.kinds[1], {0.75, 0, 0, 0});

@@ -280,7 +280,7 @@ TEST(Experiment, DropOutsThatPassComeAgain) {
   row.scene.spec.experiment.faults = {fault(population("r"), 0, "drop_out", {{"rate", 1.0}, {"for", 1.0}})};
   const auto world = row.world();
   step(*world, 100);
-  // In for 1 s in the mean, and half a tick as ticks round up; out for 1 s.
+  // In for 1 s on average, and half a tick as ticks round up; out for 1 s.
   const double share = 1 / 2.05;
   EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_squad,
               4 * std::sqrt(k_squad * share * (1 - share)));
@@ -433,7 +433,7 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
               HasSubstr("\"wall4\" never moves, senses or decides"));
   EXPECT_THAT(doing(at(1.5, Action::add, population("r"))),
-              HasSubstr("w.json:7: error: at 1.5 s: nobody can be added to \"r\": no population has a "
+              HasSubstr("w.json:7: error: at 1.5 s: no body can be added to \"r\": no population has a "
                         "\"reserve\""));
   InterventionSpec outside = at(1, Action::move, model("r0"));
   outside.pose = Pose{1e6, 0, 0, 0};
@@ -618,7 +618,7 @@ TEST(StopConditions, TheFirstThatHoldsIsToldAfterItsTick) {
   world->step();
   stop.see();
   EXPECT_EQ(stop.holding(), 1u);
-  step(*world, 1);  // measures begin anew where ticks are missed, and say what is
+  step(*world, 1);  // measures begin again where ticks are missed, and say what is
   for (int tick = 0; tick < 9; ++tick) {
     world->step();
     stop.see();

@@ -156,7 +156,7 @@ struct Tally {
     std::printf(
         "%zu crowds, %zu motions, %zu refused; %zu pushed, %zu of them by others, %zu again; %zu stopped, "
         "%zu by "
-        "too many; the order matters in %zu; somebody waited for one who waited in %zu\n",
+        "too many; the order matters in %zu; a body waited for one that waited in %zu\n",
         crowds, moving, refused, shifts, chained, again, stopped, too_many, order_matters, deep);
   }
 };

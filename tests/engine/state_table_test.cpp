@@ -178,8 +178,8 @@ TEST(StateTable, RowsOfASparseComponentThatAreAllZeroAddNothing) {
     table.clear();
     EXPECT_EQ(table.hash_rows(0, 3), 0u);
   }
-  const StateTable nobody("charge", HashGroup::memory, Layout::columns, sparse(k_fields), {});
-  EXPECT_EQ(nobody.hash_rows(0, 0), 0u);
+  const StateTable empty("charge", HashGroup::memory, Layout::columns, sparse(k_fields), {});
+  EXPECT_EQ(empty.hash_rows(0, 0), 0u);
 }
 
 TEST(StateTable, StartsAtZeroAndCountsItsRows) {

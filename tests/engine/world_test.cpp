@@ -160,7 +160,7 @@ TEST(World, ARobotAtTheSpeedOfLightKeepsNobodyWaiting) {
   World world = scene.world();
   world.set_command(world.row(a), {3e8, 0, 0});
   for (int i = 0; i < 100; ++i)
-    world.step();  // out of the world in one tick: held, and nobody looks that far
+    world.step();  // out of the world in one tick: held, and no query reaches that far
   EXPECT_EQ(world.pose(a).x, 0);
   EXPECT_EQ(world.held_count(), 1u);
 }

@@ -1,7 +1,7 @@
 // An allocator to be preloaded (LD_PRELOAD) by scripts/prove: addresses come descending, or in random order
 // (TROUPE_ALLOCATOR=descending|shuffled), where glibc's mostly ascend; what is handed out, and what was given
-// back, is filled with junk that differs from run to run. Whoever orders by address, or reads what nobody
-// wrote, gets other bits.
+// back, is filled with junk that differs from run to run. Code that orders by address, or reads what was
+// never written, gets other bits.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -97,8 +97,8 @@ std::byte* take(unsigned size_class) {
   return list.blocks[--list.count];
 }
 
-/// The large are left as the kernel gives them, zeros, but for their first part: pages nobody needs stay
-/// untouched.
+/// The large are left as the kernel gives them, zeros, but for their first part: pages that are not needed
+/// stay untouched.
 void fill(void* memory, std::size_t bytes) {
   constexpr std::size_t k_most = std::size_t{1} << 24;
   const std::uint64_t word = next_junk();

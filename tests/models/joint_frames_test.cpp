@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(By, JointFrames, ::testing::ValuesIn(displacements()),
 TEST_P(JointFrames, SensorsLookFromWhereTheirJointIs) {
   const Displacement& by = GetParam();
   const Pose on_arm{0.03, 0.01, 0.12, 0.2};
-  // Of a body that is nothing but a plate below all sensors, which is in nobody's way.
+  // Of a body that is nothing but a plate below all sensors, which is in the way of none.
   const auto world_of = [&](bool jointed) {
     SceneBuilder scene;
     const TypeId type = scene.robot("robot", {box(0.1, 0.1, 0.05)});

@@ -282,7 +282,7 @@ TEST(Measures, ToBePutElsewhereIsNoWay) {
   put({7, 2, 0, 1});  // of several the last one counts
   step();
   EXPECT_NEAR(set.value(0), 0.10, 1e-12);
-  EXPECT_NEAR(set.value(1), 0.05, 1e-12) << "of both, in the mean";
+  EXPECT_NEAR(set.value(1), 0.05, 1e-12) << "mean of both";
   EXPECT_NEAR(set.value(2), std::hypot(7 + 0.05 * std::cos(1), 2 + 0.05 * std::sin(1)), 1e-12);
   MeasureSet later = measures(world, specs);
   EXPECT_EQ(later.value(0), 0);

@@ -114,7 +114,7 @@ TEST_P(ParallelOf, CanBeMoved) {
   EXPECT_EQ(calls, std::vector<int>(100, 1));
 }
 
-// For profiles: on the worker that runs the task, around it, and only while somebody asks.
+// For profiles: on the worker that runs the task, around it, and only while a callback is set.
 TEST_P(ParallelOf, TellsOfEachTaskAsItBeginsAndEnds) {
   Parallel parallel(GetParam());
   constexpr std::size_t k_tasks = 200;

@@ -16,7 +16,7 @@ namespace {
 using oracle::Draw;
 using oracle::rectangle;
 
-/// A scene of floor plans with holes and islands in them, blocks, planks, and solids that block nobody.
+/// A scene of floor plans with holes and islands in them, blocks, planks, and solids that block no body.
 std::vector<FixedSolid> random_solids(Draw& draw) {
   std::vector<FixedSolid> solids;
   const std::size_t count = 1 + draw.below(8);

@@ -354,7 +354,7 @@ TEST(DrawSolid, TheClockTellsTheSpeedWhereThatIsAskedFor) {
   yard.view.layers.speed = true;
   yard.draw();
   EXPECT_GT(yard.differing(before), 60);
-  yard.frame.times_real_time = 0;  // nobody knows
+  yard.frame.times_real_time = 0;  // unknown
   yard.draw();
   EXPECT_EQ(yard.differing(before), 0);
 }

@@ -179,7 +179,7 @@ TEST(Fiducial, ReadsAreThoseOfItsOwnPose) {
   EXPECT_FLOAT_EQ(seen.field<float>(k_fiducial_heading)[0], static_cast<float>(-k_pi / 2));
 }
 
-/// In a crowd of finders that carry marks: whoever sees another across nothing but air is seen by it.
+/// In a crowd of finders that carry marks: a robot that sees another across nothing but air is seen by it.
 TEST(Fiducial, SightIsMutualInACrowdForAnyThreadsAndTiles) {
   constexpr int k_robots = test::k_slow_build ? 12 : 60;
   SceneBuilder scene;

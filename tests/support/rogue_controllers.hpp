@@ -38,7 +38,7 @@ struct Honest : Parameterless {
   }
 };
 
-/// Honest, too: by where it believes to be, which has moved on when the decision is taken again.
+/// Honest, too: uses its estimated pose, which has moved on when the decision is taken again.
 struct Believer : Parameterless {
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     actions.set_speed(0.1 + 0.01 * percept.estimate.x, 0.02 * percept.estimate.y,
@@ -106,7 +106,7 @@ struct ReadsASlowClock : Parameterless {
   }
 };
 
-/// A member that nobody sets: what `new` finds.
+/// A member that is never set: what `new` finds.
 struct LeavesAMemberUnset : Parameterless {
   std::uint64_t gain;
   double bias;
@@ -144,7 +144,7 @@ struct LooksAtAnAddress : Parameterless {
   }
 };
 
-/// Between and behind its fields there are bytes that are nobody's.
+/// Between and behind its fields there are bytes of no field.
 struct LooksAtPadding : Parameterless {
   struct Memory {
     std::uint8_t odd = 1;

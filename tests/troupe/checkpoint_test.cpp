@@ -218,7 +218,7 @@ TEST_F(Checkpoint, HoldsSpeedsThatWereSetSubscriptionsAndReadingsBetweenTwoPerio
     straight.save(file_);
     Simulation resumed = Simulation::resume(file_);
     EXPECT_EQ(resumed.find("r0").ranges()[0], straight.find("r0").ranges()[0]);
-    EXPECT_THROW(resumed.find("r1").ranges(), std::logic_error) << "nobody subscribed to it";
+    EXPECT_THROW(resumed.find("r1").ranges(), std::logic_error) << "it has no subscription";
     Simulation reference = Simulation::resume(file_, {.threads = 1});
     EXPECT_EQ(log_of(resumed, 12), log_of(reference, 12));
   }

@@ -1,4 +1,4 @@
-// Robots that are sent somewhere, accelerated, put elsewhere, and that believe to be where they are not.
+// Robots that are sent somewhere, accelerated, put elsewhere, and whose estimated poses are wrong.
 
 #include "engine/world.hpp"
 #include "tests/support/scratch.hpp"

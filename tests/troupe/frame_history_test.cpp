@@ -72,7 +72,7 @@ TEST(Covered, CountsSquaresInWhichRobotsHaveBeen) {
   EXPECT_EQ(now.covered[1].x, 0);
   EXPECT_EQ(now.covered[1].freshness, 0);
   EXPECT_EQ(now.covered[2].x, 1);
-  covered.see(scene, frame_at(0, {{1, {8.5, 0.5}}}));  // the run began anew
+  covered.see(scene, frame_at(0, {{1, {8.5, 0.5}}}));  // the run began again
   covered.add_to(now);
   EXPECT_EQ(now.covered.size(), 1u);
 }

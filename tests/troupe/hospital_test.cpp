@@ -1,6 +1,6 @@
-// The hospital after its swarm has dispersed: nobody in a wall, nobody in another, and as crowded with walls
-// as it is meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by edge,
-// without any grid.
+// The hospital after its swarm has dispersed: no robot in a wall, none in another robot, and as crowded with
+// walls as it is meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by
+// edge, without any grid.
 
 #include "engine/world.hpp"
 #include "tests/support/slow_build.hpp"

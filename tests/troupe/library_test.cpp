@@ -553,7 +553,7 @@ TEST_F(LibraryFilesTest, ASnapshotTakesTheOptionsOfPictures) {
   simulation.snapshot(folder_ / "side.png",
                       {.width = 80, .height = 60, .camera = "follow:r0", .across_m = 4});
   EXPECT_GT(std::filesystem::file_size(folder_ / "side.png"), 100u);
-  EXPECT_THROW(simulation.snapshot(folder_ / "no.png", {.camera = "follow:nobody"}), InputError);
+  EXPECT_THROW(simulation.snapshot(folder_ / "no.png", {.camera = "follow:missing"}), InputError);
 }
 #endif
 

@@ -202,7 +202,7 @@ TEST_F(Lives, ProgramsBearAndRemove) {
   EXPECT_THROW(born->set_speed(1, 0), std::logic_error);
   EXPECT_THROW(born->set_pose({0, 5, 0, 0}), std::invalid_argument);
   EXPECT_TRUE(simulation.spawn("more", {1.5, 0, 0, 0}));
-  EXPECT_FALSE(simulation.spawn("more", {-2, 0, 0, 0})) << "nobody is left";
+  EXPECT_FALSE(simulation.spawn("more", {-2, 0, 0, 0})) << "none is left";
   EXPECT_EQ(simulation.unborn("more"), 0u);
   simulation.reset();
   EXPECT_EQ(simulation.state_hash(), hash);

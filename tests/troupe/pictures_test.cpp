@@ -133,7 +133,7 @@ TEST_F(PicturesTest, AnyNumberOfTheStateMayBeTheColour) {
 
 TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
   const std::string file = world_.string();
-  EXPECT_EQ(refusal({.camera = "follow:nobody"}), file + ": error: there is no model \"nobody\" to follow");
+  EXPECT_EQ(refusal({.camera = "follow:missing"}), file + ": error: there is no model \"missing\" to follow");
   EXPECT_THAT(refusal({.color_by = "velocity.z"}),
               AllOf(HasSubstr(file + ": error: unknown value \"velocity.z\"; known: command.mode, "),
                     HasSubstr("(did you mean \"velocity.x\"?)")));

@@ -189,7 +189,7 @@ TEST(CoverageScene, SearchSlowsDownByTheShareOfTheRobotsThatFail) {
   const double of_all = rate("0", all);
   EXPECT_NEAR(rate("0.25", three_quarters) / of_all, 0.75, 0.1);
   EXPECT_NEAR(rate("0.5", half) / of_all, 0.5, 0.1);
-  // n v 4 c / (pi A): robots on random straight lines, whose cells of 0.5 m are 4 c / pi wide in the mean.
+  // n v 4 c / (pi A): robots on random straight lines, whose cells of 0.5 m are 4 c / pi wide on average.
   // Turning at the walls and ways that are gone twice cost about a quarter.
   const double straight = 20 * 0.5 * 4 * 0.5 / (3.14159 * 144);
   EXPECT_LT(of_all, straight);
@@ -390,7 +390,7 @@ TEST_F(SegregationByHand, NobodyStopsOnGroundOfNoOrOfTheWrongColour) {
 
 // ---- harvest.json
 
-/// Pucks a minute that a group brings home, over a few seeds in the mean.
+/// Pucks a minute that a group brings home, mean over a few seeds.
 double harvest(const char* robots) {
   double sum = 0;
   for (std::uint64_t seed = 1; seed <= k_few_seeds; ++seed) {

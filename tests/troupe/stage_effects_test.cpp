@@ -21,7 +21,7 @@ using worldio::StageRow;
 using worldio::StageSupport;
 
 /// Two worlds that differ in one property alone: `world` with `property` in place of its @, and without.
-/// A property that somebody stops to honour makes them one.
+/// A property that is no longer honoured makes them equal.
 struct Effect {
   enum class Where {
     run,    ///< in the state at some tick

@@ -147,7 +147,7 @@ TEST(Swarms, CommandWhomTheyAreToldTo) {
   simulation.run_for(20);
   EXPECT_NEAR(simulation.find("b0").pose().x, -1, 0.05);
 
-  // Who is not there is left out; nobody's rows but their own are touched.
+  // Robots that are not there are left out; no other rows are touched.
   simulation.remove(simulation.find("b1"));
   const std::uint64_t dead = simulation.state_hash();
   bots.set_speeds(fast, std::vector<std::uint8_t>{0, 1, 0});

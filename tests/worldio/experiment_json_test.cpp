@@ -202,7 +202,7 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
   };
   EXPECT_THAT(
       found(R"({"population": "r"})"),
-      HasSubstr("maze.json:11: error: /faults/0: nobody fails: give one of dead_sensors, slow_wheels, "
+      HasSubstr("maze.json:11: error: /faults/0: no fault is given: give one of dead_sensors, slow_wheels, "
                 "drop_out"));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheel": {"factor": 1}})"),
               HasSubstr("unknown key \"slow_wheel\""));

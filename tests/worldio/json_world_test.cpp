@@ -821,7 +821,7 @@ TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
   EXPECT_EQ(loaded.spec.bodies[2].pose_world_body, (Pose{0, 0, 0, 0}));
   EXPECT_EQ(loaded.spec.bodies[3].pose_world_body, (Pose{0, 2, 0, 0}));  // the model stands at (0, 1)
   EXPECT_EQ(loaded.spec.bodies[4].pose_world_body, (Pose{0, 3, 0, 0}));
-  EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // no obstacle is in nobody's way
+  EXPECT_EQ(loaded.spec.bodies[5].pose_world_body, (Pose{0, 0, 0, 0}));  // not an obstacle: the place is free
 }
 
 TEST(JsonWorld, AGridMaySpill) {

@@ -36,7 +36,7 @@ const engine::Registry& registry() {
   return all;
 }
 
-/// Worlds that nobody would think of, within the limits of what can be said.
+/// Unlikely worlds, within the limits of the format.
 class RandomWorld {
  public:
   explicit RandomWorld(unsigned seed) : generator_(seed) {}

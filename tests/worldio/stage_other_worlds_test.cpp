@@ -1,4 +1,4 @@
-// What worlds that were written for Stage, and that nobody here has seen, may hold: where they are odd, but
+// What unseen worlds that were written for Stage may hold: where they are odd, but
 // Stage reads them.
 
 #include "engine/sensor_params.hpp"

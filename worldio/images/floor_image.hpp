@@ -45,7 +45,7 @@ class FloorImages {
  public:
   explicit FloorImages(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// `file` is an image or the YAML of a map; of a map's cells that nobody has seen, `unknown_is_solid` says
+  /// `file` is an image or the YAML of a map; of a map's unknown cells, `unknown_is_solid` says
   /// what they are. Null, with an error at `where` (or in the YAML), where it cannot be read, and again each
   /// time. It may be without a solid pixel.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);

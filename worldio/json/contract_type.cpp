@@ -20,7 +20,7 @@ using engine::PartSpec;
 template <class Kind>
 const Kind& known(const Kind* kind, const std::string& name) {
   if (!kind)
-    throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that nobody registered", name));
+    throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that is not registered", name));
   return *kind;
 }
 

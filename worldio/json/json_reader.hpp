@@ -74,7 +74,7 @@ class JsonObject {
   const JsonNode* require(std::string_view key, std::string_view hint);
   /// Reports a missing key, unless this is no object at all, which was reported before.
   void missing(std::string_view key, std::string_view hint) const;
-  /// Reports every key that nobody asked for.
+  /// Reports every key that was not read.
   void finish() const;
 
  private:

@@ -74,7 +74,7 @@ void ObjectReader::read() {
         static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
       std::vector<std::string_view> known;
       for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
-      at_.error(fmt::format("nobody fails: give one of {}", comma_list(known)));
+      at_.error(fmt::format("no fault is given: give one of {}", comma_list(known)));
     }
   if (table_.check) table_.check(object_, at_);
 }

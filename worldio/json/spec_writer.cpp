@@ -51,7 +51,7 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-/// Whether a field takes the value where somebody gives it: a default may stand outside of the limits, to
+/// Whether a field takes the value where it is given: a default may stand outside of the limits, to
 /// mean that nothing was given.
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {

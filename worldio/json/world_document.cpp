@@ -15,7 +15,7 @@
 #include <cmath>
 
 /// What a world in JSON says is described here, and nowhere else: its keys, their units, limits and meanings,
-/// and what goes together. Limits are those of whoever writes a world.
+/// and what goes together. Limits are those for authors of worlds.
 namespace troupe::worldio {
 namespace {
 
@@ -360,7 +360,7 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
                                                   "of a map of ROS: of its walls")
       .when(has_map);
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
-                                                    "of a map of ROS: what nobody has seen")
+                                                    "of a map of ROS: what unknown cells are")
       .when(has_map);
   d.template choice<Image, &ImageDocument::margins>("margins", k_margins,
                                                     "trim: the solid pixels' box fills the size")

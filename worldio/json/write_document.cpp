@@ -14,7 +14,7 @@ namespace {
 
 using engine::Value;
 
-/// Where somebody stands is what people look for, and set: x, y and heading are there whatever they are.
+/// A pose is what people look for, and set: x, y and heading are written whatever their values.
 JsonNode place_node(const engine::Record& pose) {
   const std::vector<engine::Field>& fields = engine::pose_fields().fields;
   JsonNode::Object object;

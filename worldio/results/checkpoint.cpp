@@ -25,7 +25,7 @@ using engine::StateTable;
 constexpr std::string_view k_id =
     "bodies";  // whose rows they are; beside the fields, none of which has this name
 
-/// Rows of a table by id. Where they lie in memory is nobody's business.
+/// Rows of a table by id: a checkpoint does not depend on where they lie in memory.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});

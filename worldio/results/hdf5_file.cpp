@@ -419,7 +419,7 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Rows that were never written take no room, but nobody makes a file of nothing else.
+  // Rows that were never written take no room, but no program makes a file of nothing else.
   const LibraryCall call;
   const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
   hsize_t bytes = 0;

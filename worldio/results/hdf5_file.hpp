@@ -91,7 +91,7 @@ class Hdf5Dataset : public Hdf5Object {
   /// Values in a row.
   std::size_t row_values() const;
   /// All of it: rows times values in a row; an error where that is more than the file can hold, so that a
-  /// damaged file asks nobody for terabytes.
+  /// damaged file requests no terabytes.
   std::size_t values() const;
 
   /// Writes all values, or reads them; the span's size must be values(), its type element()'s (bool: uint8).
@@ -146,7 +146,7 @@ class Hdf5Dataset : public Hdf5Object {
 /// How an extendible dataset lies in the file.
 struct Hdf5Chunks {
   std::vector<std::size_t> extent;    ///< of a chunk: as many dimensions as the dataset, none 0
-  std::optional<std::uint64_t> fill;  ///< of rows that nobody wrote; not given: 0, or NaN where a float
+  std::optional<std::uint64_t> fill;  ///< of rows that were never written; not given: 0, or NaN where a float
 };
 
 class Hdf5Group : public Hdf5Object {

@@ -26,7 +26,7 @@ struct Hdf5Superblock {
 /// flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file that nobody writes any more as closed, so that plain tools open it, and puts its end where it
+/// Marks a file that is no longer written as closed, so that plain tools open it, and puts its end where it
 /// is. Nothing else in it changes, and the change is of 48 bytes in one write: it happens or it does not.
 /// Throws std::runtime_error with the file and the reason.
 void close_superblock(const std::filesystem::path& file);

@@ -22,7 +22,7 @@ struct ReplayData {
   std::size_t frames = 0;    ///< of these in the page
   std::size_t stride = 1;    ///< every how many: 1 is all; the last one is always there
   double every_s = 0;        ///< from frame to frame
-  bool at_rest = false;      ///< parts that move are drawn at rest: nobody recorded where they were
+  bool at_rest = false;      ///< parts that move are drawn at rest: their poses were not recorded
 };
 
 /// Throws InputError for a recording without what a page needs, for fields that it does not hold, and where

@@ -77,7 +77,7 @@ Json type_json(const RecordedScene::Type& type) {
   return json;
 }
 
-/// Whatever never moves, and can be seen; `ids` are of what may.
+/// The static bodies that can be seen; `ids` are of those that may move.
 Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
   std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
   for (const std::uint32_t id : ids) moves[id] = 1;

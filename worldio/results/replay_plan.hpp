@@ -39,7 +39,7 @@ struct ReplayPlan {
   std::vector<double> heights;  ///< by row of the page, m, where z is null
   Box bounds;                   ///< of all that is ever seen, m
   std::vector<ReplayField> fields;
-  bool at_rest = false;  ///< there are parts that move, of which nobody recorded where they were
+  bool at_rest = false;  ///< there are parts that move, whose poses were not recorded
 };
 
 /// One frame of an array as numbers, row-major; `into` is resized to it. NaN: none, also of whom is not

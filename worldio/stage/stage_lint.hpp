@@ -12,7 +12,7 @@
 namespace troupe::worldio {
 
 /// Sees to it that nothing in a file is dropped in silence: looks each property up in the table of all
-/// properties and warns of what has no effect here. Bodies of macros that nobody uses are not looked at, as
+/// properties and warns of what has no effect here. Bodies of unused macros are not looked at, as
 /// in Stage. Where the diagnostics are thorough, each place is told by itself, and so are properties that
 /// others beside them overrule.
 class StageLint {

@@ -16,7 +16,7 @@ constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that versions of Stage before 4.3 had.
 constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
                                           "region",  "simple_laser", "speech"};
-constexpr std::size_t k_names_compared = 2000;  // more than that nobody waits for
+constexpr std::size_t k_names_compared = 2000;  // comparing more would take too long
 
 }  // namespace
 

@@ -35,7 +35,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "the pace of `troupe run --rate world`, where Stage keeps to it in its window only; without that a run "
      "is "
      "as fast as it can be, as in Stage; 0: with it, too"},
-    {"world", "paused", window_only, "without a window nobody could let it go on: a run begins at once"},
+    {"world", "paused", window_only, "without a window it could not be continued: a run begins at once"},
     {"world", "confirm_on_quit", window_only, ""},
     {"world", "size", obsolete, ""},
     {"world", "interval_real", obsolete, ""},
@@ -60,7 +60,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "bitmap_margins", honoured,
      "an addition: the whole image fills `size`, not only its solid pixels; 0 unless given"},
     {"model", "bitmap_unknown", honoured,
-     "an addition: of a map of ROS, what nobody has seen is solid too; 0 unless given"},
+     "an addition: of a map of ROS, unknown cells are solid too; 0 unless given"},
     {"model", "noblocks", honoured, ""},
     {"model", "boundary", honoured,
      "four walls of 0.01 m; explicit blocks without a bitmap discard them, with a warning"},

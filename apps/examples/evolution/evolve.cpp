@@ -49,7 +49,7 @@ void steer(const Genome& genome, std::span<const float> ranges, troupe::Model::S
   speed.turn = std::clamp(weigh(genome.data() + k_beams + 1), -1.0, 1.0) * k_most_turn;
 }
 
-/// Runs one genome from the beginning, and gives the share of the room that somebody has been on.
+/// Runs one genome from the beginning. Returns the fraction of the room that robots have visited.
 double run_trial(troupe::Simulation& simulation, troupe::Swarm& swarm, troupe::Measures& measures,
                  const Genome& genome) {
   std::vector<float> ranges(swarm.size() * k_beams);

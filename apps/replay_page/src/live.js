@@ -165,7 +165,7 @@ class Link {
     this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
     this.socket.onclose = () => {
       const isKnown = this.source !== null;
-      problem(isKnown ? "The program has ended, or cannot be reached." : "The program lets nobody in with this address. It has printed the right one.");
+      problem(isKnown ? "The program has ended, or cannot be reached." : "The program refuses this address. Use the one that it has printed.");
       if (isKnown) setTimeout(() => this.retry(), RETRY_MS);
     };
   }

@@ -76,7 +76,7 @@ export function facesMaterial(radius, smallest) {
         fromEye = at.xyz;
         gl_Position = pose.w > 1e8 || (isMark && seen < 9.0) ? NOWHERE : projectionMatrix * at;
       }`,
-    // The sun stands in the north-west, as on maps. Contours go either way round, so a wall faces whoever sees it.
+    // The sun stands in the north-west, as on maps. Contours go either way round, so a wall is lit on the side that the eye sees.
     fragmentShader: `
       varying vec3 color;
       varying float isTop;
@@ -198,7 +198,7 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
         return texelFetch(places, ivec2(gl_InstanceID % columns, mark * int(size.y) + gl_InstanceID / columns), 0).xy;
       }
       vec4 seen(vec2 at) { return projectionMatrix * viewMatrix * vec4(at, pose.z + 0.02, 1.0); }
-      // Where it was not there, or nobody knows yet, it counts as where it was next to that.
+      // A place that is missing or not known yet counts as the known place next to it.
       vec2 orElse(vec2 at, vec2 other) { return at.x < 1e8 ? at : other; }
 
       void main() {

@@ -199,7 +199,7 @@ export class View {
     const [x0, y0, x1, y1] = this.recording.header.bounds_m;
     const corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
     const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
-    // A hair off the vertical: straight down, no direction is up.
+    // Slightly off the vertical: straight down, no direction is up.
     const back = (slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1)).normalize();
     const north = new Vector3(-back.x, -back.y, 0).normalize(); // up on the screen, along the floor
     const right = new Vector3(north.y, -north.x, 0);
