@@ -530,7 +530,7 @@ TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
               AllOf(testing::StartsWith(
                         (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
                         "is another build of plug-in \"walker\" than the one that the run was saved with"),
-                    EndsWith("--across-plugins resumes it all the same")));
+                    EndsWith("--across-plugins resumes it")));
   Simulation simulation = resumed("other", true);
   EXPECT_THAT(simulation.warnings(), ElementsAre(HasSubstr(": warning: ")));
   simulation.run_for(0.6);

@@ -352,8 +352,8 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
   for (const auto& act : acts)
     EXPECT_EQ(refused_in_for_each(simulation, act.second),
               act.first +
-                  " in a call of for_each() for \"r0\": the calls run side by side, and may change "
-                  "their own robots' commands alone; keep what is to be done, and do it behind "
+                  " in a call of for_each() for \"r0\": the calls run in parallel and may change only "
+                  "the commands of their own robot; collect such changes and apply them after "
                   "for_each()");
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),

@@ -210,7 +210,7 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b0", .pose = {std::nan(""), 3, 0, 0}}),
               HasSubstr("finite"));
   EXPECT_THAT(refusal({.kind = Kind::move, .whom = "rock", .pose = {0, 0, 0, 0}}),
-              HasSubstr("\"rock\" never moves"));
+              HasSubstr("\"rock\" is static"));
   EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b99", .pose = {0, 0, 0, 0}}),
               HasSubstr("no body \"b99\""));
   EXPECT_THAT(refusal({.kind = Kind::move, .whom = "b15", .pose = {0, 0, 0, 0}}),
@@ -240,7 +240,7 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
               HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
-  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 from the state 0000"));
+  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
   other = good;
   other.replace(other.find("troupe 0."), 9, "troupe 9.");
   EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: troupe 9."));
