@@ -190,7 +190,7 @@ TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
 
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
   EXPECT_EQ(message_of<std::invalid_argument>([] { Setting(std::nan("")); }),
-            "a world has finite numbers, not nan");
+            "numbers of a world must be finite, found nan");
   EXPECT_THROW(WorldBuilder().wall({1, 1}, {1, 1}), std::invalid_argument);
   EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");
   EXPECT_EQ(Setting(std::numeric_limits<std::uint64_t>::max()).json(), "18446744073709551615");
