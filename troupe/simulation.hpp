@@ -202,7 +202,7 @@ class Model {
   /// One field of a device as bytes, for callers that learn its element type at run time.
   struct Reading {
     std::string_view device;                    ///< its name; lives as long as the simulation
-    const engine::StateField* field = nullptr;  ///< element type, columns, unit; lives as long as that
+    const engine::StateField* field = nullptr;  ///< element type, columns, unit; lives as long as `device`
     std::span<const std::byte> bytes;           ///< all columns
   };
   Reading reading(std::string_view field, std::string_view device = {}) const;  ///< throws as readings() does
